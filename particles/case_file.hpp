@@ -1,0 +1,135 @@
+#pragma once
+// The case file: one TOML file per scene, read by all three processes. Absent table = absent model.
+// docs/PARAMETERS.md is generated from the table in parameter_table.cpp that also validates.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "particles/expression.hpp"
+#include "particles/geometry.hpp"
+
+namespace tern {
+
+enum class GradientForm { sum, blend };           ///< NUMERICS-style names: pairwise sum form, or corrected interior blended with it
+enum class Preconditioner { multigrid, jacobi };
+enum class CouplingAlgorithm { cm0, cm2 };        ///< explicit; predict-project-correct
+enum class InterfaceScheme { riemann, pressure }; ///< with or without the Riemann dissipation
+
+/// Rigid walls. A container holds the fluid inside its shape; an obstacle is solid itself.
+struct WallCase {
+  std::string name;
+  bool container = false;
+  Shape shape;
+  std::vector<std::string> open;  ///< box container only: faces left out, of "x_min" "x_max" "y_min" "y_max" "z_min" "z_max"
+  /// Displacement of the whole wall from its initial place [m] as expressions in t; absent for a fixed wall.
+  std::optional<VectorExpression> displacement;
+};
+
+struct FluidBody {
+  Shape shape;
+  VectorExpression velocity;  ///< initial velocity [m/s] in x, y, z
+};
+
+struct FluidNumerics {
+  double smoothing_length_ratio = 1.5;   ///< h/dx
+  GradientForm gradient = GradientForm::blend;
+  double blend_theta = 0.2;              ///< weight of the self-regularising part of the blended gradient
+  double density_relaxation = 0.02;      ///< gamma of the density source
+  double shifting = 0.5;                 ///< coefficient of the particle shifting; 0 = off
+  double courant = 0.15;                 ///< dx/|u|max fraction
+  double gravity_courant = 0.1;          ///< sqrt(dx/|g|) fraction
+  double contact_distance = 0.25;        ///< in dx; closer than this no particle approaches a face
+  double pressure_tolerance = 1e-6;      ///< relative residual of the pressure solve
+  Preconditioner preconditioner = Preconditioner::multigrid;
+};
+
+struct FluidCase {
+  double density = 0;   ///< [kg/m^3]
+  double spacing = 0;   ///< dx [m]
+  std::vector<FluidBody> bodies;
+  FluidNumerics numerics;
+};
+
+struct StructureBody {
+  std::string name;
+  Shape shape;
+  double spacing = 0;          ///< dx_s [m]
+  double density = 0;          ///< rho_0 [kg/m^3]
+  double young_modulus = 0;    ///< [Pa]
+  double poisson_ratio = 0;    ///< [-]
+  std::vector<Shape> clamps;   ///< particles inside are fixed
+  VectorExpression velocity;   ///< initial velocity [m/s] in x, y, z
+};
+
+struct StructureNumerics {
+  double smoothing_length_ratio = 1.3;   ///< h0/dx_s
+  double riemann_diffusion = 1.0;        ///< chi of the complete-Riemann diffusion; 0 = off
+  double hourglass_penalty = 0.05;       ///< alpha of the zero-energy-mode penalty; 0 = off
+  double courant = 0.3;                  ///< dx_s/(c_p + |v|max) fraction
+};
+
+struct StructureCase {
+  std::vector<StructureBody> bodies;
+  StructureNumerics numerics;
+};
+
+struct CouplingCase {
+  CouplingAlgorithm algorithm = CouplingAlgorithm::cm2;
+  InterfaceScheme scheme = InterfaceScheme::riemann;
+  double riemann_limiter = 3.0;                 ///< eta in beta = min(eta max(du,0)/c0, 1)
+  std::optional<double> vem_coefficient;        ///< C of the velocity-divergence-error-mitigating term; absent = not evaluated
+  double robin_mass_factor = 1.0;               ///< m_p / m_s
+};
+
+struct GaugeCase {
+  enum class Kind {
+    displacement,   ///< of the material point `at` of a body: D columns [m]
+    pressure,       ///< of the fluid at the point `at` [Pa]; undefined where there is no fluid
+    elevation,      ///< height of the free surface above x (and z) = `at` [m]
+    front,          ///< largest x reached by connected fluid [m]
+    interface_force ///< total force of the fluid on a body: D columns [N/m^(3-D)]
+  };
+  Kind kind = Kind::pressure;
+  std::string name;
+  std::string body;                ///< displacement, interface_force
+  std::array<double, 3> at{};
+};
+
+struct OutputCase {
+  double frame_interval = 0;  ///< [s]; 0 = only the first and the last frame
+  double gauge_interval = 0;  ///< [s]; 0 = every step
+};
+
+struct Case {
+  std::string path;        ///< of the file
+  std::string name;        ///< folder name
+  std::string title;
+  std::string hash;        ///< hexadecimal; of the effective settings, preset and overrides included
+  std::string settings;    ///< the effective settings as JSON text, for run.json
+  int dimension = 0;
+  double end_time = 0;     ///< [s]
+  VectorExpression gravity;                ///< [m/s^2] in t, x, y, z
+  std::array<bool, 3> periodic{};
+  std::array<double, 3> domain_min{}, domain_max{};  ///< fluid particles that leave it are removed and counted
+  std::vector<WallCase> walls;
+  std::optional<FluidCase> fluid;
+  std::optional<StructureCase> structure;
+  CouplingCase coupling;
+  std::vector<GaugeCase> gauges;
+  OutputCase output;
+};
+
+struct CaseOptions {
+  std::vector<std::pair<std::string, std::string>> overrides;  ///< --set key=value, in order
+  std::string preset;                                          ///< --preset; empty = as the case says
+};
+
+/// Reads, validates and checks the scene (bodies inside walls, no overlap, particles per thickness). `name_or_path`:
+/// a case.toml, its folder, or a name under cases/. Throws BadInput with one sentence: file, line, key, value, limit, remedy.
+Case read_case(const std::string& name_or_path, const CaseOptions& options = {});
+
+}  // namespace tern
