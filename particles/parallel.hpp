@@ -1,0 +1,60 @@
+#pragma once
+// Reductions with the same bits for any number of threads: the range is cut into blocks of fixed length, each block is
+// reduced by one thread from its first index to its last, and the block results are combined in the order of the blocks.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace tern {
+
+inline constexpr std::ptrdiff_t reduction_block = 1024;     ///< indices per block; changing it changes last bits
+inline constexpr std::ptrdiff_t parallel_threshold = 8192;  ///< below this a parallel region costs more than it saves
+
+/// combine(...combine(combine(initial, term(0)), term(1))...) in the block order described above. `initial` must be
+/// neutral (0 of a sum): every block starts from it. `term(i)` is called once per i in [0, n), concurrently, and must
+/// not throw. T is a number, a Vector<D> or anything copyable.
+template <class T, class Term, class Combine>
+T ordered_fold(std::ptrdiff_t n, const T& initial, Term&& term, Combine&& combine) {
+  const std::ptrdiff_t blocks = (n + reduction_block - 1) / reduction_block;
+  const auto fold_block = [&](std::ptrdiff_t block) {
+    T value = initial;
+    const std::ptrdiff_t end = std::min(n, (block + 1) * reduction_block);
+    for (std::ptrdiff_t i = block * reduction_block; i < end; ++i) value = combine(value, T(term(i)));
+    return value;
+  };
+  if (blocks == 0) return initial;
+  if (n < parallel_threshold) {
+    T total = fold_block(0);
+    for (std::ptrdiff_t block = 1; block < blocks; ++block) total = combine(total, fold_block(block));
+    return total;
+  }
+  std::vector<T> partial(static_cast<std::size_t>(blocks), initial);
+#pragma omp parallel for schedule(static)
+  for (std::ptrdiff_t block = 0; block < blocks; ++block) partial[static_cast<std::size_t>(block)] = fold_block(block);
+  T total = partial[0];
+  for (std::size_t block = 1; block < partial.size(); ++block) total = combine(total, partial[block]);
+  return total;
+}
+
+/// Sum of term(i), i in [0, n); `zero` gives the type, e.g. 0.0 or Vector<D>(Vector<D>::Zero()).
+template <class T, class Term>
+T ordered_reduce(std::ptrdiff_t n, const T& zero, Term&& term) {
+  return ordered_fold(n, zero, term, [](const T& a, const T& b) { return T(a + b); });
+}
+
+/// Largest of `lowest` and term(i), i in [0, n); not-a-number if any term is, so that a check on the result sees it.
+template <class Term>
+double ordered_max(std::ptrdiff_t n, double lowest, Term&& term) {
+  return ordered_fold(n, lowest, term, [](double a, double b) { return a > b || std::isnan(a) ? a : b; });
+}
+
+/// Sum of the values.
+double ordered_sum(std::span<const double> values);
+
+/// Sum of a_i b_i; both of the same length.
+double ordered_dot(std::span<const double> a, std::span<const double> b);
+
+}  // namespace tern
