@@ -1,0 +1,106 @@
+#pragma once
+// The channel between the three processes: the coupler binds a ROUTER socket, the participants connect DEALER sockets.
+// Every wait notices interruption, a lost peer (monitor and heartbeats), an Abort from anybody and the progress deadline.
+// docs/PROTOCOL.md is the numbered call order; tern.proto is the schema.
+
+#include <cstdint>
+#include <initializer_list>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+
+#include "particles/error.hpp"
+#include "proto/tern.pb.h"
+
+namespace tern::proto {
+
+inline constexpr std::uint32_t protocol_version = 1;
+
+using Kind = wire::Message::BodyCase;
+
+/// One participant's end (fluid or structure). One object per process, for its whole life; not thread-safe.
+class ParticipantChannel {
+ public:
+  /// Connects to `endpoint` (ipc://PATH or tcp://HOST:PORT); returns at once, the coupler may start later.
+  /// Throws BadInput when the endpoint cannot be used. A coupler that has not answered after `start_deadline_s` or
+  /// leaves a message out for `progress_deadline_s` is given up as PeerLost.
+  ParticipantChannel(const std::string& endpoint, wire::Role role, double start_deadline_s = 60,
+                     double progress_deadline_s = 300);
+  ~ParticipantChannel();
+  ParticipantChannel(const ParticipantChannel&) = delete;
+  ParticipantChannel& operator=(const ParticipantChannel&) = delete;
+
+  /// Says hello and waits for the answer. Fills Hello.process_id, and Hello.version when it is empty. Throws the error
+  /// of the coupler's Abort (BadInput when the two do not fit), PeerLost when nobody answers.
+  wire::Welcome handshake(wire::Hello hello);
+
+  /// Fills protocol_version, sender, sequence and step, checks the content and sends it; never blocks.
+  /// Throws NumericalFailure when a value may not be sent (not finite, out of its physical bounds).
+  void send(wire::Message message);
+
+  /// Waits for the next message of the coupler and checks it. Throws PeerLost (lost, stuck, bad message, a kind that is
+  /// not `expected`), Interrupted, or an Error with the exit code of an Abort. Surface counts and band counts are known from
+  /// Welcome, Hello and the Band that was sent last. An accepted BeginWindow sets step and time as set_step does.
+  wire::Message receive(std::initializer_list<Kind> expected);
+
+  /// Window number of the messages to come and its begin [s], for messages and sentences.
+  void set_step(std::uint64_t step, double time_s);
+
+  /// Tells the coupler why this process ends; does nothing when the coupler is gone. The error must not come from the coupler's
+  /// own Abort to have an effect: that one is not sent back.
+  void abort(const Error& error) noexcept;
+
+  double wait_seconds() const;      ///< waiting for messages [s]
+  double exchange_seconds() const;  ///< building, checking, sending, parsing [s]
+  std::uint64_t bytes_sent() const;
+  std::uint64_t bytes_received() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// The coupler's end. One object per process, for its whole life; not thread-safe.
+class CouplerChannel {
+ public:
+  /// Binds and logs the endpoint. tcp:// only on loopback addresses (port * = any free one). Throws BadInput for an endpoint
+  /// that cannot be used or is in use, InputOutputError when the socket file cannot be made.
+  explicit CouplerChannel(const std::string& endpoint, double start_deadline_s = 300, double progress_deadline_s = 300);
+  ~CouplerChannel();  ///< removes the ipc socket file; pending messages get at most 0.5 s
+  CouplerChannel(const CouplerChannel&) = delete;
+  CouplerChannel& operator=(const CouplerChannel&) = delete;
+
+  const std::string& endpoint() const;  ///< as bound, with the real port
+
+  /// Waits for one Hello of each expected role. The first difference (protocol version, case hash, dimension, counts) is
+  /// sent back as Abort and thrown as BadInput; a role taken twice or not expected is refused and logged, the others go on.
+  std::map<wire::Role, wire::Hello> accept(const std::set<wire::Role>& expected, const std::string& case_hash,
+                                           int dimension);
+
+  /// Answers every Hello: the run begins. `surface_points` is the number of points in the structure's Hello.
+  void welcome(std::uint32_t surface_points);
+
+  /// As ParticipantChannel::send, to one participant.
+  void send(wire::Role to, wire::Message message);
+
+  /// Waits for the next message of `from`; messages of the other participant are kept for its own receive. Errors as
+  /// ParticipantChannel::receive, whichever participant causes them. After an accepted Finished a participant may leave.
+  wire::Message receive(wire::Role from, std::initializer_list<Kind> expected);
+
+  void set_step(std::uint64_t step, double time_s);
+
+  /// Sends Abort to every participant that is still there, except the one whose Abort is being passed on.
+  void abort(const Error& error) noexcept;
+
+  double wait_seconds() const;
+  double exchange_seconds() const;
+  std::uint64_t bytes_sent() const;
+  std::uint64_t bytes_received() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace tern::proto
