@@ -1,0 +1,110 @@
+#pragma once
+// The structure of one scene: elastic bodies by total-Lagrangian SPH. This class is what the coupled loop, the solo loop
+// and the tests see; the numerics are free functions in files named after their equation, called from time_step.cpp.
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "particles/case_file.hpp"
+#include "particles/interface.hpp"
+#include "particles/time.hpp"
+#include "particles/vector.hpp"
+
+namespace tern::structure {
+
+/// Energy account of all bodies [J/m^(3-D)]. Balance: kinetic + strain + potential + penalty + diffusion
+/// - interface_work = its value at t = 0, to the error of the time integration.
+struct Energies {
+  double kinetic = 0;
+  double strain = 0;
+  double potential = 0;       ///< minus the work of gravity since t = 0
+  double diffusion = 0;       ///< dissipated by the Riemann diffusion since t = 0, >= 0
+  double penalty = 0;         ///< taken up by the hourglass penalty since t = 0
+  double interface_work = 0;  ///< done on the structure by the surface load since t = 0
+};
+
+/// Linear and angular momentum about the origin of the free particles; 2D: only the last entry of `angular` is non-zero.
+struct Momentum {
+  std::array<double, 3> linear{};   ///< [kg m/s /m^(3-D)]
+  std::array<double, 3> angular{};  ///< [kg m^2/s /m^(3-D)]
+};
+
+/// A material point followed through the motion: weights of its neighbours, exact for linear displacement fields.
+struct MaterialPoint {
+  std::vector<std::uint32_t> particle;
+  std::vector<double> weight;
+};
+
+/// Particle fields of one frame, all of length particles(), particle by particle in the order of the bodies.
+template <int D>
+struct Fields {
+  std::vector<Vector<D>> position;      ///< [m]
+  std::vector<Vector<D>> displacement;  ///< [m]
+  std::vector<Vector<D>> velocity;      ///< [m/s]
+  std::vector<Matrix<D>> stress;        ///< Cauchy [Pa]
+  std::vector<double> von_mises;        ///< [Pa]
+  std::vector<double> jacobian;         ///< J = det F
+  std::vector<std::uint32_t> body;
+  std::vector<std::uint8_t> clamped;
+};
+
+template <int D>
+class Structure {
+ public:
+  /// Fills the bodies of `scene` with particles at rest in their reference configuration (t = 0). Throws BadInput when a
+  /// body holds no particle, or its particles are too few to carry a gradient.
+  explicit Structure(const Case& scene);
+  ~Structure();
+  Structure(Structure&&) noexcept;
+  Structure& operator=(Structure&&) noexcept;
+
+  // Coupled window: trial() under the load of the last window, then advance() under the new one.
+
+  /// Constant properties of the surface points, in the order of surface().
+  const SurfaceProperties& surface_properties() const;
+
+  /// Saves the state, advances it over [begin, begin + duration] under the load of the last window (none at first) and
+  /// returns the surface at the end of the window. Throws NumericalFailure when an element of volume is inverted.
+  Surface<D> trial(Ticks begin, Ticks duration);
+
+  /// Restores the state saved by trial() and advances the same window under `load`; when `load` is bitwise that of the
+  /// last window the trial state is kept instead. Must follow trial(). Throws NumericalFailure as trial() does.
+  void advance(const SurfaceLoad<D>& load);
+
+  /// Surface in the present state: after advance() the end of the window.
+  Surface<D> surface() const;
+
+  /// Load under which the present state was reached; zero forces before the first window.
+  const SurfaceLoad<D>& load() const;
+
+  // What the state says of itself.
+
+  Ticks time() const;
+  std::size_t particles() const;
+  std::size_t surface_points() const;
+  int sub_steps() const;                ///< of the last window
+  double largest_sub_step() const;      ///< stable sub-step in the present state [s]
+  Energies energies() const;
+  Momentum momentum() const;
+  Fields<D> fields() const;
+
+  /// `body` by name, `at` in the reference configuration [m]. Throws BadInput when the body does not exist or the point
+  /// is farther than a spacing from it.
+  MaterialPoint material_point(const std::string& body, const std::array<double, 3>& at) const;
+  Vector<D> displacement(const MaterialPoint& point) const;  ///< [m]
+
+  /// Total load on the surface points of one body in the last window [N/m^(3-D)].
+  Vector<D> total_load(const std::string& body) const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+extern template class Structure<2>;
+extern template class Structure<3>;
+
+}  // namespace tern::structure
