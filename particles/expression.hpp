@@ -12,7 +12,8 @@ namespace tern {
 class Expression {
  public:
   Expression() = default;                     ///< the constant 0
-  explicit Expression(double constant) : constant_(constant) {}
+  explicit Expression(double constant);
+  /// Known names: t, x, y, z, pi and muParser's functions and operators (sin, sqrt, min, ^, ?: ...).
   /// Throws BadInput naming the text and the position of the fault.
   explicit Expression(const std::string& text);
   Expression(const Expression&);
@@ -24,6 +25,8 @@ class Expression {
   bool is_constant() const { return parser_ == nullptr; }
   /// Throws NumericalFailure when the value is not finite.
   double operator()(double t, double x = 0, double y = 0, double z = 0) const;
+  /// True if the value changes with `variable`, one of 't', 'x', 'y', 'z'.
+  bool depends_on(char variable) const;
   const std::string& text() const { return text_; }
 
  private:

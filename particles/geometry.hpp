@@ -32,6 +32,11 @@ struct SurfacePoints {
   std::vector<double> area;  ///< [m^(D-1)]
 };
 
+/// Negative inside, 0 on the boundary, positive outside [m]. Its size is the distance to the boundary for a single box,
+/// polygon or ball, and a lower bound of it in unions (outside) and differences (inside).
+template <int D>
+double signed_distance(const Shape& shape, const Vector<D>& x);
+
 /// True inside or on the boundary.
 template <int D>
 bool contains(const Shape& shape, const Vector<D>& x);
