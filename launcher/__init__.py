@@ -1,0 +1,1 @@
+"""The launcher behind ./tern: packages, build, processes of a run, verification. Standard library only."""

@@ -1,0 +1,63 @@
+"""Configuring and building, quiet unless it fails.
+
+TERN_BUILD names a finished build directory to use as it is; TERN_WERROR=ON makes compiler warnings errors (CI).
+"""
+
+import fcntl
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from launcher import packages
+from launcher.errors import BAD_INPUT, INPUT_OUTPUT, LauncherError
+
+ROOT = Path(__file__).resolve().parent.parent
+EXECUTABLES = ("tern-case", "tern-fluid", "tern-structure", "tern-coupler")
+PRESETS = ("release", "debug", "asan", "tsan")
+
+
+def ensure(preset="release", targets=EXECUTABLES):
+    """Returns the directory of an up-to-date build; installs packages, configures and compiles what is needed."""
+    given = os.environ.get("TERN_BUILD")
+    if given:
+        absent = [name for name in EXECUTABLES if not os.access(Path(given) / name, os.X_OK)]
+        if absent:
+            raise LauncherError(BAD_INPUT, f"TERN_BUILD names {given}, which has no executable {', '.join(absent)}; "
+                                           f"build there first or unset TERN_BUILD.")
+        return Path(given).resolve()
+    packages.ensure(packages.BUILD)
+    directory = ROOT / "build" / preset
+    directory.mkdir(parents=True, exist_ok=True)
+    with open(directory / ".tern-lock", "w", encoding="utf-8") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)  # two launchers in one clone take turns
+        warnings_are_errors = os.environ.get("TERN_WERROR")
+        if warnings_are_errors or not (directory / "build.ninja").exists():
+            option = [f"-DTERN_WERROR={warnings_are_errors}"] if warnings_are_errors else []
+            _quietly(["cmake", "--preset", preset, *option], f"configuring ({preset})")
+        _quietly(["cmake", "--build", str(directory), "--target", *(targets or ["all"])], f"building ({preset})")
+    return directory
+
+
+def _quietly(command, activity):
+    """Runs `command` in the clone; shows [done/all] while it works and its whole output only if it fails."""
+    terminal = sys.stderr.isatty()
+    announced = False
+    output = []
+    with subprocess.Popen(command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True, errors="replace") as process:
+        for line in process.stdout:
+            output.append(line)
+            progress = re.match(r"\[(\d+/\d+)\]", line)
+            if progress and terminal:
+                sys.stderr.write(f"\rtern: {activity} {progress.group(1)} \x1b[K")
+                sys.stderr.flush()
+            elif progress and not announced:
+                print(f"tern: {activity}, {progress.group(1).split('/')[1]} steps", file=sys.stderr, flush=True)
+            announced = announced or bool(progress)
+    if terminal and announced:
+        sys.stderr.write("\r\x1b[K")
+    if process.returncode != 0:
+        sys.stderr.write("".join(output))
+        raise LauncherError(INPUT_OUTPUT, f"{activity} failed; the command was: {' '.join(command)}; its output is above.")

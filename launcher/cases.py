@@ -1,0 +1,82 @@
+"""From what the user typed to a case: its folder, its settings, and the directory a run of it writes to."""
+
+import difflib
+import json
+import os
+import subprocess
+from pathlib import Path
+
+from launcher.build import ROOT
+from launcher.errors import BAD_INPUT, INPUT_OUTPUT, LauncherError
+
+
+def find(name_or_path):
+    """The case.toml meant by a path of it, of its folder, or by a name under cases/."""
+    for candidate in (Path(name_or_path), ROOT / "cases" / name_or_path):
+        if candidate.is_dir() and (candidate / "case.toml").is_file():
+            return (candidate / "case.toml").resolve()
+        if candidate.is_file():
+            return candidate.resolve()
+    known = sorted(path.parent.name for path in (ROOT / "cases").glob("*/case.toml"))
+    near = difflib.get_close_matches(Path(name_or_path).name, known, n=1)
+    hint = f"did you mean {near[0]}?" if near else f"known cases: {', '.join(known) or 'none'}."
+    raise LauncherError(BAD_INPUT, f"There is no case {name_or_path} (neither a file, nor a folder with a case.toml, "
+                                   f"nor a name under {ROOT / 'cases'}); {hint}")
+
+
+def read(build, path, options):
+    """Validates the case with tern-case and returns what it says: name, hash, has_fluid, has_structure, settings ..."""
+    answer = subprocess.run([build / "tern-case", "json", path, *options], stdout=subprocess.PIPE,
+                            stderr=subprocess.PIPE, text=True, errors="replace", check=False)
+    if answer.returncode != 0:
+        sentence = answer.stderr.strip().removeprefix("tern-case:").strip()
+        raise LauncherError(answer.returncode if answer.returncode in (BAD_INPUT, INPUT_OUTPUT) else BAD_INPUT,
+                            sentence or f"tern-case could not read {path} (exit code {answer.returncode}).")
+    try:
+        return json.loads(answer.stdout)
+    except json.JSONDecodeError as error:
+        raise LauncherError(INPUT_OUTPUT, f"tern-case json {path} did not answer with JSON ({error}).") from error
+
+
+def is_run(directory):
+    """Whether results of a run are in `directory`."""
+    return (directory / "run.json").exists() or any(directory.glob("report.*.json"))
+
+
+def results_in(directory):
+    """The files a run writes, as far as they are in `directory`."""
+    names = ["run.json", "gauges.csv", "energy.csv", "steps.csv"]
+    for role in ("fluid", "structure", "coupler"):
+        names += [f"report.{role}.json", f"{role}.h5", f"{role}.xmf", f"{role}.log"]
+    return [directory / name for name in names if (directory / name).exists()]
+
+
+def make_out_directory(case_name, asked, force):
+    """A directory for a new run. An earlier run is never overwritten unless forced: the name gets -2, -3, ...
+
+    `asked` is None for the default runs/<case>; with `force` the results in an existing directory are removed.
+    """
+    base = Path(asked) if asked else Path("runs") / case_name
+    try:
+        base.parent.mkdir(parents=True, exist_ok=True)
+        directory, number = base, 1
+        while True:
+            try:
+                directory.mkdir()
+                break
+            except FileExistsError:
+                if directory.is_dir() and (force or not any(directory.iterdir())):
+                    for result in results_in(directory):
+                        result.unlink()
+                    break
+                if directory.is_dir() and not is_run(directory) and asked and number == 1:
+                    break  # somebody's own folder without a run in it: a fine place for one
+                number += 1
+                directory = base.with_name(f"{base.name}-{number}")
+        probe = directory / ".tern-writable"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise LauncherError(INPUT_OUTPUT, f"The output directory {base} cannot be written ({os.strerror(error.errno)}); "
+                                          f"choose another one with --out.") from error
+    return directory.resolve()

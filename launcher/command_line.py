@@ -1,0 +1,181 @@
+"""The command line of ./tern: one parser per command, each with units and examples in its help."""
+
+import argparse
+import os
+import subprocess
+import sys
+
+from launcher import build, cases, packages
+from launcher.errors import BAD_INPUT, DONE, INPUT_OUTPUT, INTERRUPTED, NUMERICAL_FAILURE, LauncherError
+
+DESCRIPTION = """tern: fluid-structure simulation with three processes: an incompressible-SPH fluid, a
+total-Lagrangian-SPH structure, and a coupler between them."""
+
+EPILOG = """first steps:
+  ./tern run cases/dam_break_plate       installs what is missing, builds, runs the case
+  ./tern plot runs/dam_break_plate       pictures of fields, gauges, energies and steps
+  ./tern test                            all tests
+
+exit codes: 0 done, 2 bad input, 3 numerical failure (or: a band or test failed), 4 peer lost or timed out,
+5 input/output, 130 interrupted. A run returns its first cause.
+environment: TERN_BUILD=DIR uses a finished build directory instead of build/release."""
+
+CASE_HELP = "a case.toml, the folder of one, or a name under cases/"
+
+
+def _case_options(parser, case_count=None):
+    parser.add_argument("case", metavar="CASE", nargs=case_count, help=CASE_HELP)
+    _override_options(parser)
+
+
+def _override_options(parser):
+    parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[],
+                        help="override one key of the case, e.g. fluid.spacing=0.002 (may be repeated; recorded in run.json)")
+    parser.add_argument("--preset", help="named group of numerical settings, e.g. standard")
+    parser.add_argument("--build", choices=build.PRESETS, default="release", help="build to use (default release)")
+
+
+def _positive_number(text):
+    value = float(text)
+    if not 0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text} is not a positive number")
+    return value
+
+
+def _thread_count(text):
+    value = int(text)
+    if not 1 <= value <= 1024:
+        raise argparse.ArgumentTypeError(f"{text} is not a number of threads from 1 to 1024")
+    return value
+
+
+def _run_options(parser):
+    parser.add_argument("--until", metavar="T", type=_positive_number, help="end time [s] instead of the case's own")
+    parser.add_argument("--threads", metavar="N", type=_thread_count,
+                        help="threads of each process (default 1; the results have the same bits for any number)")
+    parser.add_argument("--quiet", action="store_true", help="say nothing unless something fails")
+
+
+def _add(commands, name, function, summary, examples):
+    parser = commands.add_parser(name, help=summary, description=summary[0].upper() + summary[1:] + ".",
+                                 epilog="examples:\n" + "\n".join(f"  {line}" for line in examples),
+                                 formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.set_defaults(function=function)
+    return parser
+
+
+def parser():
+    """The whole command line."""
+    whole = argparse.ArgumentParser(prog="tern", description=DESCRIPTION, epilog=EPILOG,
+                                    formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = whole.add_subparsers(metavar="COMMAND", required=True)
+
+    one = _add(commands, "run", _run, "run a case and leave its results in one directory",
+               ["./tern run cases/dam_break_plate", "./tern run dam_break_plate --until 0.3 --set fluid.spacing=0.008",
+                "./tern run CASE --only fluid --endpoint ipc:///tmp/mine.sock   (the other two are started by hand)"])
+    _case_options(one)
+    one.add_argument("--out", metavar="DIR", help="results directory (default runs/<case>; an earlier run is kept: -2, -3, ...)")
+    one.add_argument("--force", action="store_true", help="replace the results of an earlier run in the directory")
+    one.add_argument("--only", choices=("fluid", "structure", "coupler"), help="start this process only")
+    one.add_argument("--endpoint", metavar="ADDRESS", help="where the coupler listens, e.g. ipc:///tmp/mine.sock "
+                     "(default: a private socket)")
+    _run_options(one)
+
+    one = _add(commands, "test", _test, "build and run all tests",
+               ["./tern test", "./tern test -L unit       (labels: unit, verify, process)", "./tern test --build asan"])
+    one.add_argument("-L", "--label", metavar="LABEL", help="only tests with this label: unit, verify or process")
+    one.add_argument("--build", choices=build.PRESETS, default="release", help="build to test (default release)")
+
+    one = _add(commands, "check", _case_tool, "validate a case; print particles, step limits, memory, expected time",
+               ["./tern check cases/dam_break_plate", "./tern check dam_break_plate --set fluid.spacing=0.002"])
+    one.set_defaults(tool="check")
+    _case_options(one)
+
+    one = _add(commands, "explain", _case_tool, "say in plain words what a case models, what not, and what each part costs",
+               ["./tern explain cases/dam_break_plate"])
+    one.set_defaults(tool="explain")
+    _case_options(one)
+
+    one = _add(commands, "verify", _verify, "hold the results of cases against their expected.toml",
+               ["./tern verify hydrostatic_tank", "./tern verify                    (every case with an expected.toml)",
+                "./tern verify dam_break_plate --run runs/dam_break_plate   (a run that exists already)"])
+    _case_options(one, "*")
+    one.add_argument("--run", metavar="DIR", help="use the results in DIR instead of running the case (one CASE only)")
+    one.add_argument("--json", action="store_true", help="print the table as JSON")
+    _run_options(one)
+
+    one = _add(commands, "plot", _plot, "pictures of a run; with several runs, also their gauges in one picture",
+               ["./tern plot runs/dam_break_plate", "./tern plot runs/dam_break_plate --times 0.28 0.50 0.80",
+                "./tern plot runs/dam_break_plate runs/dam_break_plate-2"])
+    one.add_argument("runs", metavar="RUN", nargs="+", help="directory of a run")
+    one.add_argument("--times", metavar="T", nargs="+", type=float, help="times of the field pictures [s] (default: four)")
+    return whole
+
+
+def _forwarded(arguments):
+    options = [part for override in arguments.set for part in ("--set", override)]
+    return options + (["--preset", arguments.preset] if arguments.preset else [])
+
+
+def _run(arguments):
+    from launcher import run
+    if arguments.endpoint and not arguments.only:
+        raise LauncherError(BAD_INPUT, "--endpoint is for a single process; add --only fluid, structure or coupler.")
+    if arguments.only and not arguments.endpoint:
+        raise LauncherError(BAD_INPUT, "--only needs --endpoint: the address at which the three processes meet.")
+    arguments.case_options = _forwarded(arguments)
+    cause, _ = run.run(arguments)
+    if cause.exit_code != DONE:
+        print(f"tern: stopped: {cause.sentence} (exit code {cause.exit_code})", file=sys.stderr)
+    return cause.exit_code
+
+
+def _case_tool(arguments):
+    path = cases.find(arguments.case)
+    directory = build.ensure(arguments.build, ["tern-case"])
+    return subprocess.run([directory / "tern-case", arguments.tool, path, *_forwarded(arguments)], check=False).returncode
+
+
+def _verify(arguments):
+    from launcher import verify
+    packages.ensure(packages.PYTHON)
+    arguments.case_options = _forwarded(arguments)
+    return verify.verify(arguments)
+
+
+def _plot(arguments):
+    packages.ensure(packages.PYTHON)
+    times = ["--times", *(repr(time) for time in arguments.times)] if arguments.times else []
+    return subprocess.run([sys.executable, "-B", build.ROOT / "plotting", *arguments.runs, *times], check=False).returncode
+
+
+def _test(arguments):
+    packages.ensure(packages.BUILD + packages.PYTHON)
+    directory = build.ensure(arguments.build, targets=None)
+    ctest = ["ctest", "--test-dir", str(directory), "--output-on-failure", "--no-tests=error"]
+    parallel = ["-j", str(len(os.sched_getaffinity(0)))]
+    if arguments.label == "process":
+        rounds = [[*ctest, "-L", "process"]]
+    elif arguments.label:
+        rounds = [[*ctest, *parallel, "-L", arguments.label]]
+    else:
+        # Whole processes are timed (a lost peer within 1 s), so they get the machine for themselves.
+        rounds = [[*ctest, *parallel, "-LE", "process"], [*ctest, "-L", "process"]]
+    failed = [command for command in rounds if subprocess.run(command, check=False).returncode != 0]
+    return NUMERICAL_FAILURE if failed else DONE
+
+
+def main(words):
+    """Runs one command; returns the exit code."""
+    arguments = parser().parse_args(words)
+    try:
+        return arguments.function(arguments)
+    except LauncherError as error:
+        print(f"tern: {error}", file=sys.stderr)
+        return error.exit_code
+    except KeyboardInterrupt:
+        print("tern: interrupted.", file=sys.stderr)
+        return INTERRUPTED
+    except OSError as error:
+        print(f"tern: {error}", file=sys.stderr)
+        return INPUT_OUTPUT

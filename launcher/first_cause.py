@@ -1,0 +1,55 @@
+"""Why a run ended: the first cause among the ends of its processes and the reports they left."""
+
+import signal
+from dataclasses import dataclass
+
+from launcher.errors import DONE, INTERRUPTED, PEER_LOST, STATUS
+
+SAME_MOMENT_S = 1.0
+
+
+@dataclass
+class Cause:
+    """What went wrong first: exit code of the launcher, one sentence, the role it happened to."""
+
+    exit_code: int = DONE
+    sentence: str = ""
+    role: str = ""
+
+
+def _candidate(process, report):
+    """(unix seconds, Cause) of one failed process: its own report, if it is about a failure, else its exit status."""
+    code = process.exit_code
+    if code < 0:
+        name = signal.Signals(-code).name if -code in signal.valid_signals() else "unknown"
+        return process.ended_at, Cause(PEER_LOST, f"tern-{process.role} was killed by signal {-code} ({name}).",
+                                       process.role)
+    when = report.get("cause_time") or process.ended_at
+    sentence = report.get("cause") or f"tern-{process.role} ended with exit code {code} and left no report of the cause."
+    return min(when, process.ended_at), Cause(code if code in STATUS else PEER_LOST, sentence, process.role)
+
+
+def find(processes, reports, interrupted):
+    """The first cause of a run that has ended; an empty one (exit code 0) when every process is done.
+
+    Order: time. Two kinds of echo are passed over: a lost peer (code 4) when another process was killed or failed by
+    itself, and a sentence that only repeats another one with the name of who said it. What the launcher ended itself is
+    no cause, unless nothing else is (`interrupted`: the user ended the run).
+    """
+    failed = [(process, _candidate(process, reports.get(process.role, {})))
+              for process in processes if process.exit_code != DONE and not process.ended_by_launcher]
+    if not failed:
+        if interrupted and any(process.exit_code != DONE for process in processes):
+            return Cause(INTERRUPTED, "The run was interrupted by the user; the results up to there are readable.", "")
+        for process in processes:
+            if process.exit_code != DONE:
+                return Cause(PEER_LOST, f"tern-{process.role} did not end after the others had ended, and was ended by "
+                                        f"the launcher.", process.role)
+        return Cause()
+    origins = [entry for entry in failed if entry[0].exit_code != PEER_LOST]
+    first_time, first = min((candidate for _, candidate in origins or failed), key=lambda candidate: candidate[0])
+    for _, (when, cause) in failed:
+        if (cause.role != first.role and when - first_time < SAME_MOMENT_S and len(cause.sentence) < len(first.sentence)
+                and cause.sentence.rstrip(".") in first.sentence):
+            first = cause
+    return first

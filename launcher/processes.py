@@ -1,0 +1,157 @@
+"""The processes of one run: started in groups of their own, reaped in the order of their end, never left behind."""
+
+import os
+import select
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+GRACE_AFTER_FAILURE_S = 5.0    # the others notice a lost peer by themselves: killed < 1 s, frozen < 10 s at the same time
+GRACE_AFTER_SUCCESS_S = 60.0   # the others write their last frame
+GRACE_AFTER_INTERRUPT_S = 1.6  # Ctrl-C ends everything within 2 s
+GRACE_AFTER_TERMINATE_S = 2.0
+
+
+@dataclass
+class Process:
+    """One started executable and how it ended."""
+
+    role: str
+    handle: subprocess.Popen
+    pidfd: int
+    exit_code: int | None = None  # negative: killed by that signal; None: still running
+    ended_at: float = 0.0         # unix seconds
+    cpu_s: float = 0.0
+    ended_by_launcher: bool = False
+
+    def stopped(self):
+        """Whether the process is frozen by SIGSTOP (state T)."""
+        try:
+            return Path(f"/proc/{self.handle.pid}/stat").read_text().rsplit(")", 1)[1].split()[0] in "Tt"
+        except OSError:
+            return False
+
+
+class Interrupts:
+    """Counts SIGINT, SIGTERM and SIGHUP while a run lasts, and wakes the supervisor through a pipe."""
+
+    def __enter__(self):
+        self.count = 0
+        self.read_end, self.write_end = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
+        self._wakeup = signal.set_wakeup_fd(self.write_end, warn_on_full_buffer=False)
+        self._before = {number: signal.signal(number, self._handle)
+                        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+        return self
+
+    def _handle(self, _number, _frame):
+        self.count += 1
+
+    def __exit__(self, *_):
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
+        signal.set_wakeup_fd(self._wakeup)
+        os.close(self.read_end)
+        os.close(self.write_end)
+
+
+class Group:
+    """All processes of a run, their private socket directory, and the guardian that cleans up should the launcher die."""
+
+    def __init__(self):
+        self.processes = []
+        self.directory = tempfile.mkdtemp(prefix="tern-")  # mode 700: only this user can reach the sockets
+        guardian = Path(__file__).with_name("guardian.sh")
+        self._guardian = subprocess.Popen(["/bin/sh", guardian, self.directory], stdin=subprocess.PIPE,
+                                          stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                                          start_new_session=True, text=True)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for process in self.running():
+            self._signal(process, signal.SIGKILL)
+            process.handle.wait()
+        shutil.rmtree(self.directory, ignore_errors=True)
+        self._tell("finished")
+        self._guardian.stdin.close()
+        self._guardian.wait()
+
+    def start(self, role, command):
+        """Starts one executable; standard output and error are the launcher's."""
+        handle = subprocess.Popen(command, stdin=subprocess.DEVNULL, process_group=0)
+        self._tell(f"started {handle.pid}")
+        self.processes.append(Process(role, handle, os.pidfd_open(handle.pid)))
+
+    def running(self):
+        return [process for process in self.processes if process.exit_code is None]
+
+    def supervise(self, interrupts):
+        """Waits until all have ended. The first failure gives the others time to end by themselves, then ends them."""
+        terminate_at = kill_at = float("inf")
+        seen_interrupts = 0
+        while self.running():
+            self._reap(interrupts, min(terminate_at, kill_at))
+            now = time.monotonic()
+            if interrupts.count > seen_interrupts:
+                if seen_interrupts == 0:
+                    self._signal_all(signal.SIGINT)
+                    self._signal_all(signal.SIGCONT)
+                    terminate_at, kill_at = float("inf"), now + GRACE_AFTER_INTERRUPT_S
+                seen_interrupts = interrupts.count
+                if seen_interrupts > 1:
+                    kill_at = now
+            elif seen_interrupts == 0 and len(self.running()) < len(self.processes):
+                failed = any(process.exit_code not in (None, 0) for process in self.processes)
+                frozen = failed and all(process.stopped() for process in self.running())
+                grace = 0.0 if frozen else GRACE_AFTER_FAILURE_S if failed else GRACE_AFTER_SUCCESS_S
+                if kill_at == float("inf"):
+                    terminate_at = min(terminate_at, now + grace)
+            if now >= terminate_at:
+                terminate_at, kill_at = float("inf"), now + GRACE_AFTER_TERMINATE_S
+                self._signal_all(signal.SIGTERM)
+                self._signal_all(signal.SIGCONT)
+            if now >= kill_at:
+                self._signal_all(signal.SIGKILL)
+                kill_at = now + 1.0
+
+    def _reap(self, interrupts, deadline):
+        """Waits for an end, an interrupt or the deadline, and collects those that have ended."""
+        by_fd = {process.pidfd: process for process in self.running()}
+        timeout = max(0.0, min(deadline - time.monotonic(), 0.5))
+        ready, _, _ = select.select([*by_fd, interrupts.read_end], [], [], timeout)
+        if interrupts.read_end in ready:
+            os.read(interrupts.read_end, 4096)
+        for descriptor in ready:
+            process = by_fd.get(descriptor)
+            if process is None:
+                continue
+            _, status, usage = os.wait4(process.handle.pid, 0)
+            process.exit_code = process.handle.returncode = os.waitstatus_to_exitcode(status)
+            process.ended_at = time.time()
+            process.cpu_s = usage.ru_utime + usage.ru_stime
+            os.close(process.pidfd)
+            self._tell(f"ended {process.handle.pid}")
+
+    def _signal_all(self, number):
+        for process in self.running():
+            process.ended_by_launcher = True
+            self._signal(process, number)
+
+    @staticmethod
+    def _signal(process, number):
+        try:
+            os.killpg(process.handle.pid, number)
+        except ProcessLookupError:
+            pass  # it has just ended by itself; the next round reaps it
+
+    def _tell(self, line):
+        try:
+            self._guardian.stdin.write(line + "\n")
+            self._guardian.stdin.flush()
+        except BrokenPipeError:
+            pass  # the guardian itself was killed: nothing to protect with

@@ -1,0 +1,58 @@
+"""The table at the end of a run: where the time went and what was kept, from run.json."""
+
+import os
+
+
+def shown(path):
+    """`path` as short as it can be typed from here."""
+    relative = os.path.relpath(path)
+    return str(path) if relative.startswith("..") else relative
+
+
+def measure(contents, name):
+    """A measure or count by name from whichever process reports it; None if nobody does."""
+    for role in ("coupler", "fluid", "structure"):
+        report = contents.get("processes", {}).get(role, {})
+        for table in ("measures", "counts"):
+            if report.get(table, {}).get(name) is not None:
+                return report[table][name]
+    return None
+
+
+def _timing(report):
+    """`compute 12.1 s (80 %), wait ...` in order of size, from timing_s."""
+    timing = {name: value for name, value in report.get("timing_s", {}).items() if value and value > 0}
+    wall = report.get("wall_s") or sum(timing.values()) or 1.0
+    parts = sorted(timing.items(), key=lambda item: -item[1])
+    return [f"{name} {value:.3g} s ({100 * value / wall:.0f} %)" for name, value in parts]
+
+
+def text(contents, out):
+    """The end of a run for people, a dozen lines."""
+    lines = ["", f"{contents['case']}: {contents['status']}"
+             + (f" at t = {_reached(contents):.6g} s" if _reached(contents) is not None else "")]
+    lines.append(f"  wall {contents['wall_s']:.1f} s, CPU {contents['cpu_s']:.1f} s, {contents['steps']} steps")
+    for role, report in contents["processes"].items():
+        lines.append(f"  {role:<10} CPU {report.get('cpu_s', 0.0):8.1f} s   {report.get('status', '')}"
+                     f" (exit code {report['exit_code']})")
+        timing = _timing(report)
+        for first in range(0, len(timing), 4):
+            lines.append(f"  {'':<10} {', '.join(timing[first:first + 4])}")
+    mean, most = measure(contents, "pressure_iterations_mean"), measure(contents, "pressure_iterations_max")
+    if mean is not None:
+        lines.append(f"  pressure iterations per step: mean {mean:.1f}, max {most or 0:.0f}")
+    for name, label, form in (("volume_drift", "volume drift of the fluid", "{:+.3%}"),
+                              ("momentum_audit_max", "momentum audit, largest relative sum of interface forces", "{:.1e}"),
+                              ("added_mass_ratio", "added-mass ratio", "{:.3g}"),
+                              ("particles_leaked", "particles through a face", "{:.0f}"),
+                              ("particles_removed", "particles that left the domain", "{:.0f}")):
+        value = measure(contents, name)
+        if value is not None:
+            lines.append(f"  {label}: {form.format(value)}")
+    lines.append(f"  results: {shown(out)}   pictures: ./tern plot {shown(out)}")
+    return "\n".join(lines)
+
+
+def _reached(contents):
+    times = [report["time_s"] for report in contents["processes"].values() if report.get("time_s") is not None]
+    return max(times) if times else None
