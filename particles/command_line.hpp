@@ -11,14 +11,14 @@
 namespace tern {
 
 struct CommandLine {
-  std::string case_path;        ///< a case.toml, its folder, or a name under cases/
-  std::string out;              ///< output directory
-  std::string endpoint;         ///< ZeroMQ address of the coupler; empty: this process runs alone (never for the coupler)
-  CaseOptions options;          ///< --set and --preset
+  std::string case_path;  ///< a case.toml, its folder, or a name under cases/
+  std::string out;        ///< output directory
+  std::string endpoint;   ///< ZeroMQ address of the coupler; empty: this process runs alone (never for the coupler)
+  CaseOptions options;    ///< --set and --preset
   std::optional<double> until;  ///< end time instead of the case's [s]
   int threads = 1;
-  bool force = false;           ///< replace the results of an earlier run in `out`
-  bool quiet = false;           ///< no progress lines
+  bool force = false;  ///< replace the results of an earlier run in `out`
+  bool quiet = false;  ///< no progress lines
 
   bool alone() const { return endpoint.empty(); }
 
@@ -32,7 +32,8 @@ CommandLine parse_command_line(int argc, const char* const* argv, const std::str
 using Body = std::function<void(const CommandLine&, const Case&, RunReport&)>;
 
 /// The whole of main(): reads command line and case, prepares the output directory, log, report, signals and threads,
-/// runs `body` and turns whatever it throws into an exit code (error.hpp), one sentence on stderr and the report's cause.
+/// runs `body` and turns whatever it throws into an exit code (error.hpp), one sentence on stderr and the report's
+/// cause.
 /// --until has replaced end_time in the Case that body receives. `body` should call report.set_time and report.update.
 int run_main(int argc, char** argv, const std::string& role, const Body& body);
 

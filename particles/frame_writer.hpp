@@ -8,10 +8,10 @@
 //   frames.scalar("pressure", "Pa", pressure);
 //   frames.end();
 //
-// Layout: group /frame_000000, /frame_000001, ... with attributes time_s and step; per field one dataset [N] or [N,3] with
-// attribute "unit"; in 2D the third component is 0. Positions are float64, all other reals float32, integers int32 or
-// uint32. "connectivity" (0..N-1) is there because ParaView shows no point that no cell refers to.
-// The file is opened, appended to, flushed and closed per frame: whatever ends the process, earlier frames stay readable.
+// Layout: group /frame_000000, /frame_000001, ... with attributes time_s and step; per field one dataset [N] or [N,3]
+// with attribute "unit"; in 2D the third component is 0. Positions are float64, all other reals float32, integers int32
+// or uint32. "connectivity" (0..N-1) is there because ParaView shows no point that no cell refers to. The file is
+// opened, appended to, flushed and closed per frame: whatever ends the process, earlier frames stay readable.
 
 #include <cstdint>
 #include <memory>
@@ -41,8 +41,8 @@ class FrameWriter {
   template <int D>
   void vector(const std::string& field, const std::string& unit, std::span<const Vector<D>> values);
 
-  /// Vectors on other points than the particles (surface_position, surface_force): in the frame's group as float64 [K,3],
-  /// not in the XDMF index.
+  /// Vectors on other points than the particles (surface_position, surface_force): in the frame's group as float64
+  /// [K,3], not in the XDMF index.
   template <int D>
   void side_vector(const std::string& field, const std::string& unit, std::span<const Vector<D>> values);
 

@@ -6,13 +6,16 @@
 
 namespace tern {
 
+/// Name that messages on stderr begin with, e.g. "tern-fluid".
+void set_log_program(const std::string& name);
+
 /// Opens (truncates) out_dir/<role>.log. Throws InputOutputError naming the file.
 /// Before this call warnings and errors go to stderr only and the rest nowhere.
 void open_log(const std::string& out_dir, const std::string& role);
 
 void log_info(const std::string& sentence);
-void log_warning(const std::string& sentence);  ///< also on stderr, as "tern-<role>: warning: ..."
-void log_error(const std::string& sentence);    ///< also on stderr, as "tern-<role>: ..."
+void log_warning(const std::string& sentence);  ///< also on stderr, as "tern-fluid: warning: ..."
+void log_error(const std::string& sentence);    ///< also on stderr, as "tern-fluid: ..."
 
 /// Flushes and closes the file; later messages behave as before open_log.
 void close_log() noexcept;

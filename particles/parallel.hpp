@@ -1,6 +1,7 @@
 #pragma once
 // Reductions with the same bits for any number of threads: the range is cut into blocks of fixed length, each block is
-// reduced by one thread from its first index to its last, and the block results are combined in the order of the blocks.
+// reduced by one thread from its first index to its last, and the block results are combined in the order of the
+// blocks.
 
 #include <algorithm>
 #include <cmath>

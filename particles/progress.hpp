@@ -1,6 +1,8 @@
 #pragma once
-// Progress of a run on stdout: on a terminal one line rewritten in place, elsewhere a plain line every 10 s and at the end.
+// Progress of a run on stdout: on a terminal one line rewritten in place, elsewhere a plain line every 10 s and at the
+// end.
 //   t = 0.1234 s  12.3 %  step 617  dt 2.0e-04 s (gravity)  CG 7  14.2 ms/step  ETA 1:03
+// The rates are smoothed over the last few prints.
 
 #include <cstdio>
 #include <string>
@@ -40,7 +42,7 @@ class Progress {
   double t_s_ = 0, dt_s_ = 0;
   long step_ = 0;
   int iterations_ = -1;
-  double printed_t_s_ = 0;       ///< at the last print, for the rates
+  double printed_t_s_ = 0;  ///< at the last print, for the rates
   long printed_step_ = 0;
   double ms_per_step_ = 0, wall_per_time_ = 0;
 };

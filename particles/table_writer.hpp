@@ -21,8 +21,8 @@ class Cell {
   Cell() = default;
   Cell(std::nullopt_t) {}
   template <class Number>
-    requires std::integral<Number> || std::floating_point<Number>
-  Cell(Number value) : integral_(std::integral<Number>), number_(static_cast<double>(value)) {}
+  requires std::integral<Number> || std::floating_point<Number> Cell(Number value)
+      : integral_(std::integral<Number>), number_(static_cast<double>(value)) {}
   Cell(const std::optional<double>& value) : number_(value) {}
   Cell(std::string text) : text_(std::move(text)) {}
   Cell(std::string_view text) : text_(text) {}

@@ -1,5 +1,6 @@
 #pragma once
-// Wall-clock time of named parts of a run. The name is looked up once (RunReport::timing), the loop only adds to a double:
+// Wall-clock time of named parts of a run. The name is looked up once (RunReport::timing), the loop only adds to a
+// double:
 //
 //   double& pressure_s = report.timing("pressure");
 //   for (...) { ScopedTimer timer(pressure_s); solve(); }
