@@ -121,6 +121,7 @@ struct Case {
   CouplingCase coupling;
   std::vector<GaugeCase> gauges;
   OutputCase output;
+  std::vector<std::string> warnings;  ///< sentences about what is allowed but doubtful; for the log
 };
 
 struct CaseOptions {

@@ -48,6 +48,7 @@ void refuse_assignment(const std::string& text) {
 
 }  // namespace
 
+Expression::Expression() = default;
 Expression::Expression(double constant) : constant_(constant), text_(fmt::format("{}", constant)) {}
 
 Expression::Expression(const std::string& text) : text_(text) {

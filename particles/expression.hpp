@@ -11,7 +11,7 @@ namespace tern {
 /// Copies share nothing mutable; evaluation is not thread-safe (call it outside parallel regions).
 class Expression {
  public:
-  Expression() = default;                     ///< the constant 0
+  Expression();  ///< the constant 0
   explicit Expression(double constant);
   /// Known names: t, x, y, z, pi and muParser's functions and operators (sin, sqrt, min, ^, ?: ...).
   /// Throws BadInput naming the text and the position of the fault.

@@ -1,0 +1,284 @@
+// From a TOML file to a Case: read, override, complete, convert, check the scene.
+
+#include "particles/case_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "particles/case_scene.hpp"
+#include "particles/error.hpp"
+#include "particles/parameter_table.hpp"
+
+namespace tern {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The file that a path, a folder or a name under cases/ stands for.
+std::string find_case_file(const std::string& name_or_path) {
+  for (const fs::path& candidate : {fs::path(name_or_path), fs::path(name_or_path) / "case.toml",
+                                    fs::path("cases") / name_or_path / "case.toml"}) {
+    std::error_code ignored;
+    if (fs::is_regular_file(candidate, ignored)) return candidate.string();
+  }
+  throw BadInput(fmt::format("There is no case '{0}': neither the file {0}, nor {0}/case.toml, nor cases/{0}/case.toml exists; "
+                             "give the path of a case.toml or of its folder.",
+                             name_or_path));
+}
+
+double number(const Setting& table, const std::string& key) { return table.at(key).number; }
+std::string text(const Setting& table, const std::string& key) { return table.at(key).text; }
+
+std::array<double, 3> point(const Setting& list) {
+  std::array<double, 3> values{};
+  for (std::size_t d = 0; d < list.items.size(); ++d) values[d] = list.items[d].number;
+  return values;
+}
+
+VectorExpression expressions(const Setting& list) {
+  VectorExpression values;
+  for (std::size_t d = 0; d < list.items.size(); ++d) {
+    const Setting& item = list.items[d];
+    values[d] = item.type == Setting::Type::text ? Expression(item.text) : Expression(item.number);
+  }
+  return values;
+}
+
+VectorExpression expressions_or_zero(const Setting& table, const std::string& key) {
+  const Setting* list = table.find(key);
+  return list ? expressions(*list) : VectorExpression{};
+}
+
+// Two sides of a polygon cross or touch other than at a shared corner.
+bool crosses_itself(const std::vector<std::array<double, 2>>& v) {
+  const auto turn = [](const auto& a, const auto& b, const auto& c) {
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+  };
+  const std::size_t n = v.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = i + 2; j < n; ++j) {
+      if (i == 0 && j == n - 1) continue;
+      const auto &a = v[i], &b = v[i + 1], &c = v[j], &d = v[(j + 1) % n];
+      if (turn(a, b, c) * turn(a, b, d) <= 0 && turn(c, d, a) * turn(c, d, b) <= 0 &&
+          (turn(a, b, c) != 0 || turn(a, b, d) != 0)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+Shape read_shape(const Setting& setting, int dimension) {
+  const std::string& kind = setting.keys.front();
+  const Setting& body = setting.items.front();
+  Shape shape;
+  if (kind == "box") {
+    shape.kind = Shape::Kind::box;
+    shape.min = point(body.at("min"));
+    shape.max = point(body.at("max"));
+    for (int d = 0; d < dimension; ++d) {
+      if (shape.min[d] < shape.max[d]) continue;
+      throw BadInput(fmt::format("{}: the box has min {} and max {} m in direction {}; min has to be less than max.",
+                                 setting.items.front().where, shape.min[d], shape.max[d], "xyz"[d]));
+    }
+  } else if (kind == "polygon") {
+    shape.kind = Shape::Kind::polygon;
+    double twice_area = 0;
+    for (const Setting& vertex : body.at("vertices").items) shape.vertices.push_back({point(vertex)[0], point(vertex)[1]});
+    for (std::size_t i = 0, j = shape.vertices.size() - 1; i < shape.vertices.size(); j = i++) {
+      const auto &a = shape.vertices[j], &b = shape.vertices[i];
+      twice_area += a[0] * b[1] - b[0] * a[1];
+      if (a == b) {
+        throw BadInput(fmt::format("{}: corner {} of the polygon repeats the one before, ({}, {}) m; remove one.", body.where,
+                                   i + 1, b[0], b[1]));
+      }
+    }
+    if (crosses_itself(shape.vertices) || twice_area == 0) {
+      throw BadInput(fmt::format("{}: the sides of the polygon cross, or it has no area; give the corners in order around it.",
+                                 body.where));
+    }
+  } else if (kind == "ball") {
+    shape.kind = Shape::Kind::ball;
+    shape.center = point(body.at("center"));
+    shape.radius = number(body, "radius");
+  } else {
+    shape.kind = kind == "union" ? Shape::Kind::union_of : Shape::Kind::difference;
+    for (const Setting& part : body.items) shape.parts.push_back(read_shape(part, dimension));
+  }
+  return shape;
+}
+
+WallCase read_wall(const Setting& setting, int dimension) {
+  WallCase wall;
+  wall.name = text(setting, "name");
+  const Setting* container = setting.find("container");
+  const Setting* obstacle = setting.find("obstacle");
+  if ((container == nullptr) == (obstacle == nullptr)) {
+    throw BadInput(fmt::format("{}: the wall '{}' has {} container and obstacle; give exactly one of them.", setting.where,
+                               wall.name, container ? "both" : "neither"));
+  }
+  wall.container = container != nullptr;
+  wall.shape = read_shape(container ? *container : *obstacle, dimension);
+  for (const Setting& face : setting.at("open").items) wall.open.push_back(face.text);
+  const Setting& open = setting.at("open");
+  if (!wall.open.empty() && !(wall.container && wall.shape.kind == Shape::Kind::box)) {
+    throw BadInput(fmt::format("{}: the wall '{}' has open faces, but only a container that is a box can have them.", open.where,
+                               wall.name));
+  }
+  for (const std::string& face : wall.open) {
+    if (dimension == 2 && face[0] == 'z') {
+      throw BadInput(fmt::format("{}: the wall '{}' has no face {} in 2D; remove it.", open.where, wall.name, face));
+    }
+  }
+  if (const Setting* displacement = setting.find("displacement")) {
+    wall.displacement = expressions(*displacement);
+    for (const Expression& component : *wall.displacement) {
+      if (component.depends_on('x') || component.depends_on('y') || component.depends_on('z')) {
+        throw BadInput(fmt::format("{}: the displacement '{}' of the wall '{}' depends on the place, but a rigid wall moves as a "
+                                   "whole; use t only.",
+                                   displacement->where, component.text(), wall.name));
+      }
+      if (std::abs(component(0)) > 1e-9) {
+        throw BadInput(fmt::format("{}: the displacement '{}' of the wall '{}' is {} m at t = 0 instead of 0; subtract it, or "
+                                   "shift the wall's shape.",
+                                   displacement->where, component.text(), wall.name, component(0)));
+      }
+    }
+  }
+  return wall;
+}
+
+FluidCase read_fluid(const Setting& setting, int dimension) {
+  FluidCase fluid;
+  fluid.density = number(setting, "density");
+  fluid.spacing = number(setting, "spacing");
+  for (const Setting& body : setting.at("body").items) {
+    fluid.bodies.push_back({read_shape(body.at("shape"), dimension), expressions_or_zero(body, "velocity")});
+  }
+  const Setting& numerics = setting.at("numerics");
+  fluid.numerics.smoothing_length_ratio = number(numerics, "smoothing_length_ratio");
+  fluid.numerics.gradient = text(numerics, "gradient") == "sum" ? GradientForm::sum : GradientForm::blend;
+  fluid.numerics.blend_theta = number(numerics, "blend_theta");
+  fluid.numerics.density_relaxation = number(numerics, "density_relaxation");
+  fluid.numerics.shifting = number(numerics, "shifting");
+  fluid.numerics.courant = number(numerics, "courant");
+  fluid.numerics.gravity_courant = number(numerics, "gravity_courant");
+  fluid.numerics.contact_distance = number(numerics, "contact_distance");
+  fluid.numerics.pressure_tolerance = number(numerics, "pressure_tolerance");
+  fluid.numerics.preconditioner =
+      text(numerics, "preconditioner") == "jacobi" ? Preconditioner::jacobi : Preconditioner::multigrid;
+  return fluid;
+}
+
+StructureCase read_structure(const Setting& setting, int dimension) {
+  StructureCase structure;
+  for (const Setting& item : setting.at("body").items) {
+    StructureBody body;
+    body.name = text(item, "name");
+    body.shape = read_shape(item.at("shape"), dimension);
+    body.spacing = number(item, "spacing");
+    body.density = number(item, "density");
+    body.young_modulus = number(item, "young_modulus");
+    body.poisson_ratio = number(item, "poisson_ratio");
+    for (const Setting& clamp : item.at("clamp").items) body.clamps.push_back(read_shape(clamp, dimension));
+    body.velocity = expressions_or_zero(item, "velocity");
+    structure.bodies.push_back(std::move(body));
+  }
+  const Setting& numerics = setting.at("numerics");
+  structure.numerics.smoothing_length_ratio = number(numerics, "smoothing_length_ratio");
+  structure.numerics.riemann_diffusion = number(numerics, "riemann_diffusion");
+  structure.numerics.hourglass_penalty = number(numerics, "hourglass_penalty");
+  structure.numerics.courant = number(numerics, "courant");
+  return structure;
+}
+
+GaugeCase read_gauge(const Setting& setting) {
+  GaugeCase gauge;
+  const std::string kind = text(setting, "kind");
+  gauge.kind = kind == "displacement"      ? GaugeCase::Kind::displacement
+               : kind == "pressure"        ? GaugeCase::Kind::pressure
+               : kind == "elevation"       ? GaugeCase::Kind::elevation
+               : kind == "front"           ? GaugeCase::Kind::front
+                                           : GaugeCase::Kind::interface_force;
+  gauge.name = text(setting, "name");
+  const bool needs_body = kind == "displacement" || kind == "interface_force";
+  const bool needs_at = kind == "displacement" || kind == "pressure" || kind == "elevation";
+  for (const auto& [key, needed] : {std::pair{"body", needs_body}, std::pair{"at", needs_at}}) {
+    const Setting* value = setting.find(key);
+    if ((value != nullptr) == needed) continue;
+    throw BadInput(fmt::format("{}: the gauge '{}' of kind {} {} '{}'; {} it.", value ? value->where : setting.where, gauge.name,
+                               kind, needed ? "needs the key" : "has no use for the key", key, needed ? "give" : "remove"));
+  }
+  if (needs_body) gauge.body = text(setting, "body");
+  if (needs_at) gauge.at = point(setting.at("at"));
+  return gauge;
+}
+
+// Hash FNV-1a with 64 bits.
+std::string hash_of(const std::string& settings) {
+  std::uint64_t hash = 14695981039346656037ULL;
+  for (const char c : settings) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+  return fmt::format("{:016x}", hash);
+}
+
+Case convert(const Setting& settings) {
+  Case scene;
+  scene.title = text(settings, "title");
+  scene.dimension = static_cast<int>(number(settings, "dimension"));
+  scene.end_time = number(settings, "end_time");
+  scene.gravity = expressions(settings.at("gravity"));
+  for (const Setting& direction : settings.at("periodic").items) {
+    const int d = direction.text[0] - 'x';
+    if (d >= scene.dimension) {
+      throw BadInput(fmt::format("{}: the direction z does not exist in 2D; remove it.", direction.where));
+    }
+    scene.periodic[d] = true;
+  }
+  if (const Setting* walls = settings.find("wall")) {
+    for (const Setting& wall : walls->items) scene.walls.push_back(read_wall(wall, scene.dimension));
+  }
+  if (const Setting* fluid = settings.find("fluid")) scene.fluid = read_fluid(*fluid, scene.dimension);
+  if (const Setting* structure = settings.find("structure")) scene.structure = read_structure(*structure, scene.dimension);
+  if (const Setting* coupling = settings.find("coupling")) {
+    scene.coupling.algorithm = text(*coupling, "algorithm") == "CM0" ? CouplingAlgorithm::cm0 : CouplingAlgorithm::cm2;
+    scene.coupling.scheme = text(*coupling, "scheme") == "pressure" ? InterfaceScheme::pressure : InterfaceScheme::riemann;
+    scene.coupling.riemann_limiter = number(*coupling, "riemann_limiter");
+    scene.coupling.robin_mass_factor = number(*coupling, "robin_mass_factor");
+    if (const Setting* vem = coupling->find("vem")) scene.coupling.vem_coefficient = number(*vem, "coefficient");
+  }
+  if (const Setting* gauges = settings.find("gauge")) {
+    for (const Setting& gauge : gauges->items) scene.gauges.push_back(read_gauge(gauge));
+  }
+  scene.output.frame_interval = number(settings.at("output"), "frame_interval");
+  scene.output.gauge_interval = number(settings.at("output"), "gauge_interval");
+  return scene;
+}
+
+}  // namespace
+
+Case read_case(const std::string& name_or_path, const CaseOptions& options) {
+  const std::string file = find_case_file(name_or_path);
+  Setting document = read_toml_file(file);
+  document.where = file;
+  if (!options.preset.empty()) {
+    Setting preset;
+    preset.type = Setting::Type::text;
+    preset.text = options.preset;
+    preset.where = "--preset " + options.preset;
+    document.set("preset", std::move(preset));
+  }
+  for (const auto& [key, value] : options.overrides) apply_override(document, key, value);
+  const Setting settings = complete_settings(document);
+  Case scene = convert(settings);
+  const fs::path absolute = fs::absolute(file).lexically_normal();
+  scene.path = absolute.string();
+  scene.name = absolute.filename() == "case.toml" ? absolute.parent_path().filename().string() : absolute.stem().string();
+  scene.settings = to_json(settings);
+  scene.hash = hash_of(scene.settings);
+  check_scene(scene, settings);
+  return scene;
+}
+
+}  // namespace tern

@@ -1,0 +1,172 @@
+// The keys of a case file. Defaults exist for numerics only, never for physics.
+
+#include "particles/parameter_table.hpp"
+
+#include <fmt/format.h>
+
+namespace tern {
+namespace {
+
+using Type = ParameterType;
+using Presence = TableDefinition::Presence;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+const Range any{};
+const Range positive{0, infinity, true, true};
+const Range not_negative{0, infinity, false, true};
+
+Range from_to(double lowest, double highest) { return {lowest, highest, false, false}; }
+Range above_to(double lowest, double highest) { return {lowest, highest, true, false}; }
+Range between(double lowest, double highest) { return {lowest, highest, true, true}; }
+
+}  // namespace
+
+const std::vector<TableDefinition>& table_definitions() {
+  static const std::vector<TableDefinition> definitions = {
+      {"", false, Presence::filled, "The scene as a whole."},
+      {"domain", false, Presence::optional,
+       "Fluid particles that leave this box are removed and counted; default: the box around the walls (without walls: the "
+       "fluid), enlarged by half of its longest side."},
+      {"wall", true, Presence::optional, "A rigid, impermeable, frictionless wall; either `container` or `obstacle`."},
+      {"fluid", false, Presence::optional, "The incompressible, inviscid fluid; absent = no fluid."},
+      {"fluid.body", true, Presence::required, "A region filled with fluid at the start."},
+      {"fluid.numerics", false, Presence::filled, "Numerical options of the fluid."},
+      {"structure", false, Presence::optional, "The elastic bodies; absent = no structure."},
+      {"structure.body", true, Presence::required, "An elastic body (compressible neo-Hookean; in 2D plane strain)."},
+      {"structure.numerics", false, Presence::filled, "Numerical options of the structure."},
+      {"coupling", false, Presence::filled,
+       "What happens between fluid and structure; only in a case that has both."},
+      {"coupling.vem", false, Presence::optional,
+       "The velocity-divergence-error-mitigating term at the interface; absent = not evaluated."},
+      {"gauge", true, Presence::optional, "A quantity written to gauges.csv."},
+      {"output", false, Presence::filled, "What a run writes, and how often."},
+      {"shape", false, Presence::filled,
+       "A solid, written as an inline table with exactly one of these keys, e.g. `{ box = { min = [0, 0], max = [1, 2] } }`."},
+      {"shape.box", false, Presence::filled, "A box along the axes."},
+      {"shape.polygon", false, Presence::filled, "A polygon; 2D only."},
+      {"shape.ball", false, Presence::filled, "A disc (2D) or ball (3D)."},
+  };
+  return definitions;
+}
+
+const std::vector<Parameter>& parameters() {
+  static const std::vector<Parameter> list = {
+      {"", "title", Type::text, "", "\"\"", any, {}, "One line that says what the scene is."},
+      {"", "dimension", Type::integer, "-", "required", from_to(2, 3), {},
+       "Space dimension D; 2D quantities are per metre of depth."},
+      {"", "end_time", Type::number, "s", "required", between(0, 2097152), {}, "The run starts at 0 and ends here."},
+      {"", "gravity", Type::expressions, "m/s^2", "required", any, {},
+       "Acceleration of fluid and structure, one entry per direction; expressions in t, x, y, z."},
+      {"", "periodic", Type::choices, "", "[]", any, {"x", "y", "z"},
+       "Directions in which the fluid repeats itself with the length of the domain."},
+      {"", "preset", Type::choice, "", "\"standard\"", any, {"standard"},
+       "Group of defaults for the numerical options; standard: the defaults in this document."},
+      {"domain", "min", Type::point, "m", "required", any, {}, "Lower corner."},
+      {"domain", "max", Type::point, "m", "required", any, {}, "Upper corner."},
+
+      {"wall", "name", Type::text, "", "required", any, {}, "Name of the wall in messages; unique."},
+      {"wall", "container", Type::shape, "", "absent", any, {}, "The fluid stays inside this shape."},
+      {"wall", "obstacle", Type::shape, "", "absent", any, {}, "The fluid stays outside this shape."},
+      {"wall", "open", Type::choices, "", "[]", any, {"x_min", "x_max", "y_min", "y_max", "z_min", "z_max"},
+       "Faces left out; of a container that is a box only."},
+      {"wall", "displacement", Type::expressions, "m", "absent", any, {},
+       "Displacement from the initial place as expressions in t, 0 at t = 0; absent = at rest."},
+
+      {"fluid", "density", Type::number, "kg/m^3", "required", positive, {}, "Density."},
+      {"fluid", "spacing", Type::number, "m", "required", positive, {}, "Particle spacing dx."},
+      {"fluid.body", "shape", Type::shape, "", "required", any, {},
+       "Region that is filled; best when its sides are whole multiples of the spacing."},
+      {"fluid.body", "velocity", Type::expressions, "m/s", "absent", any, {},
+       "Initial velocity, expressions in x, y, z; absent = at rest."},
+      {"fluid.numerics", "smoothing_length_ratio", Type::number, "-", "1.5", from_to(1.2, 2.5), {},
+       "Smoothing length over particle spacing, h/dx."},
+      {"fluid.numerics", "gradient", Type::choice, "", "\"blend\"", any, {"blend", "sum"},
+       "Pressure gradient in the interior: the corrected form blended with the momentum-conserving sum, or the sum alone."},
+      {"fluid.numerics", "blend_theta", Type::number, "-", "0.2", from_to(0, 1), {},
+       "Weight of the self-regularising part of the blended gradient."},
+      {"fluid.numerics", "density_relaxation", Type::number, "-", "0.02", from_to(0, 1), {},
+       "Share gamma of the density error that the pressure removes per relaxation time; 0 = off."},
+      {"fluid.numerics", "shifting", Type::number, "-", "0.5", from_to(0, 1), {},
+       "Coefficient of the particle shifting; 0 = off."},
+      {"fluid.numerics", "courant", Type::number, "-", "0.15", above_to(0, 0.5), {},
+       "Largest step as a fraction of dx/|u|max."},
+      {"fluid.numerics", "gravity_courant", Type::number, "-", "0.1", above_to(0, 0.5), {},
+       "Largest step as a fraction of sqrt(dx/|g|)."},
+      {"fluid.numerics", "contact_distance", Type::number, "dx", "0.25", from_to(0, 0.5), {},
+       "No particle approaches a face closer than this many spacings; 0 = off."},
+      {"fluid.numerics", "pressure_tolerance", Type::number, "-", "1e-6", from_to(1e-12, 1e-2), {},
+       "Relative residual at which the pressure solve ends."},
+      {"fluid.numerics", "preconditioner", Type::choice, "", "\"multigrid\"", any, {"multigrid", "jacobi"},
+       "Preconditioner of the conjugate gradients."},
+
+      {"structure.body", "name", Type::text, "", "required", any, {}, "Name of the body in gauges and messages; unique."},
+      {"structure.body", "shape", Type::shape, "", "required", any, {}, "The undeformed body."},
+      {"structure.body", "spacing", Type::number, "m", "required", positive, {},
+       "Particle spacing dx_s; at least 2 and better 4 particles across the thinnest part."},
+      {"structure.body", "density", Type::number, "kg/m^3", "required", positive, {}, "Density of the undeformed body."},
+      {"structure.body", "young_modulus", Type::number, "Pa", "required", positive, {}, "Young's modulus E."},
+      {"structure.body", "poisson_ratio", Type::number, "-", "required", between(-1, 0.5), {}, "Poisson's ratio nu."},
+      {"structure.body", "clamp", Type::shapes, "", "[]", any, {}, "Particles inside any of these shapes are fixed."},
+      {"structure.body", "velocity", Type::expressions, "m/s", "absent", any, {},
+       "Initial velocity, expressions in x, y, z; absent = at rest."},
+      {"structure.numerics", "smoothing_length_ratio", Type::number, "-", "1.3", from_to(1.0, 2.5), {},
+       "Smoothing length over particle spacing, h0/dx_s."},
+      {"structure.numerics", "riemann_diffusion", Type::number, "-", "1.0", from_to(0, 2), {},
+       "Coefficient chi of the complete-Riemann diffusion; 0 = off."},
+      {"structure.numerics", "hourglass_penalty", Type::number, "-", "0.05", from_to(0, 1), {},
+       "Coefficient alpha of the penalty on zero-energy modes; 0 = off."},
+      {"structure.numerics", "courant", Type::number, "-", "0.3", above_to(0, 0.6), {},
+       "Sub-step as a fraction of dx_s/(c_p + |v|max)."},
+
+      {"coupling", "algorithm", Type::choice, "", "\"CM2\"", any, {"CM0", "CM2"},
+       "CM2: predict, project, correct; CM0: explicit staggering, unstable where the fluid's added mass exceeds the mass of the "
+       "structure."},
+      {"coupling", "scheme", Type::choice, "", "\"riemann\"", any, {"riemann", "pressure"},
+       "Interface pressure with or without the Riemann dissipation."},
+      {"coupling", "riemann_limiter", Type::number, "-", "3.0", not_negative, {},
+       "Limiter eta of the Riemann dissipation, beta = min(eta max(du, 0)/c0, 1)."},
+      {"coupling", "robin_mass_factor", Type::number, "-", "1.0", between(0, 2), {},
+       "Mass with which the interface yields in the pressure solve over the mass behind it, m_p/m_s; stable below 2."},
+      {"coupling.vem", "coefficient", Type::number, "-", "required", above_to(0, 10), {},
+       "Coefficient C; 1 is advised, 5 over-predicts impact loads."},
+
+      {"gauge", "kind", Type::choice, "", "required", any,
+       {"displacement", "pressure", "elevation", "front", "interface_force"},
+       "displacement of a body's material point [m]; pressure of the fluid at a point [Pa]; elevation of the free surface at a "
+       "place [m]; front: largest x the connected fluid reaches [m]; interface_force on a body [N/m^(3-D)]."},
+      {"gauge", "name", Type::text, "", "required", any, {}, "Name of the column; unique."},
+      {"gauge", "body", Type::text, "", "absent", any, {}, "Elastic body; displacement and interface_force need it."},
+      {"gauge", "at", Type::point, "m", "absent", any, {},
+       "Where: displacement (in the undeformed body), pressure, and elevation (whose y entry is not used) need it."},
+
+      {"output", "frame_interval", Type::number, "s", "0", not_negative, {},
+       "Time between frames of the particle fields; 0 = the first and the last only."},
+      {"output", "gauge_interval", Type::number, "s", "0", not_negative, {}, "Time between rows of gauges.csv; 0 = every step."},
+
+      {"shape", "box", Type::shape, "", "absent", any, {}, "See `shape.box`."},
+      {"shape", "polygon", Type::shape, "", "absent", any, {}, "See `shape.polygon`."},
+      {"shape", "ball", Type::shape, "", "absent", any, {}, "See `shape.ball`."},
+      {"shape", "union", Type::shapes, "", "absent", any, {}, "List of shapes; a point of any of them belongs to the solid."},
+      {"shape", "difference", Type::shapes, "", "absent", any, {}, "List of shapes; the first without the others."},
+      {"shape.box", "min", Type::point, "m", "required", any, {}, "Lower corner."},
+      {"shape.box", "max", Type::point, "m", "required", any, {}, "Upper corner."},
+      {"shape.polygon", "vertices", Type::vertices, "m", "required", any, {},
+       "Corners in order, either way round; sides must not cross."},
+      {"shape.ball", "center", Type::point, "m", "required", any, {}, "Centre."},
+      {"shape.ball", "radius", Type::number, "m", "required", positive, {}, "Radius."},
+  };
+  return list;
+}
+
+std::string describe(const Range& range) {
+  const bool below = range.lowest > -infinity, over = range.highest < infinity;
+  if (below && over) {
+    return fmt::format("from {}{} to {}{}", range.lowest, range.lowest_excluded ? " (excluded)" : "", range.highest,
+                       range.highest_excluded ? " (excluded)" : "");
+  }
+  if (below) return fmt::format("{} {}", range.lowest_excluded ? "greater than" : "at least", range.lowest);
+  if (over) return fmt::format("{} {}", range.highest_excluded ? "less than" : "at most", range.highest);
+  return "";
+}
+
+}  // namespace tern
