@@ -1,7 +1,7 @@
 #pragma once
 // The channel between the three processes: the coupler binds a ROUTER socket, the participants connect DEALER sockets.
-// Every wait notices interruption, a lost peer (monitor and heartbeats), an Abort from anybody and the progress deadline.
-// docs/PROTOCOL.md is the numbered call order; tern.proto is the schema.
+// Every wait notices interruption, a lost peer (monitor and heartbeats), an Abort from anybody and the progress
+// deadline. docs/PROTOCOL.md is the numbered call order; tern.proto is the schema.
 
 #include <cstdint>
 #include <initializer_list>
@@ -40,15 +40,15 @@ class ParticipantChannel {
   void send(wire::Message message);
 
   /// Waits for the next message of the coupler and checks it. Throws PeerLost (lost, stuck, bad message, a kind that is
-  /// not `expected`), Interrupted, or an Error with the exit code of an Abort. Surface counts and band counts are known from
-  /// Welcome, Hello and the Band that was sent last. An accepted BeginWindow sets step and time as set_step does.
+  /// not `expected`), Interrupted, or an Error with the exit code of an Abort. Surface counts and band counts are known
+  /// from Welcome, Hello and the Band that was sent last. An accepted BeginWindow sets step and time as set_step does.
   wire::Message receive(std::initializer_list<Kind> expected);
 
   /// Window number of the messages to come and its begin [s], for messages and sentences.
   void set_step(std::uint64_t step, double time_s);
 
-  /// Tells the coupler why this process ends; does nothing when the coupler is gone. The error must not come from the coupler's
-  /// own Abort to have an effect: that one is not sent back.
+  /// Tells the coupler why this process ends; does nothing when the coupler is gone. The error must not come from the
+  /// coupler's own Abort to have an effect: that one is not sent back.
   void abort(const Error& error) noexcept;
 
   double wait_seconds() const;      ///< waiting for messages [s]
@@ -64,8 +64,8 @@ class ParticipantChannel {
 /// The coupler's end. One object per process, for its whole life; not thread-safe.
 class CouplerChannel {
  public:
-  /// Binds and logs the endpoint. tcp:// only on loopback addresses (port * = any free one). Throws BadInput for an endpoint
-  /// that cannot be used or is in use, InputOutputError when the socket file cannot be made.
+  /// Binds and logs the endpoint. tcp:// only on loopback addresses (port * = any free one). Throws BadInput for an
+  /// endpoint that cannot be used or is in use, InputOutputError when the socket file cannot be made.
   explicit CouplerChannel(const std::string& endpoint, double start_deadline_s = 300, double progress_deadline_s = 300);
   ~CouplerChannel();  ///< removes the ipc socket file; pending messages get at most 0.5 s
   CouplerChannel(const CouplerChannel&) = delete;
@@ -73,8 +73,9 @@ class CouplerChannel {
 
   const std::string& endpoint() const;  ///< as bound, with the real port
 
-  /// Waits for one Hello of each expected role. The first difference (protocol version, case hash, dimension, counts) is
-  /// sent back as Abort and thrown as BadInput; a role taken twice or not expected is refused and logged, the others go on.
+  /// Waits for one Hello of each expected role. The first difference (protocol version, case hash, dimension, counts)
+  /// is sent back as Abort and thrown as BadInput; a role taken twice or not expected is refused and logged, the others
+  /// go on.
   std::map<wire::Role, wire::Hello> accept(const std::set<wire::Role>& expected, const std::string& case_hash,
                                            int dimension);
 
@@ -85,7 +86,8 @@ class CouplerChannel {
   void send(wire::Role to, wire::Message message);
 
   /// Waits for the next message of `from`; messages of the other participant are kept for its own receive. Errors as
-  /// ParticipantChannel::receive, whichever participant causes them. After an accepted Finished a participant may leave.
+  /// ParticipantChannel::receive, whichever participant causes them. After an accepted Finished a participant may
+  /// leave.
   wire::Message receive(wire::Role from, std::initializer_list<Kind> expected);
 
   void set_step(std::uint64_t step, double time_s);

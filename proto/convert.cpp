@@ -1,0 +1,156 @@
+// Conversions between particles/interface.hpp and the wire schema: the same doubles in the same order, nothing else.
+
+#include "proto/convert.hpp"
+
+#include <cassert>
+#include <cstring>
+
+namespace tern::proto {
+namespace {
+
+using Doubles = google::protobuf::RepeatedField<double>;
+
+template <int D>
+void put(Doubles* field, const std::vector<Vector<D>>& vectors) {
+  static_assert(sizeof(Vector<D>) == D * sizeof(double), "vectors are contiguous doubles");
+  field->Resize(static_cast<int>(D * vectors.size()), 0.0);
+  if (!vectors.empty()) std::memcpy(field->mutable_data(), vectors.data(), vectors.size() * sizeof(Vector<D>));
+}
+
+void put(Doubles* field, const std::vector<double>& scalars) { field->Assign(scalars.begin(), scalars.end()); }
+
+template <int D>
+std::vector<Vector<D>> get_vectors(const Doubles& field) {
+  assert(field.size() % D == 0);
+  std::vector<Vector<D>> vectors(static_cast<std::size_t>(field.size() / D));
+  if (!vectors.empty()) std::memcpy(vectors.data()->data(), field.data(), vectors.size() * sizeof(Vector<D>));
+  return vectors;
+}
+
+template <class T>
+std::vector<T> get(const google::protobuf::RepeatedField<T>& field) {
+  return {field.begin(), field.end()};
+}
+
+}  // namespace
+
+wire::SurfaceProperties to_wire(const SurfaceProperties& properties) {
+  wire::SurfaceProperties message;
+  message.mutable_body()->Assign(properties.body.begin(), properties.body.end());
+  put(message.mutable_section_mass(), properties.section_mass);
+  put(message.mutable_impedance(), properties.impedance);
+  put(message.mutable_least_mass(), properties.least_mass);
+  return message;
+}
+
+SurfaceProperties from_wire(const wire::SurfaceProperties& message) {
+  return {get(message.body()), get(message.section_mass()), get(message.impedance()), get(message.least_mass())};
+}
+
+template <int D>
+wire::Surface to_wire(const Surface<D>& surface) {
+  wire::Surface message;
+  put<D>(message.mutable_position(), surface.position);
+  put<D>(message.mutable_velocity(), surface.velocity);
+  put<D>(message.mutable_normal(), surface.normal);
+  put(message.mutable_area(), surface.area);
+  return message;
+}
+
+template <int D>
+Surface<D> from_wire(const wire::Surface& message) {
+  return {get_vectors<D>(message.position()), get_vectors<D>(message.velocity()), get_vectors<D>(message.normal()),
+          get(message.area())};
+}
+
+template <int D>
+wire::Band to_wire(const Band<D>& band) {
+  wire::Band message;
+  message.mutable_id()->Assign(band.id.begin(), band.id.end());
+  put<D>(message.mutable_position(), band.position);
+  put<D>(message.mutable_velocity(), band.velocity);
+  put(message.mutable_mass(), band.mass);
+  put(message.mutable_volume(), band.volume);
+  put(message.mutable_divergence(), band.divergence);
+  return message;
+}
+
+template <int D>
+Band<D> from_wire(const wire::Band& message) {
+  return {get(message.id()),
+          get_vectors<D>(message.position()),
+          get_vectors<D>(message.velocity()),
+          get(message.mass()),
+          get(message.volume()),
+          get(message.divergence())};
+}
+
+template <int D>
+wire::DissipativeLoad to_wire(const DissipativeLoad<D>& load) {
+  wire::DissipativeLoad message;
+  put<D>(message.mutable_force(), load.force);
+  put(message.mutable_reference_pressure(), load.reference_pressure);
+  put(message.mutable_robin_mass(), load.robin_mass);
+  return message;
+}
+
+template <int D>
+DissipativeLoad<D> from_wire(const wire::DissipativeLoad& message) {
+  return {get_vectors<D>(message.force()), get(message.reference_pressure()), get(message.robin_mass())};
+}
+
+template <int D>
+wire::BandPressure to_wire(const BandPressure<D>& pressure) {
+  wire::BandPressure message;
+  put(message.mutable_pressure(), pressure.pressure);
+  put<D>(message.mutable_velocity(), pressure.velocity);
+  return message;
+}
+
+template <int D>
+BandPressure<D> from_wire(const wire::BandPressure& message) {
+  return {get(message.pressure()), get_vectors<D>(message.velocity())};
+}
+
+template <int D>
+wire::BandForce to_wire(const BandForce<D>& force) {
+  wire::BandForce message;
+  put<D>(message.mutable_force(), force.force);
+  return message;
+}
+
+template <int D>
+BandForce<D> from_wire(const wire::BandForce& message) {
+  return {get_vectors<D>(message.force())};
+}
+
+template <int D>
+wire::SurfaceLoad to_wire(const SurfaceLoad<D>& load) {
+  wire::SurfaceLoad message;
+  put<D>(message.mutable_force(), load.force);
+  return message;
+}
+
+template <int D>
+SurfaceLoad<D> from_wire(const wire::SurfaceLoad& message) {
+  return {get_vectors<D>(message.force())};
+}
+
+#define TERN_INSTANTIATE(D)                                               \
+  template wire::Surface to_wire<D>(const Surface<D>&);                   \
+  template wire::Band to_wire<D>(const Band<D>&);                         \
+  template wire::DissipativeLoad to_wire<D>(const DissipativeLoad<D>&);   \
+  template wire::BandPressure to_wire<D>(const BandPressure<D>&);         \
+  template wire::BandForce to_wire<D>(const BandForce<D>&);               \
+  template wire::SurfaceLoad to_wire<D>(const SurfaceLoad<D>&);           \
+  template Surface<D> from_wire<D>(const wire::Surface&);                 \
+  template Band<D> from_wire<D>(const wire::Band&);                       \
+  template DissipativeLoad<D> from_wire<D>(const wire::DissipativeLoad&); \
+  template BandPressure<D> from_wire<D>(const wire::BandPressure&);       \
+  template BandForce<D> from_wire<D>(const wire::BandForce&);             \
+  template SurfaceLoad<D> from_wire<D>(const wire::SurfaceLoad&);
+TERN_INSTANTIATE(2)
+TERN_INSTANTIATE(3)
+#undef TERN_INSTANTIATE
+
+}  // namespace tern::proto

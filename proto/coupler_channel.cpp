@@ -1,0 +1,247 @@
+// The coupler's end of the channel: one connection per participant, told apart by routing id; the monitor knows them
+// only by file descriptor, which the first message of each brings along.
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <deque>
+#include <functional>
+#include <optional>
+#include <utility>
+
+#include "particles/log.hpp"
+#include "particles/version.hpp"
+#include "proto/channel.hpp"
+#include "proto/conversation.hpp"
+#include "proto/endpoint.hpp"
+#include "proto/handshake.hpp"
+#include "proto/names.hpp"
+#include "proto/socket.hpp"
+#include "proto/traffic.hpp"
+#include "proto/waiting.hpp"
+
+namespace tern::proto {
+namespace {
+
+constexpr std::size_t max_pending = 16;  // the protocol never has more than two
+
+struct Peer {
+  std::string routing_id;
+  int connection;
+  std::uint32_t process_id;
+  Conversation conversation;
+  std::deque<wire::Message> inbox;
+  bool finished = false;  // may leave
+  bool gone = false;      // lost, or stopped by its own Abort
+};
+
+}  // namespace
+
+struct CouplerChannel::State {
+  State(double start_s, double progress_s)
+      : start_deadline_s(start_s), progress_deadline_s(progress_s), socket(SocketKind::router) {}
+
+  double start_deadline_s, progress_deadline_s;
+  std::string endpoint;
+  Place place;
+  Socket socket;
+  Traffic traffic;
+  std::map<wire::Role, Peer> peers;
+  std::set<std::string> refused;  // routing ids that have been answered with Abort
+
+  void keep(Peer& peer, Arrived&& arrived) {
+    const std::string who = fmt::format("The {} process", name(peer.conversation.peer()));
+    if (!arrived.fault.empty()) throw bad_message(who, "a message", place, arrived.fault);
+    if (arrived.message.body_case() == Kind::kAbort) {
+      peer.gone = true;
+      peer.conversation.check(arrived.message, place, {});
+    }
+    if (peer.inbox.size() >= max_pending)
+      throw bad_message(who, "a message", place,
+                        fmt::format("{} messages wait already; the limit is {}", peer.inbox.size(), max_pending));
+    if (arrived.message.body_case() == Kind::kFinished) peer.finished = true;
+    peer.inbox.push_back(std::move(arrived.message));
+  }
+
+  void take_all(const std::function<void(Arrived&&)>& stranger) {
+    while (auto arrived = take_message(socket, traffic)) {
+      bool known = false;
+      for (auto& [role, peer] : peers)
+        if (peer.routing_id == arrived->peer) {
+          known = true;
+          keep(peer, std::move(*arrived));
+          break;
+        }
+      if (!known && !refused.contains(arrived->peer)) stranger(std::move(*arrived));
+    }
+  }
+
+  /// Sorts everything that has arrived; throws when somebody aborted or is lost.
+  void collect(Waiting& waiting, const std::function<void(Arrived&&)>& stranger) {
+    take_all(stranger);
+    bool anybody_left = false;
+    while (const auto event = socket.next_event())
+      if (event->what == SocketEvent::What::disconnected)
+        for (auto& [role, peer] : peers)
+          if (peer.connection == event->connection) {
+            peer.gone = true;
+            anybody_left = true;
+          }
+    if (anybody_left) take_all(stranger);  // last words arrived before the end of the connection
+    waiting.check();                       // our own interruption first: after Ctrl-C the others leave as well
+    for (const auto& [role, peer] : peers)
+      if (peer.gone && !peer.finished) throw lost(role, peer.process_id, place);
+  }
+
+  void refuse(const std::string& routing_id, const Error& error) {
+    refused.insert(routing_id);
+    Conversation stranger(wire::COUPLER, wire::ROLE_UNSPECIFIED);
+    send_message(socket, routing_id, stranger.abort_for(error, place), traffic);
+  }
+
+  void send(Peer& peer, const wire::Message& message) {
+    if (peer.gone || !send_message(socket, peer.routing_id, message, traffic))
+      throw lost(peer.conversation.peer(), peer.process_id, place);
+  }
+
+  void abort(const Error& error) noexcept {
+    for (auto& [role, peer] : peers) {
+      if (peer.gone || peer.finished) continue;
+      peer.gone = true;
+      try {
+        send_message(socket, peer.routing_id, peer.conversation.abort_for(error, place), traffic);
+      } catch (...) {
+        // The run ends because of `error`; a participant that cannot be told notices the lost connection.
+      }
+    }
+  }
+
+  Peer& peer(wire::Role role) {
+    const auto found = peers.find(role);
+    if (found == peers.end()) throw std::logic_error(fmt::format("no {} has joined", name(role)));
+    return found->second;
+  }
+};
+
+CouplerChannel::CouplerChannel(const std::string& endpoint, double start_deadline_s, double progress_deadline_s) {
+  check_bind_endpoint(endpoint);
+  state_ = std::make_unique<State>(start_deadline_s, progress_deadline_s);
+  state_->endpoint = state_->socket.bind(endpoint);
+  const std::string file = socket_file(state_->endpoint);
+  if (!file.empty()) ::chmod(file.c_str(), S_IRUSR | S_IWUSR);  // nobody else may join
+  log_info(fmt::format("bound to {}", state_->endpoint));
+}
+
+CouplerChannel::~CouplerChannel() {
+  const std::string file = state_ ? socket_file(state_->endpoint) : std::string();
+  state_.reset();
+  if (!file.empty()) ::unlink(file.c_str());
+}
+
+const std::string& CouplerChannel::endpoint() const { return state_->endpoint; }
+
+std::map<wire::Role, wire::Hello> CouplerChannel::accept(const std::set<wire::Role>& expected,
+                                                         const std::string& case_hash, int dimension) {
+  const Traffic::Exchange exchange(state_->traffic);
+  std::map<wire::Role, wire::Hello> hellos;
+  const auto meet = [&](Arrived&& arrived) {
+    const auto stop = [&](const std::string& sentence) {
+      const BadInput error(sentence);
+      state_->refuse(arrived.peer, error);
+      state_->abort(error);
+      throw error;
+    };
+    const wire::Message& message = arrived.message;
+    const wire::Role role = message.sender();
+    if (!arrived.fault.empty())
+      stop(bad_message("A process that joined", "a message", state_->place, arrived.fault).what());
+    if (message.body_case() == Kind::kAbort) {  // it failed before it joined
+      state_->refused.insert(arrived.peer);
+      Conversation(wire::COUPLER, role).check(message, state_->place, {});
+    }
+    if (!expected.contains(role) || state_->peers.contains(role)) {
+      const std::string sentence = fmt::format(
+          "A process that calls itself {} was refused: {}.", name(role),
+          expected.contains(role) ? "this role is taken; start each participant once" : "the case has no such role");
+      state_->refuse(arrived.peer, BadInput(sentence));
+      log_warning(sentence);
+      return;
+    }
+    if (message.body_case() == Kind::kHello) {
+      const std::string difference = find_difference(message, case_hash, dimension);
+      if (!difference.empty()) stop(difference);
+    }
+    Conversation conversation(wire::COUPLER, role);
+    try {
+      conversation.check(message, state_->place, {Kind::kHello});
+    } catch (const PeerLost& fault) {
+      stop(fault.what());
+    }
+    const wire::Hello& hello = message.hello();
+    log_info(fmt::format("{} joined: process {}, version {}, {} particles, {} surface points", name(role),
+                         hello.process_id(), hello.version(), hello.particles(), hello.surface().body_size()));
+    state_->peers.emplace(role,
+                          Peer{arrived.peer, arrived.connection, hello.process_id(), std::move(conversation), {}});
+    hellos.emplace(role, hello);
+  };
+
+  Waiting waiting("coupler", "", 0, 0, state_->start_deadline_s);
+  for (;;) {
+    std::string missing;
+    for (const wire::Role role : expected)
+      if (!state_->peers.contains(role)) missing += (missing.empty() ? "" : " and ") + name(role);
+    waiting.set_whom(missing.empty() ? "nobody" : missing);
+    if (missing.empty()) return hellos;
+    state_->collect(waiting, meet);
+    if (state_->peers.size() < expected.size()) state_->traffic.wait(state_->socket);
+  }
+}
+
+void CouplerChannel::welcome(std::uint32_t surface_points) {
+  wire::Message message;
+  message.mutable_welcome()->set_surface_points(surface_points);
+  message.mutable_welcome()->set_version(fmt::format("{} {}", program_version, git_hash));
+  for (const auto& [role, peer] : state_->peers) send(role, message);
+}
+
+void CouplerChannel::send(wire::Role to, wire::Message message) {
+  const Traffic::Exchange exchange(state_->traffic);
+  Peer& peer = state_->peer(to);
+  peer.conversation.complete(message, state_->place);
+  state_->send(peer, message);
+}
+
+wire::Message CouplerChannel::receive(wire::Role from, std::initializer_list<Kind> expected) {
+  const Traffic::Exchange exchange(state_->traffic);
+  const auto ignore = [&](Arrived&& arrived) {
+    const BadInput error("The run has begun; nobody can join it any more.");
+    log_warning(
+        fmt::format("a process that calls itself {} was refused: {}", name(arrived.message.sender()), error.what()));
+    state_->refuse(arrived.peer, error);
+  };
+  Waiting waiting("coupler", name(from), state_->place.step, state_->place.time_s, state_->progress_deadline_s);
+  Peer& peer = state_->peer(from);
+  for (;;) {
+    state_->collect(waiting, ignore);
+    if (!peer.inbox.empty()) {
+      wire::Message message = std::move(peer.inbox.front());
+      peer.inbox.pop_front();
+      peer.conversation.check(message, state_->place, expected);
+      return message;
+    }
+    if (peer.gone) throw lost(from, peer.process_id, state_->place);
+    state_->traffic.wait(state_->socket);
+  }
+}
+
+void CouplerChannel::set_step(std::uint64_t step, double time_s) { state_->place = {step, time_s}; }
+
+void CouplerChannel::abort(const Error& error) noexcept { state_->abort(error); }
+
+double CouplerChannel::wait_seconds() const { return state_->traffic.wait_s; }
+double CouplerChannel::exchange_seconds() const { return state_->traffic.exchange_s; }
+std::uint64_t CouplerChannel::bytes_sent() const { return state_->traffic.bytes_sent; }
+std::uint64_t CouplerChannel::bytes_received() const { return state_->traffic.bytes_received; }
+
+}  // namespace tern::proto

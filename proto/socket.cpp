@@ -1,0 +1,141 @@
+// Sockets with heartbeats (a frozen peer is dropped after 5 s of silence), a size cap, bounded linger, and a monitor.
+
+#include "proto/socket.hpp"
+
+#include <fmt/format.h>
+#include <zmq.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+
+#include "particles/error.hpp"
+#include "proto/message_check.hpp"
+
+namespace tern::proto {
+namespace {
+
+constexpr int heartbeat_interval_ms = 1000;
+constexpr int heartbeat_timeout_ms = 5000;
+constexpr int linger_ms = 500;
+constexpr int reconnect_ms = 20;
+constexpr int queue_messages = 64;  // the protocol never has more than a few on the way
+
+void require(bool done, const char* what) {
+  if (!done) throw InputOutputError(fmt::format("ZeroMQ cannot {}: {}.", what, zmq_strerror(zmq_errno())));
+}
+
+void set(void* socket, int option, int value) {
+  require(zmq_setsockopt(socket, option, &value, sizeof(value)) == 0, "set a socket option");
+}
+
+/// RAII around zmq_msg_t.
+struct Frame {
+  zmq_msg_t message;
+  Frame() { zmq_msg_init(&message); }
+  explicit Frame(std::size_t size) { require(zmq_msg_init_size(&message, size) == 0, "allocate a message"); }
+  ~Frame() { zmq_msg_close(&message); }
+  Frame(const Frame&) = delete;
+  Frame& operator=(const Frame&) = delete;
+  std::byte* data() { return static_cast<std::byte*>(zmq_msg_data(&message)); }
+  std::size_t size() { return zmq_msg_size(&message); }
+  bool more() { return zmq_msg_more(&message) != 0; }
+};
+
+}  // namespace
+
+Socket::Socket(SocketKind kind) : kind_(kind) {
+  context_ = zmq_ctx_new();
+  require(context_ != nullptr, "make a context");
+  socket_ = zmq_socket(context_, kind == SocketKind::dealer ? ZMQ_DEALER : ZMQ_ROUTER);
+  require(socket_ != nullptr, "make a socket");
+  set(socket_, ZMQ_LINGER, linger_ms);
+  set(socket_, ZMQ_HEARTBEAT_IVL, heartbeat_interval_ms);
+  set(socket_, ZMQ_HEARTBEAT_TIMEOUT, heartbeat_timeout_ms);
+  set(socket_, ZMQ_HEARTBEAT_TTL, heartbeat_timeout_ms);
+  set(socket_, ZMQ_RECONNECT_IVL, reconnect_ms);
+  set(socket_, ZMQ_SNDHWM, queue_messages);
+  set(socket_, ZMQ_RCVHWM, queue_messages);
+  // Twice the protocol's cap: between the two the sender is told what was wrong, above it the connection is dropped
+  // unread.
+  const std::int64_t cap = 2 * static_cast<std::int64_t>(max_message_bytes);
+  require(zmq_setsockopt(socket_, ZMQ_MAXMSGSIZE, &cap, sizeof(cap)) == 0, "limit the message size");
+  if (kind == SocketKind::router) set(socket_, ZMQ_ROUTER_MANDATORY, 1);  // a message to a lost peer is an error
+
+  constexpr const char* address = "inproc://monitor";
+  require(zmq_socket_monitor(socket_, address, ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED) == 0,
+          "watch a socket");
+  monitor_ = zmq_socket(context_, ZMQ_PAIR);
+  require(monitor_ != nullptr && zmq_connect(monitor_, address) == 0, "watch a socket");
+  set(monitor_, ZMQ_LINGER, 0);
+}
+
+Socket::~Socket() {
+  zmq_socket_monitor(socket_, nullptr, 0);
+  zmq_close(monitor_);
+  zmq_close(socket_);
+  while (zmq_ctx_term(context_) != 0 && zmq_errno() == EINTR) {
+  }
+}
+
+std::string Socket::bind(const std::string& endpoint) {
+  if (zmq_bind(socket_, endpoint.c_str()) != 0)
+    throw InputOutputError(fmt::format("The coupler cannot bind the endpoint \"{}\": {}; choose another one.", endpoint,
+                                       zmq_strerror(zmq_errno())));
+  std::array<char, 512> bound{};
+  std::size_t size = bound.size();
+  require(zmq_getsockopt(socket_, ZMQ_LAST_ENDPOINT, bound.data(), &size) == 0, "name the endpoint");
+  return bound.data();
+}
+
+void Socket::connect(const std::string& endpoint) {
+  if (zmq_connect(socket_, endpoint.c_str()) != 0)
+    throw BadInput(fmt::format("The endpoint \"{}\" cannot be used: {}; use the one the coupler printed.", endpoint,
+                               zmq_strerror(zmq_errno())));
+}
+
+void Socket::wait(int milliseconds) {
+  std::array<zmq_pollitem_t, 2> items{{{socket_, 0, ZMQ_POLLIN, 0}, {monitor_, 0, ZMQ_POLLIN, 0}}};
+  zmq_poll(items.data(), 2, milliseconds);
+}
+
+bool Socket::receive(const std::function<void(const Received&)>& handle) {
+  Frame peer;
+  if (kind_ == SocketKind::router && zmq_msg_recv(&peer.message, socket_, ZMQ_DONTWAIT) < 0) return false;
+  Frame payload;
+  if (zmq_msg_recv(&payload.message, socket_, ZMQ_DONTWAIT) < 0) return false;
+  int frames = 1;
+  for (bool more = payload.more(); more; ++frames) {
+    Frame extra;
+    more = zmq_msg_recv(&extra.message, socket_, 0) >= 0 && extra.more();
+  }
+  handle({{reinterpret_cast<const char*>(peer.data()), peer.size()},
+          zmq_msg_get(&payload.message, ZMQ_SRCFD),
+          {payload.data(), payload.size()},
+          frames});
+  return true;
+}
+
+std::optional<SocketEvent> Socket::next_event() {
+  Frame frame;
+  if (zmq_msg_recv(&frame.message, monitor_, ZMQ_DONTWAIT) < 0) return std::nullopt;
+  std::uint16_t event = 0;
+  std::int32_t value = 0;
+  std::memcpy(&event, frame.data(), sizeof(event));
+  std::memcpy(&value, frame.data() + sizeof(event), sizeof(value));
+  Frame address;
+  zmq_msg_recv(&address.message, monitor_, 0);
+  return SocketEvent{event == ZMQ_EVENT_DISCONNECTED ? SocketEvent::What::disconnected : SocketEvent::What::connected,
+                     value};
+}
+
+bool Socket::send(const std::string& peer, std::size_t size, const std::function<void(std::byte*)>& write) {
+  if (kind_ == SocketKind::router && zmq_send(socket_, peer.data(), peer.size(), ZMQ_SNDMORE | ZMQ_DONTWAIT) < 0)
+    return false;
+  Frame payload(size);
+  write(payload.data());
+  return zmq_msg_send(&payload.message, socket_, ZMQ_DONTWAIT) >= 0;
+}
+
+}  // namespace tern::proto

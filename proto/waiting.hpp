@@ -1,0 +1,31 @@
+#pragma once
+// One wait for one message: notices interruption, tells the log after 5 s who waits for whom, gives up at the deadline.
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+namespace tern::proto {
+
+class Waiting {
+ public:
+  /// `who` and `whom` are role names for sentences; `deadline_s` counts from now.
+  Waiting(std::string who, std::string whom, std::uint64_t step, double time_s, double deadline_s);
+
+  /// Call at least every 0.1 s. Throws Interrupted after a signal, PeerLost after the deadline.
+  void check();
+  void set_deadline(double deadline_s) { deadline_s_ = deadline_s; }
+
+  /// Who is waited for, when it is not simply `whom` any more.
+  void set_whom(std::string whom) { whom_ = std::move(whom); }
+
+ private:
+  std::string who_, whom_;
+  std::uint64_t step_;
+  double time_s_;
+  double deadline_s_;
+  double next_log_s_ = 5;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace tern::proto
