@@ -1,0 +1,63 @@
+// Gradient of second-order consistency by weighted least squares: with the basis b_ij = {X_ji/h, X_ji x X_ji / h^2},
+//   A_i = sum_j V w_ij b_ij b_ij^T,   g_ij = w_ij [A_i^-1 b_ij]_{1..D} / h
+// is exact for every quadratic field. With the linear part of the basis alone it is exact for linear fields; that is the
+// fallback where A_i is singular (fewer than three layers across).
+
+#include "structure/gradient_vectors.hpp"
+
+#include "particles/kernel.hpp"
+
+namespace tern::structure {
+namespace {
+
+constexpr double largest_condition_number = 1e8;
+
+template <int D, int Size>
+Eigen::Matrix<double, Size, 1> basis(const Vector<D>& offset, double h) {
+  Eigen::Matrix<double, Size, 1> b;
+  const Vector<D> x = offset / h;
+  int n = 0;
+  for (int a = 0; a < D; ++a) b[n++] = x[a];
+  if constexpr (Size > D) {
+    for (int a = 0; a < D; ++a)
+      for (int c = a; c < D; ++c) b[n++] = x[a] * x[c];
+  }
+  return b;
+}
+
+template <int D, int Size>
+std::vector<Vector<D>> least_squares(std::span<const Vector<D>> offsets, double volume, const Kernel<D>& kernel) {
+  const double h = kernel.smoothing_length();
+  Eigen::Matrix<double, Size, Size> moments = Eigen::Matrix<double, Size, Size>::Zero();
+  for (const Vector<D>& offset : offsets) {
+    const auto b = basis<D, Size>(offset, h);
+    moments += volume * kernel.value(offset.norm()) * b * b.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, Size, Size>> eigen(moments);
+  const auto& values = eigen.eigenvalues();
+  if (!(values[0] > 0) || values[Size - 1] > largest_condition_number * values[0]) return {};
+  const Eigen::Matrix<double, Size, Size> inverse =
+      eigen.eigenvectors() * values.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
+  std::vector<Vector<D>> g;
+  g.reserve(offsets.size());
+  for (const Vector<D>& offset : offsets) {
+    const Eigen::Matrix<double, Size, 1> solution = inverse * basis<D, Size>(offset, h);
+    g.push_back(kernel.value(offset.norm()) / h * solution.template head<D>());
+  }
+  return g;
+}
+
+}  // namespace
+
+template <int D>
+std::vector<Vector<D>> gradient_vectors(std::span<const Vector<D>> offsets, double volume, double smoothing_length) {
+  const Kernel<D> kernel(smoothing_length);
+  auto g = least_squares<D, D + D * (D + 1) / 2>(offsets, volume, kernel);
+  if (g.empty()) g = least_squares<D, D>(offsets, volume, kernel);
+  return g;
+}
+
+template std::vector<Vector<2>> gradient_vectors<2>(std::span<const Vector<2>>, double, double);
+template std::vector<Vector<3>> gradient_vectors<3>(std::span<const Vector<3>>, double, double);
+
+}  // namespace tern::structure

@@ -1,0 +1,15 @@
+#pragma once
+// A material point between the particles: weights phi_j with sum phi_j = 1 and sum phi_j X_j = X.
+
+#include <string>
+
+#include "structure/reference.hpp"
+#include "structure/structure.hpp"
+
+namespace tern::structure {
+
+/// Throws BadInput when the body does not exist or `at` is farther than a spacing from all of its particles.
+template <int D>
+MaterialPoint find_material_point(const Reference<D>& reference, const std::string& body, const Vector<D>& at);
+
+}  // namespace tern::structure

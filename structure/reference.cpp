@@ -1,0 +1,291 @@
+// Fills the bodies with lattice particles, numbers their rows, and collects the neighbourhoods. Neighbour lists are built
+// per body: bodies never see each other, across a slit neither.
+
+#include "structure/reference.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <map>
+#include <string_view>
+#include <unordered_map>
+
+#include "particles/error.hpp"
+#include "particles/geometry.hpp"
+#include "particles/kernel.hpp"
+#include "structure/gradient_vectors.hpp"
+
+namespace tern::structure {
+namespace {
+
+template <int D>
+using Cell = std::array<int, D>;
+
+constexpr std::int32_t no_row = -1;
+
+/// The lattice of one body: where each cell went.
+template <int D>
+struct Lattice {
+  std::array<int, D> size{};
+  std::vector<std::int32_t> row;      // per cell, no_row where empty
+  std::vector<std::uint32_t> pattern; // per cell: which neighbours it has, an index into gradients
+
+  /// -1 outside.
+  std::ptrdiff_t index(const Cell<D>& cell) const {
+    std::ptrdiff_t n = 0;
+    for (int a = D - 1; a >= 0; --a) {
+      if (cell[a] < 0 || cell[a] >= size[a]) return -1;
+      n = n * size[a] + cell[a];
+    }
+    return n;
+  }
+};
+
+template <int D>
+Cell<D> shifted(Cell<D> cell, const Cell<D>& by) {
+  for (int a = 0; a < D; ++a) cell[a] += by[a];
+  return cell;
+}
+
+/// Cell offsets closer than `support` cells, the own cell excluded; the opposite of the n-th is the n-th from the end.
+template <int D>
+std::vector<Cell<D>> offsets_within(double support) {
+  const int reach = static_cast<int>(std::ceil(support));
+  std::vector<Cell<D>> offsets;
+  Cell<D> o{};
+  const auto visit = [&](auto&& self, int axis) -> void {
+    if (axis == D) {
+      double squared = 0;
+      for (int a = 0; a < D; ++a) squared += o[a] * o[a];
+      if (squared > 0 && std::sqrt(squared) < support - 1e-9) offsets.push_back(o);
+      return;
+    }
+    for (o[axis] = -reach; o[axis] <= reach; ++o[axis]) self(self, axis + 1);
+  };
+  visit(visit, 0);
+  return offsets;
+}
+
+/// Cells of the particles, counted from the lowest one.
+template <int D>
+std::vector<Cell<D>> cells_of(const std::vector<Vector<D>>& points, double spacing, std::array<int, D>& size) {
+  Vector<D> lowest = points.front();
+  for (const auto& x : points) lowest = lowest.cwiseMin(x);
+  std::vector<Cell<D>> cells(points.size());
+  size.fill(0);
+  for (std::size_t n = 0; n < points.size(); ++n)
+    for (int a = 0; a < D; ++a) {
+      cells[n][a] = static_cast<int>(std::lround((points[n][a] - lowest[a]) / spacing));
+      size[a] = std::max(size[a], cells[n][a] + 1);
+    }
+  return cells;
+}
+
+/// Gives the cells rows from `next_row` on, line by line along the longest side. Returns the first row not used.
+template <int D>
+std::int32_t number_rows(const std::vector<Cell<D>>& cells, std::int32_t next_row, Lattice<D>& lattice) {
+  const int fast = static_cast<int>(std::max_element(lattice.size.begin(), lattice.size.end()) - lattice.size.begin());
+  const auto line_of = [&](Cell<D> cell) {
+    cell[fast] = 0;
+    std::reverse(cell.begin(), cell.end());
+    return cell;
+  };
+  std::map<Cell<D>, std::pair<int, int>> lines;  // first and last cell of each line
+  for (const auto& cell : cells) {
+    auto [line, is_new] = lines.try_emplace(line_of(cell), cell[fast], cell[fast]);
+    line->second.first = std::min(line->second.first, cell[fast]);
+    line->second.second = std::max(line->second.second, cell[fast]);
+  }
+  std::map<Cell<D>, std::int32_t> row_of_cell_zero;
+  for (const auto& [line, range] : lines) {
+    const int first = range.first - range.first % lane_count;
+    const int last = range.second - range.second % lane_count + lane_count;
+    row_of_cell_zero[line] = next_row - first;
+    next_row += last - first;
+  }
+  std::ptrdiff_t volume = 1;
+  for (int n : lattice.size) volume *= n;
+  lattice.row.assign(volume, no_row);
+  for (const auto& cell : cells) lattice.row[lattice.index(cell)] = row_of_cell_zero[line_of(cell)] + cell[fast];
+  return next_row;
+}
+
+/// Gradient vectors for every occurring set of neighbours; one entry per offset, zero where the neighbour is absent.
+template <int D>
+std::vector<std::vector<Vector<D>>> gradients_of(const std::vector<Cell<D>>& cells, const std::vector<Cell<D>>& offsets,
+                                                 const Body& body, Lattice<D>& lattice) {
+  std::map<std::vector<bool>, std::uint32_t> known;
+  std::vector<std::vector<Vector<D>>> gradients;
+  lattice.pattern.assign(lattice.row.size(), 0);
+  for (const auto& cell : cells) {
+    std::vector<bool> present(offsets.size());
+    std::vector<Vector<D>> relative;
+    for (std::size_t o = 0; o < offsets.size(); ++o) {
+      const auto n = lattice.index(shifted<D>(cell, offsets[o]));
+      present[o] = n >= 0 && lattice.row[n] != no_row;
+      if (!present[o]) continue;
+      Vector<D> x;
+      for (int a = 0; a < D; ++a) x[a] = offsets[o][a] * body.spacing;
+      relative.push_back(x);
+    }
+    const auto [entry, is_new] = known.try_emplace(present, static_cast<std::uint32_t>(gradients.size()));
+    lattice.pattern[lattice.index(cell)] = entry->second;
+    if (!is_new) continue;
+    const auto g = gradient_vectors<D>(relative, std::pow(body.spacing, D), body.smoothing_length);
+    if (g.empty())
+      throw BadInput(fmt::format(
+          "Body '{}': a particle has {} neighbours within {:.3g} m, which do not span {} dimensions, so no strain can be "
+          "computed there; make the spacing ({:.3g} m) at most half of the smallest thickness (a quarter is recommended).",
+          body.name, relative.size(), 2 * body.smoothing_length, D, body.spacing));
+    gradients.emplace_back(offsets.size(), Vector<D>::Zero());
+    for (std::size_t o = 0, n = 0; o < offsets.size(); ++o)
+      if (present[o]) gradients.back()[o] = g[n++];
+  }
+  return gradients;
+}
+
+/// Collects the stencils of the blocks and stores equal ones once.
+template <int D>
+class StencilStore {
+ public:
+  explicit StencilStore(Reference<D>& reference) : reference_(reference) {}
+
+  std::uint32_t add(const std::map<std::int32_t, StencilEntry<D>>& entries, const Stencil<D>& sums) {
+    std::string content(reinterpret_cast<const char*>(sums.gradient_sum), sizeof sums.gradient_sum);
+    for (const auto& [offset, entry] : entries) {
+      content.append(reinterpret_cast<const char*>(&offset), sizeof offset);
+      content.append(reinterpret_cast<const char*>(&entry), sizeof entry);
+    }
+    const auto [found, is_new] = known_.try_emplace(std::move(content), reference_.stencils.size());
+    if (is_new) {
+      Stencil<D> stencil = sums;
+      stencil.first = static_cast<std::uint32_t>(reference_.entries.size());
+      stencil.count = static_cast<std::uint32_t>(entries.size());
+      for (const auto& [offset, entry] : entries) {
+        reference_.row_offset.push_back(offset);
+        reference_.entries.push_back(entry);
+      }
+      reference_.stencils.push_back(stencil);
+    }
+    return static_cast<std::uint32_t>(found->second);
+  }
+
+ private:
+  Reference<D>& reference_;
+  std::unordered_map<std::string, std::size_t> known_;
+};
+
+template <int D>
+void add_blocks(const std::vector<Cell<D>>& cells, const StructureNumerics& numerics, std::uint32_t body_index,
+                std::int32_t first_row, std::int32_t end_row, Lattice<D>& lattice, StencilStore<D>& store,
+                Reference<D>& reference) {
+  const Body& body = reference.bodies[body_index];
+  const Kernel<D> kernel(body.smoothing_length);
+  const auto offsets = offsets_within<D>(kernel.support() / body.spacing);
+  const auto gradients = gradients_of<D>(cells, offsets, body, lattice);
+  const double volume = std::pow(body.spacing, D);
+
+  std::vector<const Cell<D>*> cell_of_row(end_row - first_row, nullptr);
+  for (const auto& cell : cells) cell_of_row[lattice.row[lattice.index(cell)] - first_row] = &cell;
+
+  for (std::int32_t row = first_row; row < end_row; row += lane_count) {
+    Block block{row, 0, body_index, false, false};
+    std::map<std::int32_t, StencilEntry<D>> entries;
+    Stencil<D> sums;
+    for (int lane = 0; lane < lane_count; ++lane) {
+      const Cell<D>* cell = cell_of_row[row - first_row + lane];
+      if (cell == nullptr) continue;
+      if (reference.inverse_mass[row + lane] > 0) block.moves = block.deforms = true;
+      const auto& own = gradients[lattice.pattern[lattice.index(*cell)]];
+      for (std::size_t o = 0; o < offsets.size(); ++o) {
+        const auto n = lattice.index(shifted<D>(*cell, offsets[o]));
+        if (n < 0 || lattice.row[n] == no_row) continue;
+        if (reference.inverse_mass[lattice.row[n]] > 0) block.deforms = true;
+        const auto& mirror = gradients[lattice.pattern[n]][offsets.size() - 1 - o];
+        StencilEntry<D>& entry = entries.try_emplace(lattice.row[n] - lane - row, StencilEntry<D>{}).first->second;
+        double squared = 0;
+        for (int a = 0; a < D; ++a) {
+          const double x = offsets[o][a] * body.spacing;
+          squared += x * x;
+          entry.half_offset[a][lane] = 0.5 * x;
+          entry.gradient[a][lane] = volume * own[o][a];
+          entry.mirror_gradient[a][lane] = volume * volume * mirror[a];
+          sums.gradient_sum[a][lane] += volume * volume * own[o][a];
+        }
+        const double r = std::sqrt(squared);
+        entry.penalty[lane] =
+            numerics.hourglass_penalty * body.material.young_modulus * volume * volume * kernel.value(r) / squared;
+        entry.diffusion[lane] =
+            numerics.riemann_diffusion * body.material.density * volume * volume * kernel.gradient_weight(r) * r;
+      }
+    }
+    block.stencil = store.add(entries, sums);
+    reference.blocks.push_back(block);
+  }
+}
+
+}  // namespace
+
+template <int D>
+Reference<D> build_reference(const StructureCase& structure) {
+  Reference<D> reference;
+  reference.has_penalty = structure.numerics.hourglass_penalty > 0;
+  reference.has_diffusion = structure.numerics.riemann_diffusion > 0;
+  StencilStore<D> store(reference);
+
+  std::vector<std::vector<Cell<D>>> cells;
+  std::vector<Lattice<D>> lattices(structure.bodies.size());
+  std::vector<std::int32_t> first_row;
+  std::int32_t next_row = margin_rows;
+  std::vector<Vector<D>> points;
+  for (const StructureBody& input : structure.bodies) {
+    Body body{.name = input.name,
+              .shape = input.shape,
+              .clamps = input.clamps,
+              .material = Material::isotropic(input.density, input.young_modulus, input.poisson_ratio),
+              .spacing = input.spacing,
+              .smoothing_length = structure.numerics.smoothing_length_ratio * input.spacing,
+              .first = points.size(),
+              .count = 0};
+    const auto filled = fill_lattice<D>(input.shape, input.spacing);
+    if (filled.empty())
+      throw BadInput(fmt::format("Body '{}' holds no particle at spacing {:.3g} m; make the spacing at most half of its "
+                                 "smallest thickness.", input.name, input.spacing));
+    body.count = filled.size();
+    Lattice<D>& lattice = lattices[reference.bodies.size()];
+    cells.push_back(cells_of<D>(filled, input.spacing, lattice.size));
+    first_row.push_back(next_row);
+    next_row = number_rows<D>(cells.back(), next_row, lattice);
+    for (const auto& cell : cells.back()) {
+      reference.particle_row.push_back(lattice.row[lattice.index(cell)]);
+      reference.particle_body.push_back(static_cast<std::uint32_t>(reference.bodies.size()));
+    }
+    points.insert(points.end(), filled.begin(), filled.end());
+    reference.bodies.push_back(std::move(body));
+  }
+  first_row.push_back(next_row);
+
+  reference.rows = static_cast<std::size_t>(next_row) + margin_rows;
+  for (auto& axis : reference.position) axis.assign(reference.rows, 0);
+  reference.mass.assign(reference.rows, 0);
+  reference.inverse_mass.assign(reference.rows, 0);
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const auto row = reference.particle_row[p];
+    const Body& body = reference.bodies[reference.particle_body[p]];
+    for (int a = 0; a < D; ++a) reference.position[a][row] = points[p][a];
+    reference.mass[row] = body.material.density * std::pow(body.spacing, D);
+    const bool clamped = std::any_of(body.clamps.begin(), body.clamps.end(),
+                                     [&](const Shape& clamp) { return contains<D>(clamp, points[p]); });
+    reference.inverse_mass[row] = clamped ? 0 : 1 / reference.mass[row];
+  }
+  for (std::uint32_t b = 0; b < reference.bodies.size(); ++b)
+    add_blocks<D>(cells[b], structure.numerics, b, first_row[b], first_row[b + 1], lattices[b], store, reference);
+  return reference;
+}
+
+template Reference<2> build_reference<2>(const StructureCase&);
+template Reference<3> build_reference<3>(const StructureCase&);
+
+}  // namespace tern::structure

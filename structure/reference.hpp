@@ -1,0 +1,84 @@
+#pragma once
+// The reference configuration: everything that never changes after the start.
+//
+// Particles live in rows of structure-of-arrays storage. Each lattice line of a body (along its longest side) occupies
+// consecutive rows and starts at a multiple of four, so that four consecutive rows (a block) share their neighbour
+// offsets and every neighbour access is one load of four consecutive values. Rows without a particle (line ends, and the
+// margins before the first and after the last block) have no mass, no motion and zero weight in every sum.
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "particles/case_file.hpp"
+#include "particles/vector.hpp"
+#include "structure/lanes.hpp"
+#include "structure/material.hpp"
+
+namespace tern::structure {
+
+inline constexpr int margin_rows = lane_count;
+
+/// One neighbour of each row of a block. Zero weights where a lane has no such neighbour.
+template <int D>
+struct StencilEntry {
+  Lanes half_offset[D];     ///< (X_j - X_i)/2 [m]
+  Lanes gradient[D];        ///< V_j g_ij [1/m]
+  Lanes mirror_gradient[D]; ///< V_i V_j g_ji [m^(D-1)]
+  Lanes penalty;            ///< alpha E V_i V_j w_ij / |X_ij|^2
+  Lanes diffusion;          ///< chi rho_0 V_i V_j |w'_ij|
+};
+
+/// The neighbourhood of a block; blocks with the same neighbourhood share one.
+template <int D>
+struct Stencil {
+  std::uint32_t first = 0, count = 0;  ///< range of Reference::entries and Reference::row_offset
+  Lanes gradient_sum[D] = {};          ///< V_i sum_j V_j g_ij
+};
+
+struct Block {
+  std::int32_t row = 0;
+  std::uint32_t stencil = 0;
+  std::uint32_t body = 0;
+  bool deforms = false;  ///< false where the block and all its neighbours are clamped: F = I for ever
+  bool moves = false;    ///< some row of it is free
+};
+
+struct Body {
+  std::string name;
+  Shape shape;
+  std::vector<Shape> clamps;
+  Material material;
+  double spacing = 0;                       ///< dx_s [m]
+  double smoothing_length = 0;              ///< h_0 [m]
+  std::size_t first = 0, count = 0;         ///< range of Reference::particle_row
+};
+
+template <int D>
+struct Reference {
+  std::vector<Body> bodies;
+  std::vector<std::int32_t> particle_row;   ///< row of each particle, in the order of the bodies and their lattices
+  std::vector<std::uint32_t> particle_body;
+  std::size_t rows = 0;                     ///< length of every row array, margins included
+  std::array<std::vector<double>, D> position;  ///< X [m]
+  std::vector<double> mass;                 ///< [kg/m^(3-D)], 0 in rows without particle
+  std::vector<double> inverse_mass;         ///< 0 where clamped or without particle
+  std::vector<Block> blocks;
+  std::vector<Stencil<D>> stencils;
+  std::vector<StencilEntry<D>> entries;
+  std::vector<std::int32_t> row_offset;     ///< first row of the neighbours minus first row of the block, per entry
+  bool has_penalty = false, has_diffusion = false;
+
+  Vector<D> position_of(std::int32_t row) const {
+    Vector<D> x;
+    for (int a = 0; a < D; ++a) x[a] = position[a][row];
+    return x;
+  }
+};
+
+/// Throws BadInput when a body holds no particle or a particle has too few neighbours to carry a gradient.
+template <int D>
+Reference<D> build_reference(const StructureCase& structure);
+
+}  // namespace tern::structure

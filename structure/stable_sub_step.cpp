@@ -1,0 +1,47 @@
+// Stable sub-step of the explicit integration: dt = courant dx/(c + |v|max), the minimum over the bodies. Under
+// compression the material stiffens while its reference spacing stays: c is the wave speed at the smallest stretch.
+
+#include <algorithm>
+#include <cmath>
+
+#include "structure/time_step.hpp"
+
+namespace tern::structure {
+namespace {
+
+/// Smallest principal stretch of F.
+template <int D>
+double smallest_stretch(const Matrix<D>& f) {
+  const Eigen::Matrix<double, D, D> c = f.transpose() * f;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, D, D>> eigen;
+  eigen.computeDirect(c, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(eigen.eigenvalues()[0], 0.0));
+}
+
+}  // namespace
+
+template <int D>
+double stable_sub_step(const Reference<D>& reference, double courant, const State<D>& state, Workspace<D>& work) {
+  constexpr double least_stretch = 0.05;  // the step must not shrink without bound before J <= 0 is found
+  deformation_gradient(reference, state, work);
+  double dt = std::numeric_limits<double>::max();
+  for (const Body& body : reference.bodies) {
+    double stretch = 1, speed = 0;
+    for (std::size_t p = body.first; p < body.first + body.count; ++p) {
+      const auto row = reference.particle_row[p];
+      double squared = 0;
+      for (int a = 0; a < D; ++a) squared += state.velocity[a][row] * state.velocity[a][row];
+      speed = std::max(speed, squared);
+      stretch = std::min(stretch, smallest_stretch<D>(deformation_gradient_of<D>(work, row)));
+    }
+    const double wave_speed = std::max(body.material.pressure_wave_speed(),
+                                       body.material.wave_speed_at(std::max(stretch, least_stretch)));
+    dt = std::min(dt, courant * body.spacing / (wave_speed + std::sqrt(speed)));
+  }
+  return dt;
+}
+
+template double stable_sub_step<2>(const Reference<2>&, double, const State<2>&, Workspace<2>&);
+template double stable_sub_step<3>(const Reference<3>&, double, const State<3>&, Workspace<3>&);
+
+}  // namespace tern::structure

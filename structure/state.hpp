@@ -1,0 +1,61 @@
+#pragma once
+// What changes: State is the only source of truth (saving and restoring is a copy); Fields of Workspace are rebuilt from it.
+
+#include <array>
+#include <vector>
+
+#include "particles/interface.hpp"
+#include "particles/time.hpp"
+#include "structure/reference.hpp"
+
+namespace tern::structure {
+
+template <int D>
+using RowVectors = std::array<std::vector<double>, D>;  ///< one array of rows per component
+
+template <int D>
+struct State {
+  Ticks time = 0;
+  RowVectors<D> displacement;    ///< x - X [m]
+  RowVectors<D> velocity;        ///< [m/s]
+  RowVectors<D> internal_force;  ///< elastic + diffusion + penalty at `displacement` [N/m^(3-D)]
+  SurfaceLoad<D> load;           ///< of the last window
+  double interface_work = 0;     ///< [J/m^(3-D)] since t = 0
+  double gravity_work = 0;
+  std::vector<Lanes> diffusion_loss;  ///< per block: energy dissipated by the diffusion, counted from both ends of a pair
+  std::vector<Lanes> penalty_store;   ///< per block: energy taken up by the penalty, likewise
+};
+
+template <int D>
+using RowMatrices = std::array<std::array<std::vector<double>, D>, D>;  ///< [component][direction]
+
+template <int D>
+struct Workspace {
+  RowMatrices<D> displacement_gradient;  ///< H = F - I
+  RowMatrices<D> velocity_gradient;      ///< L, for the reconstruction in the diffusion
+  RowMatrices<D> stress;                 ///< first Piola-Kirchhoff P [Pa]
+  RowVectors<D> external_force;          ///< surface load and weight, constant over a window [N/m^(3-D)]
+};
+
+template <int D>
+State<D> state_at_rest(const Reference<D>& reference, std::size_t surface_points) {
+  State<D> state;
+  for (auto* vectors : {&state.displacement, &state.velocity, &state.internal_force})
+    for (auto& axis : *vectors) axis.assign(reference.rows, 0);
+  state.load.force.assign(surface_points, Vector<D>::Zero());
+  state.diffusion_loss.assign(reference.blocks.size(), broadcast(0));
+  state.penalty_store.assign(reference.blocks.size(), broadcast(0));
+  return state;
+}
+
+template <int D>
+Workspace<D> workspace_for(const Reference<D>& reference) {
+  Workspace<D> work;
+  for (auto* matrices : {&work.displacement_gradient, &work.velocity_gradient, &work.stress})
+    for (auto& component : *matrices)
+      for (auto& direction : component) direction.assign(reference.rows, 0);
+  for (auto& axis : work.external_force) axis.assign(reference.rows, 0);
+  return work;
+}
+
+}  // namespace tern::structure

@@ -1,0 +1,210 @@
+// Windows of the structure: what is saved, restored and kept between trial() and advance().
+
+#include "structure/structure.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+
+#include "particles/error.hpp"
+#include "structure/energy.hpp"
+#include "structure/material_point.hpp"
+#include "structure/reference.hpp"
+#include "structure/surface_points.hpp"
+#include "structure/time_step.hpp"
+
+namespace tern::structure {
+
+template <int D>
+struct Structure<D>::Parts {
+  Reference<D> reference;
+  SurfaceAttachment<D> attachment;
+  VectorExpression gravity;
+  bool has_gravity = false;
+  double courant = 0;
+
+  State<D> state, saved;
+  RowVectors<D> weight;  // of the particles over the present window [N/m^(3-D)]
+  Workspace<D> work;
+  Ticks duration = 0;    // of the present window
+  int sub_steps = 0;
+
+  explicit Parts(const Case& scene)
+      : reference(build_reference<D>(scene.structure.value())),
+        attachment(attach_surface(reference)),
+        gravity(scene.gravity),
+        courant(scene.structure->numerics.courant),
+        state(state_at_rest(reference, attachment.row.size())),
+        work(workspace_for(reference)) {
+    for (auto& axis : weight) axis.assign(reference.rows, 0);
+    for (int a = 0; a < D; ++a) has_gravity |= !gravity[a].is_constant() || gravity[a](0) != 0;
+    for (std::size_t p = 0; p < reference.particle_row.size(); ++p) {
+      const auto row = reference.particle_row[p];
+      if (reference.inverse_mass[row] == 0) continue;
+      const auto x = place(row);
+      const auto& velocity = scene.structure->bodies[reference.particle_body[p]].velocity;
+      for (int a = 0; a < D; ++a) state.velocity[a][row] = velocity[a](0, x[0], x[1], x[2]);
+    }
+    deform();
+    internal_force(reference, work, 0, state);
+  }
+
+  /// Deformation gradient and stress of the present state into the workspace.
+  void deform() {
+    deformation_gradient(reference, state, work);
+    first_piola_kirchhoff(reference, state, seconds(state.time), work);
+  }
+
+  std::array<double, 3> place(std::int32_t row) const {
+    std::array<double, 3> x{};
+    for (int a = 0; a < D; ++a) x[a] = reference.position[a][row] + state.displacement[a][row];
+    return x;
+  }
+
+  /// Weight of the free particles, taken at the middle of the window and at the positions of its begin.
+  void update_weight() {
+    if (!has_gravity) return;
+    const double t = seconds(state.time) + 0.5 * seconds(duration);
+    for (const auto row : reference.particle_row) {
+      if (reference.inverse_mass[row] == 0) continue;
+      const auto x = place(row);
+      for (int a = 0; a < D; ++a) weight[a][row] = reference.mass[row] * gravity[a](t, x[0], x[1], x[2]);
+    }
+  }
+
+  /// Advances the present window under state.load and counts the work of the constant forces, f . (d_end - d_begin).
+  void advance() {
+    for (int a = 0; a < D; ++a) work.external_force[a] = weight[a];
+    for (std::size_t k = 0; k < attachment.row.size(); ++k)
+      for (int a = 0; a < D; ++a) work.external_force[a][attachment.row[k]] += state.load.force[k][a];
+    advance_window(reference, duration, sub_steps, state, work);
+    double total = 0, by_gravity = 0;
+    for (int a = 0; a < D; ++a)
+      for (const auto row : reference.particle_row) {
+        const double moved = state.displacement[a][row] - saved.displacement[a][row];
+        total += work.external_force[a][row] * moved;
+        by_gravity += weight[a][row] * moved;
+      }
+    state.gravity_work += by_gravity;
+    state.interface_work += total - by_gravity;
+  }
+};
+
+template <int D>
+Structure<D>::Structure(const Case& scene) : parts_(std::make_unique<Parts>(scene)) {}
+template <int D>
+Structure<D>::~Structure() = default;
+template <int D>
+Structure<D>::Structure(Structure&&) noexcept = default;
+template <int D>
+Structure<D>& Structure<D>::operator=(Structure&&) noexcept = default;
+
+template <int D>
+const SurfaceProperties& Structure<D>::surface_properties() const {
+  return parts_->attachment.properties;
+}
+
+template <int D>
+Surface<D> Structure<D>::trial(Ticks begin, Ticks duration) {
+  Parts& p = *parts_;
+  assert(begin == p.state.time && duration > 0);
+  p.state.time = begin;
+  p.duration = duration;
+  p.saved = p.state;
+  const double dt = stable_sub_step(p.reference, p.courant, p.state, p.work);
+  p.sub_steps = std::max(1, static_cast<int>(std::ceil(seconds(duration) / dt)));
+  p.update_weight();
+  p.advance();
+  return present_surface(p.attachment, p.reference, p.state, p.work);
+}
+
+template <int D>
+void Structure<D>::advance(const SurfaceLoad<D>& load) {
+  Parts& p = *parts_;
+  assert(load.force.size() == p.attachment.row.size());
+  const bool same = load.force.empty() || std::memcmp(load.force.data(), p.saved.load.force.data(),
+                                                      load.force.size() * sizeof load.force[0]) == 0;
+  if (same) return;
+  p.state = p.saved;
+  p.state.load = load;
+  p.advance();
+}
+
+template <int D>
+Surface<D> Structure<D>::surface() const {
+  deformation_gradient(parts_->reference, parts_->state, parts_->work);
+  return present_surface(parts_->attachment, parts_->reference, parts_->state, parts_->work);
+}
+
+template <int D>
+const SurfaceLoad<D>& Structure<D>::load() const {
+  return parts_->state.load;
+}
+template <int D>
+Ticks Structure<D>::time() const {
+  return parts_->state.time;
+}
+template <int D>
+std::size_t Structure<D>::particles() const {
+  return parts_->reference.particle_row.size();
+}
+template <int D>
+std::size_t Structure<D>::surface_points() const {
+  return parts_->attachment.row.size();
+}
+template <int D>
+int Structure<D>::sub_steps() const {
+  return parts_->sub_steps;
+}
+template <int D>
+double Structure<D>::largest_sub_step() const {
+  return stable_sub_step(parts_->reference, parts_->courant, parts_->state, parts_->work);
+}
+
+template <int D>
+Energies Structure<D>::energies() const {
+  deformation_gradient(parts_->reference, parts_->state, parts_->work);
+  return energies_of(parts_->reference, parts_->state, parts_->work);
+}
+
+template <int D>
+Momentum Structure<D>::momentum() const {
+  return momentum_of(parts_->reference, parts_->state);
+}
+
+template <int D>
+Fields<D> Structure<D>::fields() const {
+  parts_->deform();
+  return fields_of(parts_->reference, parts_->state, parts_->work);
+}
+
+template <int D>
+MaterialPoint Structure<D>::material_point(const std::string& body, const std::array<double, 3>& at) const {
+  Vector<D> x;
+  for (int a = 0; a < D; ++a) x[a] = at[a];
+  return find_material_point<D>(parts_->reference, body, x);
+}
+
+template <int D>
+Vector<D> Structure<D>::displacement(const MaterialPoint& point) const {
+  Vector<D> d = Vector<D>::Zero();
+  for (std::size_t n = 0; n < point.particle.size(); ++n)
+    for (int a = 0; a < D; ++a)
+      d[a] += point.weight[n] * parts_->state.displacement[a][parts_->reference.particle_row[point.particle[n]]];
+  return d;
+}
+
+template <int D>
+Vector<D> Structure<D>::total_load(const std::string& body) const {
+  Vector<D> total = Vector<D>::Zero();
+  const auto& attachment = parts_->attachment;
+  for (std::size_t k = 0; k < attachment.row.size(); ++k)
+    if (parts_->reference.bodies[attachment.properties.body[k]].name == body) total += parts_->state.load.force[k];
+  return total;
+}
+
+template class Structure<2>;
+template class Structure<3>;
+
+}  // namespace tern::structure

@@ -1,0 +1,103 @@
+// Surface points and what the coupler must know of the material behind them: section_mass = rho_0 T / N_wet, T the
+// thickness behind the point, N_wet = 2 where the opposite face is exposed too.
+
+#include "structure/surface_points.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "particles/geometry.hpp"
+#include "structure/time_step.hpp"
+
+namespace tern::structure {
+namespace {
+
+bool inside_any(const std::vector<Shape>& shapes, const auto& x) {
+  constexpr int D = std::decay_t<decltype(x)>::RowsAtCompileTime;
+  return std::any_of(shapes.begin(), shapes.end(), [&](const Shape& s) { return contains<D>(s, x); });
+}
+
+/// Row of the free particle of the body nearest to x, -1 when all are clamped.
+template <int D>
+std::int32_t nearest_free_row(const Reference<D>& reference, const Body& body, const Vector<D>& x) {
+  std::int32_t nearest = -1;
+  double least = std::numeric_limits<double>::max();
+  for (std::size_t p = body.first; p < body.first + body.count; ++p) {
+    const auto row = reference.particle_row[p];
+    if (reference.inverse_mass[row] == 0) continue;
+    const double squared = (reference.position_of(row) - x).squaredNorm();
+    if (squared < least) {
+      least = squared;
+      nearest = row;
+    }
+  }
+  return nearest;
+}
+
+}  // namespace
+
+template <int D>
+SurfaceAttachment<D> attach_surface(const Reference<D>& reference) {
+  SurfaceAttachment<D> attachment;
+  for (std::uint32_t b = 0; b < reference.bodies.size(); ++b) {
+    const Body& body = reference.bodies[b];
+    const auto points = sample_surface<D>(body.shape, body.spacing);
+    for (std::size_t k = 0; k < points.position.size(); ++k) {
+      const Vector<D>& x = points.position[k];
+      const Vector<D>& normal = points.normal[k];
+      if (inside_any(body.clamps, x)) continue;
+      const auto row = nearest_free_row<D>(reference, body, x);
+      if (row < 0) continue;  // the whole body is clamped
+      const double depth = thickness<D>(body.shape, x, normal);
+      // A hair inside the opposite face: on it, whether a clamp contains the point would be a matter of round-off.
+      const Vector<D> opposite = x - (depth - 1e-3 * body.spacing) * normal;
+      const int wet_faces = inside_any(body.clamps, opposite) ? 1 : 2;
+      attachment.properties.body.push_back(b);
+      attachment.properties.section_mass.push_back(body.material.density * depth / wet_faces);
+      attachment.properties.impedance.push_back(body.material.density * body.material.pressure_wave_speed());
+      attachment.properties.least_mass.push_back(body.material.density * body.spacing);
+      attachment.row.push_back(row);
+      attachment.offset.push_back(x - reference.position_of(row));
+      attachment.normal.push_back(normal);
+      attachment.area.push_back(points.area[k]);
+    }
+  }
+  return attachment;
+}
+
+template <int D>
+Surface<D> present_surface(const SurfaceAttachment<D>& attachment, const Reference<D>& reference,
+                           const State<D>& state, const Workspace<D>& work) {
+  const std::size_t count = attachment.row.size();
+  Surface<D> surface;
+  surface.position.resize(count);
+  surface.velocity.resize(count);
+  surface.normal.resize(count);
+  surface.area.resize(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto row = attachment.row[k];
+    Vector<D> d, v;
+    for (int a = 0; a < D; ++a) {
+      d[a] = state.displacement[a][row];
+      v[a] = state.velocity[a][row];
+    }
+    const Matrix<D> f = deformation_gradient_of<D>(work, row);
+    const Vector<D> normal = f.determinant() * f.inverse().transpose() * attachment.normal[k];
+    const double stretch = normal.norm();
+    surface.position[k] = reference.position_of(row) + d + f * attachment.offset[k];
+    surface.velocity[k] = v;
+    surface.normal[k] = normal / stretch;
+    surface.area[k] = attachment.area[k] * stretch;
+  }
+  return surface;
+}
+
+template SurfaceAttachment<2> attach_surface<2>(const Reference<2>&);
+template SurfaceAttachment<3> attach_surface<3>(const Reference<3>&);
+template Surface<2> present_surface<2>(const SurfaceAttachment<2>&, const Reference<2>&, const State<2>&,
+                                       const Workspace<2>&);
+template Surface<3> present_surface<3>(const SurfaceAttachment<3>&, const Reference<3>&, const State<3>&,
+                                       const Workspace<3>&);
+
+}  // namespace tern::structure

@@ -1,0 +1,50 @@
+#pragma once
+// The equations of motion of the structure, one function per equation, each in the file named after it.
+// All loop over blocks of four rows and only gather: the bits do not depend on the number of threads.
+
+#include "particles/vector.hpp"
+#include "structure/state.hpp"
+
+namespace tern::structure {
+
+/// Fewer blocks than this are worked on by one thread: a parallel region would cost more than it saves.
+inline constexpr std::ptrdiff_t parallel_blocks = 1024;
+
+/// H_i = sum_j V_j (d_j - d_i) x g_ij and, when `work` is used by the diffusion, L_i likewise from the velocities.
+template <int D>
+void deformation_gradient(const Reference<D>& reference, const State<D>& state, Workspace<D>& work);
+
+/// P(F) of every row (seed paper eq. 4). Throws NumericalFailure when J <= 0 or not finite, naming particle and `time_s`.
+template <int D>
+void first_piola_kirchhoff(const Reference<D>& reference, const State<D>& state, double time_s, Workspace<D>& work);
+
+/// f_i of every row, and the energy the dissipative terms take up in `dt` [s].
+template <int D>
+void internal_force(const Reference<D>& reference, const Workspace<D>& work, double dt, State<D>& state);
+
+/// v += dt (f_internal + f_external) / m; zero where clamped.
+template <int D>
+void kick(const Reference<D>& reference, const Workspace<D>& work, double dt, State<D>& state);
+
+/// d += dt v.
+template <int D>
+void drift(const Reference<D>& reference, double dt, State<D>& state);
+
+/// Largest stable sub-step [s]: courant dx/(c + |v|max), c the pressure wave speed at the strongest compression.
+template <int D>
+double stable_sub_step(const Reference<D>& reference, double courant, const State<D>& state, Workspace<D>& work);
+
+/// Advances the state by `duration` in `sub_steps` equal steps of velocity Verlet under work.external_force.
+template <int D>
+void advance_window(const Reference<D>& reference, Ticks duration, int sub_steps, State<D>& state, Workspace<D>& work);
+
+/// F_i in the row, from the last deformation_gradient().
+template <int D>
+Matrix<D> deformation_gradient_of(const Workspace<D>& work, std::int32_t row) {
+  Matrix<D> f = Matrix<D>::Identity();
+  for (int a = 0; a < D; ++a)
+    for (int b = 0; b < D; ++b) f(a, b) += work.displacement_gradient[a][b][row];
+  return f;
+}
+
+}  // namespace tern::structure
