@@ -9,6 +9,10 @@
 
 namespace tern {
 
+/// Extends the file by `bytes` (HDF5 cuts off what it does not use). Throws InputOutputError, the file unchanged, when
+/// there is no room.
+void make_room(const std::string& path, std::size_t bytes);
+
 /// One HDF5 identifier and the function that closes it.
 class Hdf5Handle {
  public:
@@ -32,7 +36,9 @@ class Hdf5Handle {
 class Hdf5File {
  public:
   enum class Mode { create, append };
-  Hdf5File(std::string path, Mode mode);
+  /// Appending first makes room for about `bytes` more: a disk that fills up while HDF5 writes would damage what is
+  /// there.
+  Hdf5File(std::string path, Mode mode, std::size_t bytes = 0);
 
   Hdf5Handle create_group(const std::string& name);
   /// rows x columns values; columns = 0 makes the dataset one-dimensional. `unit` may be empty: no attribute.
