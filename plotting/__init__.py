@@ -1,0 +1,1 @@
+"""Pictures of runs (numpy, matplotlib, h5py): fields, gauges, energies, steps."""

@@ -1,0 +1,122 @@
+"""Curves over time: gauges with their references, energies, and the history of steps and solver."""
+
+import re
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from plotting import style
+
+QUANTITIES = {"ux": "displacement x", "uy": "displacement y", "uz": "displacement z", "fx": "force x", "fy": "force y",
+              "fz": "force z", "p": "pressure"}
+
+
+def split_column(column):
+    """`P.ux_m` as (P, displacement x, m). The unit is what follows the last underscore."""
+    gauge, _, rest = column.rpartition(".")
+    quantity, _, unit = rest.rpartition("_")
+    if not quantity:
+        quantity, unit = unit, ""
+    unit = re.sub(r"_per_|(?<=[A-Za-z])/", "/", unit)
+    return gauge or quantity, QUANTITIES.get(quantity.lower(), quantity), unit
+
+
+def _panels(runs):
+    """[(gauge, quantity, unit, [(run, column, table)])] for every column any of the runs has, in file order."""
+    panels = {}
+    for run in runs:
+        table = run.table("gauges.csv")
+        for column in table:
+            if column != "t_s" and np.isfinite(table[column]).any():
+                gauge, quantity, unit = split_column(column)
+                panels.setdefault(column, (gauge, quantity, unit, []))[3].append((run, column, table))
+    return list(panels.values())
+
+
+def gauges(runs):
+    """All gauges of one run with their references, or the gauges of several runs over each other."""
+    panels = _panels(runs)
+    if not panels:
+        return None
+    columns = 2 if len(panels) > 3 else 1
+    rows = -(-len(panels) // columns)
+    figure, axes = plt.subplots(rows, columns, figsize=(7.5 * columns, 2.9 * rows), squeeze=False, sharex=True,
+                                layout="constrained")
+    for axis, (gauge, quantity, unit, curves) in zip(axes.flat, panels):
+        drawn = set()
+        for run, column, table in curves:
+            for label, t, value in run.references().get(column, []):
+                if label not in drawn:
+                    axis.plot(t, value, label=label, **style.REFERENCE)
+                drawn.add(label)
+        for run, column, table in curves:
+            axis.plot(table["t_s"], table[column], color=style.RUN_COLOURS[runs.index(run) % len(style.RUN_COLOURS)],
+                      label=run.label() if len(runs) > 1 else "tern")
+        axis.set_title(f"{gauge}: {quantity}" if gauge != quantity else gauge, loc="left")
+        axis.set_ylabel(f"{quantity} [{unit}]" if unit else quantity)
+        if drawn or len(runs) > 1:
+            axis.legend()
+    for axis in axes.flat[len(panels):]:
+        axis.set_visible(False)
+    for axis in axes[-1]:
+        axis.set_xlabel("t [s]")
+    figure.suptitle("Comparison of gauges" if len(runs) > 1 else f"{runs[0].title}: gauges")
+    return style.save(figure, runs[0], "comparison" if len(runs) > 1 else "gauges")
+
+
+def energies(run):
+    """Every energy of energy.csv, and the interface work of both sides with their sum."""
+    table = run.table("energy.csv")
+    if len(table.get("t_s", [])) < 2:
+        return None
+    work = [name for name in table if "_work_" in name or name.endswith("_dissipation_J")]
+    stored = [name for name in table if name != "t_s" and name not in work]
+    # A potential energy has no natural zero, so each one is drawn as its change since the start.
+    groups = [("energies" + (", potential as change since the start" if any("potential" in name for name in stored)
+                             else ""), stored), ("interface work and dissipation, accumulated", work)]
+    groups = [(title, names) for title, names in groups
+              if any(np.nanmax(np.abs(table[name]), initial=0) > 0 for name in names)]
+    if not groups:
+        return None
+    figure, axes = plt.subplots(len(groups), 1, figsize=(9, 3.6 * len(groups)), squeeze=False, sharex=True,
+                                layout="constrained")
+    for axis, (title, names) in zip(axes.flat, groups):
+        for name in names:
+            value = table[name] - (table[name][0] if "potential" in name else 0.0)
+            axis.plot(table["t_s"], value, label=name.removesuffix("_J").replace("_", " "))
+        axis.set_title(title, loc="left")
+        axis.set_ylabel("energy [J]" if _dimension(run) == 3 else "energy [J/m]")
+        axis.legend(ncols=2)
+    axes[-1, 0].set_xlabel("t [s]")
+    figure.suptitle(f"{run.title}: energy account")
+    return style.save(figure, run, "energies")
+
+
+def _dimension(run):
+    return run.contents.get("settings", {}).get("dimension", 2)
+
+
+def steps(run):
+    """Step length and what limits it, pressure iterations, wall time per step."""
+    table = run.table("steps.csv")
+    if len(table.get("t_s", [])) < 2:
+        return None
+    names = [name for name in ("dt_s", "pressure_iterations", "wall_ms") if np.isfinite(table.get(name, [np.nan])).any()]
+    figure, axes = plt.subplots(len(names), 1, figsize=(9, 2.7 * len(names)), squeeze=False, sharex=True,
+                                layout="constrained")
+    table["dt_s"] = 1e3 * table["dt_s"]
+    titles = {"dt_s": "step length [ms]", "pressure_iterations": "pressure iterations", "wall_ms": "wall time of the step [ms]"}
+    for axis, name in zip(axes.flat, names):
+        if name == "dt_s" and "limit" in table:
+            limits = table["limit"].astype(str)
+            for limit in sorted(set(limits)):
+                chosen = limits == limit
+                axis.plot(table["t_s"][chosen], table[name][chosen], ".", markersize=2.5, label=limit)
+            axis.legend(title="limited by", markerscale=4, loc="lower right")
+        else:
+            axis.plot(table["t_s"], table[name], ".", markersize=2)
+        axis.set_ylim(bottom=0)
+        axis.set_ylabel(titles[name])
+    axes[-1, 0].set_xlabel("t [s]")
+    figure.suptitle(f"{run.title}: steps")
+    return style.save(figure, run, "steps")
