@@ -11,4 +11,8 @@ namespace tern {
 /// effective settings the case was read from; they give the places for the sentences.
 void check_scene(Case& scene, const Setting& settings);
 
+/// Thickness that 10 % of the body's surface falls below [m]: the thickness of a plate, however long its ends are.
+template <int D>
+double thin_section(const StructureBody& body);
+
 }  // namespace tern

@@ -1,0 +1,85 @@
+// tern-case: reads a case and says what is in it, without running anything.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "particles/case_estimate.hpp"
+#include "particles/error.hpp"
+#include "particles/parameter_table.hpp"
+#include "particles/version.hpp"
+
+namespace {
+
+using namespace tern;
+
+std::string json_text(const Case& scene) {
+  const nlohmann::json json = {{"name", scene.name},
+                               {"path", scene.path},
+                               {"hash", scene.hash},
+                               {"dimension", scene.dimension},
+                               {"end_time", scene.end_time},
+                               {"title", scene.title},
+                               {"has_fluid", scene.fluid.has_value()},
+                               {"has_structure", scene.structure.has_value()},
+                               {"settings", nlohmann::json::parse(scene.settings)},
+                               {"warnings", scene.warnings}};
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+int run(int argc, char** argv) {
+  std::string case_path;
+  std::vector<std::string> overrides;
+  CaseOptions options;
+  CLI::App app("Reads a case of tern and says what is in it.", "tern-case");
+  app.set_version_flag("--version", fmt::format("tern-case {} ({})", program_version, git_hash));
+  app.require_subcommand(1);
+  const auto add = [&](const char* name, const char* meaning) {
+    CLI::App* command = app.add_subcommand(name, meaning);
+    command->add_option("CASE", case_path, "case.toml, its folder, or the name of a folder under cases/")->required()->type_name("");
+    command->add_option("--set", overrides, "replace a value of the case, e.g. --set fluid.spacing=0.002")->type_name("KEY=VALUE");
+    command->add_option("--preset", options.preset, "group of numerical options: standard")->type_name("PRESET");
+    return command;
+  };
+  const CLI::App* check = add("check", "validate; print particles, step limits, memory and expected time");
+  const CLI::App* explain = add("explain", "say in plain words what is modelled, what is not, and what it costs");
+  const CLI::App* json = add("json", "print the effective settings as JSON");
+  const CLI::App* reference = app.add_subcommand("parameters", "print the reference of all keys (docs/PARAMETERS.md)");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& fault) {
+    if (fault.get_exit_code() == 0) return app.exit(fault);
+    throw BadInput(fmt::format("{}; see tern-case --help.", fault.what()));
+  }
+  if (*reference) {
+    std::fputs(parameter_reference().c_str(), stdout);
+    return 0;
+  }
+  for (const std::string& text : overrides) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw BadInput(fmt::format("--set {} is not of the form table.key=value; write for example --set fluid.spacing=0.002.", text));
+    }
+    options.overrides.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+  }
+  const Case scene = read_case(case_path, options);
+  const std::string answer = *check ? check_text(scene) : *explain ? explain_text(scene) : *json ? json_text(scene) : "";
+  std::fputs(answer.c_str(), stdout);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const tern::Error& error) {
+    fmt::print(stderr, "tern-case: {}\n", error.what());
+    return static_cast<int>(error.code());
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "tern-case: {}\n", error.what());
+    return static_cast<int>(tern::ExitCode::numerical_failure);
+  }
+}
