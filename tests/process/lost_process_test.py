@@ -1,0 +1,106 @@
+#!/usr/bin/python3 -B
+"""The three real processes when one of them is killed, frozen or the user ends the run: noticed in time, no survivor.
+
+Seen to fail: (killed) with the monitors' disconnect event ignored, (frozen) without heartbeats, (Ctrl-C) without the
+interrupt check in the waits, (nothing left) without the cleanup of the launcher.
+"""
+
+import os
+import signal
+import time
+import unittest
+
+from real_run import ROLES, RealRunTest
+
+
+class LostProcessTest(RealRunTest):
+    def lose(self, role, number, limit_s, cause):
+        process = self.start()
+        pids = self.wait_until_running(process)
+        self.assertEqual(sorted(pids), sorted(ROLES))
+        began = time.monotonic()
+        os.kill(pids[role], number)
+        _, errors = process.communicate(timeout=60)
+        took = time.monotonic() - began
+        self.assertEqual(process.returncode, 4, errors)
+        self.assertLess(took, limit_s, errors)
+        contents = self.contents()
+        self.assertEqual((contents["status"], contents["exit_code"]), ("peer lost", 4))
+        self.assertRegex(contents["first_cause"], cause)
+        self.assertEqual(sorted(contents["processes"]), sorted(ROLES))
+        self.assert_nothing_left(pids.values())
+        self.assert_readable()
+
+    def test_a_killed_fluid_ends_the_run_within_a_second(self):
+        self.lose("fluid", signal.SIGKILL, 2.0, r"tern-fluid was killed by signal 9 \(SIGKILL\)")
+
+    def test_a_killed_structure_ends_the_run_within_a_second(self):
+        self.lose("structure", signal.SIGKILL, 2.0, r"tern-structure was killed by signal 9 \(SIGKILL\)")
+
+    def test_a_killed_coupler_ends_the_run_within_a_second(self):
+        self.lose("coupler", signal.SIGKILL, 2.0, r"tern-coupler was killed by signal 9 \(SIGKILL\)")
+
+    def test_a_frozen_fluid_is_noticed_within_ten_seconds(self):
+        self.lose("fluid", signal.SIGSTOP, 13.0, "fluid")
+
+    def test_a_frozen_structure_is_noticed_within_ten_seconds(self):
+        self.lose("structure", signal.SIGSTOP, 13.0, "structure")
+
+    def test_a_frozen_coupler_is_noticed_within_ten_seconds(self):
+        self.lose("coupler", signal.SIGSTOP, 13.0, "coupler")
+
+
+class EndedByTheUserTest(RealRunTest):
+    def test_ctrl_c_ends_all_three_within_two_seconds_with_readable_results(self):
+        process = self.start()
+        pids = self.wait_until_running(process)
+        began = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=20)
+        self.assertLess(time.monotonic() - began, 2.0)
+        self.assertEqual(process.returncode, 130, errors)
+        contents = self.contents()
+        self.assertEqual(contents["status"], "interrupted")
+        self.assertEqual(set(contents["exit_codes"].values()), {130}, "each ended by itself, none had to be killed")
+        self.assert_nothing_left(pids.values())
+        self.assert_readable()
+
+    def test_a_killed_launcher_takes_its_processes_with_it(self):
+        process = self.start()
+        pids = self.wait_until_running(process)
+        process.kill()
+        process.communicate(timeout=20)
+        time.sleep(2.5)  # the guardian lets them write, then kills
+        for role, pid in pids.items():
+            self.assertFalse(os.path.exists(f"/proc/{pid}") and "Z" not in open(f"/proc/{pid}/stat").read().split()[2],
+                             f"tern-{role} survived its launcher")
+        self.assertEqual(list((self.path / "tmp").iterdir()), [])
+
+
+class OneRunTest(RealRunTest):
+    def test_a_short_run_ends_with_0_and_one_run_json(self):
+        process = self.start("--until", "0.05")
+        output, errors = process.communicate(timeout=120)
+        self.assertEqual(process.returncode, 0, errors)
+        contents = self.contents()
+        self.assertEqual(set(contents["exit_codes"].values()), {0})
+        self.assertGreater(contents["steps"], 5)
+        self.assertLessEqual(contents["processes"]["coupler"]["measures"]["momentum_audit_max"], 1e-10)
+        self.assertIn("pictures: ./tern plot", output)
+        self.assert_nothing_left([])
+        self.assert_readable()
+
+    def test_the_same_run_gives_the_same_bits_for_one_and_two_threads(self):
+        tables = []
+        for threads in ("1", "2"):
+            self.out = self.path / f"run{threads}"
+            process = self.start("--until", "0.1", "--threads", threads, "--quiet")
+            _, errors = process.communicate(timeout=120)
+            self.assertEqual(process.returncode, 0, errors)
+            tables.append((self.out / "gauges.csv").read_bytes())
+        self.assertGreater(tables[0].count(b"\n"), 5)
+        self.assertEqual(tables[0], tables[1])
+
+
+if __name__ == "__main__":
+    unittest.main()
