@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "particles/case_scene.hpp"
+#include "particles/case_placement.hpp"
 
 namespace tern {
 namespace {

@@ -1,6 +1,8 @@
 #pragma once
 // Whether a scene makes sense as a whole, before anything is launched.
 
+#include <optional>
+
 #include "particles/case_file.hpp"
 #include "particles/settings.hpp"
 
@@ -11,8 +13,7 @@ namespace tern {
 /// effective settings the case was read from; they give the places for the sentences.
 void check_scene(Case& scene, const Setting& settings);
 
-/// Thickness that 10 % of the body's surface falls below [m]: the thickness of a plate, however long its ends are.
-template <int D>
-double thin_section(const StructureBody& body);
+/// Where fluid may start: the container with its open faces moved to infinity; nothing if there is no container.
+std::optional<Shape> fluid_region(const Case& scene);
 
 }  // namespace tern

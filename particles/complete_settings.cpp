@@ -48,7 +48,9 @@ std::string table_label(const std::string& path) { return path.empty() ? "the to
 std::string unit_label(const Parameter& p) { return p.unit.empty() || p.unit == "-" ? "" : " [" + p.unit + "]"; }
 
 // "density [kg/m^3] of [fluid]"
-std::string label(const Parameter& p) { return fmt::format("{}{} of {}", p.key, unit_label(p), table_label(p.table)); }
+std::string label(const Parameter& p) {
+  return p.table.empty() ? p.key + unit_label(p) : fmt::format("{}{} of {}", p.key, unit_label(p), table_label(p.table));
+}
 
 class Completion {
  public:
@@ -157,10 +159,8 @@ class Completion {
     }
   }
 
-  static std::string rendered(const Setting& value) { return to_text(value); }
-
   [[noreturn]] static void wrong_type(const Parameter& p, const Setting& value, const std::string& wanted) {
-    fail(value.where, fmt::format("{} is {}, but has to be {}.", label(p), rendered(value), wanted));
+    fail(value.where, fmt::format("{} is {}, but has to be {}.", label(p), to_text(value), wanted));
   }
 
   static void check_number(const Parameter& p, const Setting& value) {
@@ -173,19 +173,22 @@ class Completion {
     if (!std::isfinite(x) || low || high) {
       const std::string range = describe(p.range);
       fail(value.where,
-           fmt::format("{} is {}, but has to be {}.", label(p), rendered(value), range.empty() ? "finite" : range));
+           fmt::format("{} is {}, but has to be {}.", label(p), to_text(value), range.empty() ? "finite" : range));
     }
   }
 
   static void check_choice(const Parameter& p, const Setting& value) {
     if (value.type != Type::text) wrong_type(p, value, fmt::format("one of \"{}\"", fmt::join(p.choices, "\", \"")));
     if (std::find(p.choices.begin(), p.choices.end(), value.text) != p.choices.end()) return;
+    if (p.choices.size() == 1) {
+      fail(value.where, fmt::format("{} is \"{}\", but there is only \"{}\".", label(p), value.text, p.choices.front()));
+    }
     fail(value.where, fmt::format("{} is \"{}\", but has to be one of \"{}\"; the nearest is \"{}\".", label(p), value.text,
                                   fmt::join(p.choices, "\", \""), nearest(value.text, p.choices)));
   }
 
   void check_entries(const Parameter& p, const Setting& value, std::size_t count, bool expressions) const {
-    const std::string wanted = fmt::format("a list of {} {}", count, expressions ? "numbers or expressions" : "numbers");
+    const std::string wanted = fmt::format("a list of {} {}", count, expressions ? "numbers or expressions in quotes" : "numbers");
     if (value.type != Type::list || value.items.size() != count) wrong_type(p, value, wanted);
     for (const Setting& item : value.items) {
       const bool number = item.type == Type::number || item.type == Type::integer;

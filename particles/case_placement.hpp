@@ -1,0 +1,19 @@
+#pragma once
+// Where the particles of a scene come to lie.
+
+#include "particles/case_file.hpp"
+#include "particles/settings.hpp"
+
+namespace tern {
+
+/// Throws BadInput if a body holds no particle, lies outside the container or the domain, or overlaps another body or an
+/// obstacle; if a clamp holds no or all particles; if a body is fewer than 2 particles thick (fewer than 4: a warning); if
+/// an initial velocity or gravity is not finite where a particle starts.
+template <int D>
+void check_placement(Case& scene, const Setting& settings);
+
+/// Thickness that 10 % of the body's surface falls below [m]: the thickness of a plate, however long its ends are.
+template <int D>
+double thin_section(const StructureBody& body);
+
+}  // namespace tern
