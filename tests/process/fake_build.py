@@ -3,6 +3,8 @@
 Each role's behaviour is a list of words in the environment variable FAKE_<ROLE>:
   sleep S            wait S seconds
   report CODE TEXT   leave a report with this exit code and cause, then exit with CODE
+  blame CODE WORD    leave a report with this exit code and cause, and go on
+  leave CODE         exit with CODE and touch no report
   exit CODE          leave a report without a cause, then exit with CODE
   kill N             end by signal N
   deaf               ignore SIGINT and SIGTERM from here on
@@ -62,6 +64,10 @@ while words:
         code = int(words.pop(0))
         report(code, " ".join(words))
         sys.exit(code)
+    elif word == "blame":
+        report(int(words.pop(0)), words.pop(0))
+    elif word == "leave":
+        sys.exit(int(words.pop(0)))
     elif word == "exit":
         code = int(words.pop(0))
         report(code, "")

@@ -79,7 +79,7 @@ class LauncherTest(unittest.TestCase):
         self.assertFalse((self.fake.path / "runs").exists())
 
     def test_the_first_failure_is_the_cause_and_its_echoes_are_not(self):
-        # Seen to fail: with min() over exit times only (the coupler then wins), and without the echo rule.
+        # Seen to fail: without the echo rule (the coupler then wins, because its process ends first).
         sentence = "Pressure is not finite at step 17."
         code, _, errors = self.fake.run(fluid=f"sleep 0.4 report 3 {sentence}",
                                         coupler=f"sleep 0.3 report 3 The fluid process stopped the run: {sentence}",
@@ -103,6 +103,12 @@ class LauncherTest(unittest.TestCase):
                                    coupler="sleep 1.2 exit 0")
         self.assertEqual((code, self.contents()["first_cause"]), (5, "disk full"))
 
+    def test_the_time_of_a_cause_counts_and_not_how_long_the_process_took_to_end(self):
+        # Seen to fail: with the time of the exit instead of the report's cause_time.
+        code, _, _ = self.fake.run(fluid="blame 3 blown-up sleep 0.8 leave 3", structure="sleep 0.3 report 5 disk full",
+                                   coupler="sleep 0.2 exit 0")
+        self.assertEqual((code, self.contents()["first_cause"]), (3, "blown-up"))
+
     def test_a_process_that_does_not_notice_the_failure_is_ended(self):
         # Seen to fail (the test hangs into its time limit): without terminate_at in supervise().
         began = time.monotonic()
@@ -121,7 +127,7 @@ class LauncherTest(unittest.TestCase):
         self.assert_nothing_left([self.pid("fluid")])
 
     def test_ctrl_c_ends_everything_within_two_seconds_with_130(self):
-        # Seen to fail: without SIGINT in supervise(); "deaf" fails without the SIGKILL after it.
+        # Seen to fail: without SIGINT in supervise() (all are then killed); "deaf" without the SIGKILL after it.
         for number, behaviour in enumerate(("wait", "deaf wait")):
             name = "pond" if number == 0 else "pond-2"
             process = self.fake.start(fluid=behaviour, structure="wait", coupler="wait")
@@ -133,6 +139,8 @@ class LauncherTest(unittest.TestCase):
             self.assertLess(time.monotonic() - began, 2.0)
             self.assertEqual(process.returncode, 130, errors)
             self.assertEqual(self.contents(name)["status"], "interrupted")
+            self.assertEqual(self.contents(name)["exit_codes"], {"coupler": 130, "structure": 130,
+                                                                 "fluid": 130 if behaviour == "wait" else -9})
             self.assert_nothing_left(pids)
 
     def test_a_second_ctrl_c_kills(self):
