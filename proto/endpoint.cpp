@@ -2,6 +2,7 @@
 
 #include "proto/endpoint.hpp"
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -18,7 +19,9 @@ namespace {
 constexpr const char* forms = "ipc:///path/to/file or tcp://127.0.0.1:PORT";
 
 bool is_loopback(const std::string& host) {
-  return host == "localhost" || host == "[::1]" || (host.starts_with("127.") && host.find('*') == std::string::npos);
+  in_addr address{};
+  const bool numeric = ::inet_pton(AF_INET, host.c_str(), &address) == 1;
+  return host == "localhost" || host == "[::1]" || (numeric && (ntohl(address.s_addr) >> 24) == 127);
 }
 
 bool somebody_listens(const std::string& path) {
