@@ -19,13 +19,11 @@ void gradients(const Reference<D>& reference, const State<D>& state, Workspace<D
       for (int b = 0; b < D; ++b) gradient[D + a][b] = work.velocity_gradient[a][b].data();
     }
   }
-  const auto blocks = static_cast<std::ptrdiff_t>(reference.blocks.size());
-#pragma omp parallel for schedule(static) if (blocks > parallel_blocks)
-  for (std::ptrdiff_t n = 0; n < blocks; ++n) {
+  for_each_block(static_cast<std::ptrdiff_t>(reference.blocks.size()), [&](std::ptrdiff_t n) {
     const Block& block = reference.blocks[n];
-    if (!block.deforms) continue;
+    if (!block.deforms) return;
     const Stencil<D>& stencil = reference.stencils[block.stencil];
-    const StencilEntry<D>* entry = reference.entries.data() + stencil.first;
+    const Neighbour<D>* neighbour = reference.neighbours.data() + stencil.first;
     const std::int32_t* offset = reference.row_offset.data() + stencil.first;
     Lanes own[fields], sum[fields][D] = {};
     for (int a = 0; a < fields; ++a) own[a] = load(field[a] + block.row);
@@ -33,12 +31,12 @@ void gradients(const Reference<D>& reference, const State<D>& state, Workspace<D
       const std::ptrdiff_t j = block.row + offset[k];
       for (int a = 0; a < fields; ++a) {
         const Lanes difference = load(field[a] + j) - own[a];
-        for (int b = 0; b < D; ++b) sum[a][b] += difference * entry[k].gradient[b];
+        for (int b = 0; b < D; ++b) sum[a][b] += difference * neighbour[k].gradient[b];
       }
     }
     for (int a = 0; a < fields; ++a)
       for (int b = 0; b < D; ++b) store(gradient[a][b] + block.row, sum[a][b]);
-  }
+  });
 }
 
 }  // namespace

@@ -31,8 +31,8 @@ Energies energies_of(const Reference<D>& reference, const State<D>& state, const
     const Material& m = body.material;
     e.strain += std::pow(body.spacing, D) * (0.5 * m.mu * trace - m.mu * log_j + 0.5 * m.lambda * log_j * log_j);
   }
-  for (const Lanes& loss : state.diffusion_loss) e.diffusion += 0.5 * sum(loss);
-  for (const Lanes& stored : state.penalty_store) e.penalty += 0.5 * sum(stored);
+  for (const Lanes& loss : state.diffusion_loss) e.diffusion += sum(loss);
+  for (const Lanes& stored : state.penalty_store) e.penalty += sum(stored);
   e.potential = -state.gravity_work;
   e.interface_work = state.interface_work;
   return e;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -73,26 +74,26 @@ void first_piola_kirchhoff(const Reference<D>& reference, const State<D>& state,
       p[a][b] = work.stress[a][b].data();
     }
   const auto blocks = static_cast<std::ptrdiff_t>(reference.blocks.size());
-  std::ptrdiff_t failed = blocks;  // the lowest block that failed: the same one for any number of threads
-#pragma omp parallel for schedule(static) reduction(min : failed) if (blocks > parallel_blocks)
-  for (std::ptrdiff_t n = 0; n < blocks; ++n) {
+  std::atomic<std::ptrdiff_t> failed = blocks;  // the lowest block that failed: the same one for any number of threads
+  for_each_block(blocks, [&](std::ptrdiff_t n) {
     const Block& block = reference.blocks[n];
-    if (!block.deforms) continue;
+    if (!block.deforms) return;
     const Material& material = reference.bodies[block.body].material;
     Lanes f[D][D], c[D][D];
     for (int a = 0; a < D; ++a)
       for (int b = 0; b < D; ++b) f[a][b] = load(h[a][b] + block.row) + (a == b ? 1.0 : 0.0);
     const Lanes j = cofactor(f, c);
     if (!all_positive_and_finite(j)) {
-      failed = std::min(failed, n);
-      continue;
+      for (auto lowest = failed.load(); n < lowest && !failed.compare_exchange_weak(lowest, n);) {}
+      return;
     }
     Lanes log_j;
-    for (int lane = 0; lane < lane_count; ++lane) log_j[lane] = std::log(j[lane]);
+    Eigen::Map<Eigen::Array4d>(reinterpret_cast<double*>(&log_j)) =
+        Eigen::Map<const Eigen::Array4d>(reinterpret_cast<const double*>(&j)).log();
     const Lanes factor = (material.lambda * log_j - material.mu) / j;
     for (int a = 0; a < D; ++a)
       for (int b = 0; b < D; ++b) store(p[a][b] + block.row, material.mu * f[a][b] + factor * c[a][b]);
-  }
+  });
   if (failed < blocks) fail(reference, state, time_s, work, reference.blocks[failed].row);
 }
 

@@ -7,26 +7,25 @@ namespace tern::structure {
 
 template <int D>
 void kick(const Reference<D>& reference, const Workspace<D>& work, double dt, State<D>& state) {
-  const auto rows = static_cast<std::ptrdiff_t>(reference.rows);
-  const double* inverse_mass = reference.inverse_mass.data();
-  for (int a = 0; a < D; ++a) {
-    double* v = state.velocity[a].data();
-    const double* internal = state.internal_force[a].data();
-    const double* external = work.external_force[a].data();
-#pragma omp parallel for simd schedule(static) if (rows > lane_count * parallel_blocks)
-    for (std::ptrdiff_t i = 0; i < rows; ++i) v[i] += dt * inverse_mass[i] * (internal[i] + external[i]);
-  }
+  for_each_block(static_cast<std::ptrdiff_t>(reference.blocks.size()), [&](std::ptrdiff_t n) {
+    const std::ptrdiff_t i = reference.blocks[n].row;
+    const Lanes factor = dt * load(reference.inverse_mass.data() + i);
+    for (int a = 0; a < D; ++a) {
+      double* v = state.velocity[a].data() + i;
+      store(v, load(v) + factor * (load(state.internal_force[a].data() + i) + load(work.external_force[a].data() + i)));
+    }
+  });
 }
 
 template <int D>
 void drift(const Reference<D>& reference, double dt, State<D>& state) {
-  const auto rows = static_cast<std::ptrdiff_t>(reference.rows);
-  for (int a = 0; a < D; ++a) {
-    double* d = state.displacement[a].data();
-    const double* v = state.velocity[a].data();
-#pragma omp parallel for simd schedule(static) if (rows > lane_count * parallel_blocks)
-    for (std::ptrdiff_t i = 0; i < rows; ++i) d[i] += dt * v[i];
-  }
+  for_each_block(static_cast<std::ptrdiff_t>(reference.blocks.size()), [&](std::ptrdiff_t n) {
+    const std::ptrdiff_t i = reference.blocks[n].row;
+    for (int a = 0; a < D; ++a) {
+      double* d = state.displacement[a].data() + i;
+      store(d, load(d) + dt * load(state.velocity[a].data() + i));
+    }
+  });
 }
 
 template void kick<2>(const Reference<2>&, const Workspace<2>&, double, State<2>&);

@@ -2,6 +2,7 @@
 // Four consecutive particles worked on at once. A Lanes value is one AVX2 register; the same code compiles to two SSE2
 // registers elsewhere, with the same bits: lanes never mix.
 
+#include <cstddef>
 #include <cstring>
 
 namespace tern::structure {
@@ -22,5 +23,19 @@ inline void store(double* p, const Lanes& v) { std::memcpy(p, &v, sizeof v); }
 inline Lanes broadcast(double x) { return Lanes{x, x, x, x}; }
 
 inline double sum(const Lanes& v) { return (v[0] + v[1]) + (v[2] + v[3]); }
+
+/// Fewer blocks than this are worked on by one thread: a parallel region would cost more than it saves.
+inline constexpr std::ptrdiff_t parallel_blocks = 1024;
+
+/// work(n) for every n in [0, count), in parallel when there are many. `work` must not throw.
+template <class Work>
+inline void for_each_block(std::ptrdiff_t count, const Work& work) {
+  if (count < parallel_blocks) {
+    for (std::ptrdiff_t n = 0; n < count; ++n) work(n);
+    return;
+  }
+#pragma omp parallel for schedule(static)
+  for (std::ptrdiff_t n = 0; n < count; ++n) work(n);
+}
 
 }  // namespace tern::structure

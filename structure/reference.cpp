@@ -6,10 +6,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <map>
-#include <string_view>
 #include <unordered_map>
 
 #include "particles/error.hpp"
@@ -101,7 +99,8 @@ std::int32_t number_rows(const std::vector<Cell<D>>& cells, std::int32_t next_ro
   std::map<Cell<D>, std::int32_t> row_of_cell_zero;
   for (const auto& [line, range] : lines) {
     const int first = range.first - range.first % lane_count;
-    const int last = range.second - range.second % lane_count + lane_count;
+    const int separated = range.second + lane_count - 1;
+    const int last = separated - separated % lane_count + lane_count;
     row_of_cell_zero[line] = next_row - first;
     next_row += last - first;
   }
@@ -146,27 +145,42 @@ std::vector<std::vector<Vector<D>>> gradients_of(const std::vector<Cell<D>>& cel
   return gradients;
 }
 
+/// One neighbour of a block before it is stored.
+template <int D>
+struct Entry {
+  Neighbour<D> neighbour = {};
+  Pair<D> pair = {};
+  std::int64_t slot = 0;
+};
+
 /// Collects the stencils of the blocks and stores equal ones once.
 template <int D>
 class StencilStore {
  public:
   explicit StencilStore(Reference<D>& reference) : reference_(reference) {}
 
-  std::uint32_t add(const std::map<std::int32_t, StencilEntry<D>>& entries, const Stencil<D>& sums) {
-    std::string content(reinterpret_cast<const char*>(sums.gradient_sum), sizeof sums.gradient_sum);
+  /// `entries` by row offset.
+  std::uint32_t add(const std::map<std::int32_t, Entry<D>>& entries, const Lanes (&gradient_sum)[D]) {
+    std::string content(reinterpret_cast<const char*>(gradient_sum), sizeof gradient_sum);
     for (const auto& [offset, entry] : entries) {
       content.append(reinterpret_cast<const char*>(&offset), sizeof offset);
-      content.append(reinterpret_cast<const char*>(&entry), sizeof entry);
+      content.append(reinterpret_cast<const char*>(&entry.neighbour), sizeof entry.neighbour);
+      content.append(reinterpret_cast<const char*>(&entry.pair), sizeof entry.pair);
     }
     const auto [found, is_new] = known_.try_emplace(std::move(content), reference_.stencils.size());
     if (is_new) {
-      Stencil<D> stencil = sums;
-      stencil.first = static_cast<std::uint32_t>(reference_.entries.size());
+      Stencil<D> stencil;
+      std::copy_n(gradient_sum, D, stencil.gradient_sum);
+      stencil.first = static_cast<std::uint32_t>(reference_.neighbours.size());
       stencil.count = static_cast<std::uint32_t>(entries.size());
+      stencil.first_pair = static_cast<std::uint32_t>(reference_.pairs.size());
       for (const auto& [offset, entry] : entries) {
         reference_.row_offset.push_back(offset);
-        reference_.entries.push_back(entry);
+        reference_.pair_slot.push_back(static_cast<std::int32_t>(entry.slot));
+        reference_.neighbours.push_back(entry.neighbour);
+        if (offset > 0) reference_.pairs.push_back(entry.pair);
       }
+      stencil.pairs = static_cast<std::uint32_t>(reference_.pairs.size()) - stencil.first_pair;
       reference_.stencils.push_back(stencil);
     }
     return static_cast<std::uint32_t>(found->second);
@@ -186,14 +200,15 @@ void add_blocks(const std::vector<Cell<D>>& cells, const StructureNumerics& nume
   const auto offsets = offsets_within<D>(kernel.support() / body.spacing);
   const auto gradients = gradients_of<D>(cells, offsets, body, lattice);
   const double volume = std::pow(body.spacing, D);
+  reference.pair_slots = std::max(reference.pair_slots, static_cast<std::int32_t>(offsets.size() / 2));
 
   std::vector<const Cell<D>*> cell_of_row(end_row - first_row, nullptr);
   for (const auto& cell : cells) cell_of_row[lattice.row[lattice.index(cell)] - first_row] = &cell;
 
   for (std::int32_t row = first_row; row < end_row; row += lane_count) {
     Block block{row, 0, body_index, false, false};
-    std::map<std::int32_t, StencilEntry<D>> entries;
-    Stencil<D> sums;
+    std::map<std::int32_t, Entry<D>> entries;
+    Lanes gradient_sum[D] = {};
     for (int lane = 0; lane < lane_count; ++lane) {
       const Cell<D>* cell = cell_of_row[row - first_row + lane];
       if (cell == nullptr) continue;
@@ -204,24 +219,25 @@ void add_blocks(const std::vector<Cell<D>>& cells, const StructureNumerics& nume
         if (n < 0 || lattice.row[n] == no_row) continue;
         if (reference.inverse_mass[lattice.row[n]] > 0) block.deforms = true;
         const auto& mirror = gradients[lattice.pattern[n]][offsets.size() - 1 - o];
-        StencilEntry<D>& entry = entries.try_emplace(lattice.row[n] - lane - row, StencilEntry<D>{}).first->second;
+        Entry<D>& entry = entries[lattice.row[n] - lane - row];
+        entry.slot = static_cast<std::int64_t>(std::min(o, offsets.size() - 1 - o));
         double squared = 0;
         for (int a = 0; a < D; ++a) {
           const double x = offsets[o][a] * body.spacing;
           squared += x * x;
-          entry.half_offset[a][lane] = 0.5 * x;
-          entry.gradient[a][lane] = volume * own[o][a];
-          entry.mirror_gradient[a][lane] = volume * volume * mirror[a];
-          sums.gradient_sum[a][lane] += volume * volume * own[o][a];
+          entry.pair.half_offset[a][lane] = 0.5 * x;
+          entry.neighbour.gradient[a][lane] = volume * own[o][a];
+          entry.neighbour.mirror_gradient[a][lane] = volume * volume * mirror[a];
+          gradient_sum[a][lane] += volume * volume * own[o][a];
         }
         const double r = std::sqrt(squared);
-        entry.penalty[lane] =
+        entry.pair.penalty[lane] =
             numerics.hourglass_penalty * body.material.young_modulus * volume * volume * kernel.value(r) / squared;
-        entry.diffusion[lane] =
+        entry.pair.diffusion[lane] =
             numerics.riemann_diffusion * body.material.density * volume * volume * kernel.gradient_weight(r) * r;
       }
     }
-    block.stencil = store.add(entries, sums);
+    block.stencil = store.add(entries, gradient_sum);
     reference.blocks.push_back(block);
   }
 }

@@ -4,7 +4,8 @@
 // Particles live in rows of structure-of-arrays storage. Each lattice line of a body (along its longest side) occupies
 // consecutive rows and starts at a multiple of four, so that four consecutive rows (a block) share their neighbour
 // offsets and every neighbour access is one load of four consecutive values. Rows without a particle (line ends, and the
-// margins before the first and after the last block) have no mass, no motion and zero weight in every sum.
+// margins before the first and after the last block) have no mass, no motion and zero weight in every sum. At least three
+// of them separate two lines, so that four consecutive rows never reach from the end of one line into the next.
 
 #include <array>
 #include <cstdint>
@@ -22,19 +23,26 @@ inline constexpr int margin_rows = lane_count;
 
 /// One neighbour of each row of a block. Zero weights where a lane has no such neighbour.
 template <int D>
-struct StencilEntry {
-  Lanes half_offset[D];     ///< (X_j - X_i)/2 [m]
-  Lanes gradient[D];        ///< V_j g_ij [1/m]
-  Lanes mirror_gradient[D]; ///< V_i V_j g_ji [m^(D-1)]
-  Lanes penalty;            ///< alpha E V_i V_j w_ij / |X_ij|^2
-  Lanes diffusion;          ///< chi rho_0 V_i V_j |w'_ij|
+struct Neighbour {
+  Lanes gradient[D];         ///< V_j g_ij [1/m]
+  Lanes mirror_gradient[D];  ///< V_i V_j g_ji [m^(D-1)]
 };
 
-/// The neighbourhood of a block; blocks with the same neighbourhood share one.
+/// A neighbour in a later row: the forces of the pair are computed once, from its first row.
+template <int D>
+struct Pair {
+  Lanes half_offset[D];  ///< (X_j - X_i)/2 [m]
+  Lanes penalty;         ///< alpha E V_i V_j w_ij / |X_ij|^2
+  Lanes diffusion;       ///< chi rho_0 V_i V_j |w'_ij|
+};
+
+/// The neighbourhood of a block; blocks with the same neighbourhood share one. Entries are in the order of their rows:
+/// the `pairs` last ones of the `count` neighbours are those in later rows.
 template <int D>
 struct Stencil {
-  std::uint32_t first = 0, count = 0;  ///< range of Reference::entries and Reference::row_offset
-  Lanes gradient_sum[D] = {};          ///< V_i sum_j V_j g_ij
+  std::uint32_t first = 0, count = 0;       ///< range of Reference::neighbours, row_offset and pair_slot
+  std::uint32_t first_pair = 0, pairs = 0;  ///< range of Reference::pairs
+  Lanes gradient_sum[D] = {};               ///< V_i sum_j V_j g_ij
 };
 
 struct Block {
@@ -66,8 +74,11 @@ struct Reference {
   std::vector<double> inverse_mass;         ///< 0 where clamped or without particle
   std::vector<Block> blocks;
   std::vector<Stencil<D>> stencils;
-  std::vector<StencilEntry<D>> entries;
-  std::vector<std::int32_t> row_offset;     ///< first row of the neighbours minus first row of the block, per entry
+  std::vector<Neighbour<D>> neighbours;
+  std::vector<Pair<D>> pairs;
+  std::vector<std::int32_t> row_offset;     ///< first row of the neighbours minus first row of the block
+  std::vector<std::int32_t> pair_slot;      ///< which array of Workspace::pair_force the pair is in: one per lattice offset
+  std::int32_t pair_slots = 0;
   bool has_penalty = false, has_diffusion = false;
 
   Vector<D> position_of(std::int32_t row) const {

@@ -22,8 +22,8 @@ struct State {
   SurfaceLoad<D> load;           ///< of the last window
   double interface_work = 0;     ///< [J/m^(3-D)] since t = 0
   double gravity_work = 0;
-  std::vector<Lanes> diffusion_loss;  ///< per block: energy dissipated by the diffusion, counted from both ends of a pair
-  std::vector<Lanes> penalty_store;   ///< per block: energy taken up by the penalty, likewise
+  std::vector<Lanes> diffusion_loss;  ///< per block: energy dissipated by the diffusion in its pairs
+  std::vector<Lanes> penalty_store;   ///< per block: energy taken up by the penalty in its pairs
 };
 
 template <int D>
@@ -34,6 +34,7 @@ struct Workspace {
   RowMatrices<D> displacement_gradient;  ///< H = F - I
   RowMatrices<D> velocity_gradient;      ///< L, for the reconstruction in the diffusion
   RowMatrices<D> stress;                 ///< first Piola-Kirchhoff P [Pa]
+  RowVectors<D> pair_force;              ///< stabilising force on the first row of each pair: array of rows per pair slot
   RowVectors<D> external_force;          ///< surface load and weight, constant over a window [N/m^(3-D)]
 };
 
@@ -55,6 +56,8 @@ Workspace<D> workspace_for(const Reference<D>& reference) {
     for (auto& component : *matrices)
       for (auto& direction : component) direction.assign(reference.rows, 0);
   for (auto& axis : work.external_force) axis.assign(reference.rows, 0);
+  if (reference.has_penalty || reference.has_diffusion)
+    for (auto& axis : work.pair_force) axis.assign(reference.rows * reference.pair_slots, 0);
   return work;
 }
 

@@ -47,7 +47,8 @@ struct Structure<D>::Parts {
       for (int a = 0; a < D; ++a) state.velocity[a][row] = velocity[a](0, x[0], x[1], x[2]);
     }
     deform();
-    internal_force(reference, work, 0, state);
+    stabilising_forces(reference, 0, state, work);
+    internal_force(reference, work, state);
   }
 
   /// Deformation gradient and stress of the present state into the workspace.

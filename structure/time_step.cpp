@@ -15,7 +15,8 @@ void advance_window(const Reference<D>& reference, Ticks duration, int sub_steps
     drift(reference, dt, state);
     deformation_gradient(reference, state, work);                            // F_i, and L_i for the reconstruction
     first_piola_kirchhoff(reference, state, begin + (n + 1) * dt, work);     // P(F), seed paper eq. 4
-    internal_force(reference, work, dt, state);                              // div P, diffusion, hourglass penalty
+    stabilising_forces(reference, dt, state, work);                          // Riemann diffusion, hourglass penalty
+    internal_force(reference, work, state);                                  // -dE/dx of sum V Psi(F)
   }
   kick(reference, work, 0.5 * dt, state);
   state.time += duration;

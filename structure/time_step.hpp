@@ -7,9 +7,6 @@
 
 namespace tern::structure {
 
-/// Fewer blocks than this are worked on by one thread: a parallel region would cost more than it saves.
-inline constexpr std::ptrdiff_t parallel_blocks = 1024;
-
 /// H_i = sum_j V_j (d_j - d_i) x g_ij and, when `work` is used by the diffusion, L_i likewise from the velocities.
 template <int D>
 void deformation_gradient(const Reference<D>& reference, const State<D>& state, Workspace<D>& work);
@@ -18,9 +15,14 @@ void deformation_gradient(const Reference<D>& reference, const State<D>& state, 
 template <int D>
 void first_piola_kirchhoff(const Reference<D>& reference, const State<D>& state, double time_s, Workspace<D>& work);
 
-/// f_i of every row, and the energy the dissipative terms take up in `dt` [s].
+/// Riemann diffusion and hourglass penalty of every pair into work.pair_force, their sum over the pairs that begin in a row
+/// into state.internal_force, and the energy they take up in `dt` [s] into the account of `state`.
 template <int D>
-void internal_force(const Reference<D>& reference, const Workspace<D>& work, double dt, State<D>& state);
+void stabilising_forces(const Reference<D>& reference, double dt, State<D>& state, Workspace<D>& work);
+
+/// f_i of every row: the elastic force, and the stabilising forces of stabilising_forces().
+template <int D>
+void internal_force(const Reference<D>& reference, const Workspace<D>& work, State<D>& state);
 
 /// v += dt (f_internal + f_external) / m; zero where clamped.
 template <int D>

@@ -1,0 +1,37 @@
+#pragma once
+// The structure as the coupling sees it: a predicted surface, then the load of the window.
+
+#include "particles/case_file.hpp"
+#include "structure/structure.hpp"
+
+namespace tern::structure {
+
+template <int D>
+class CoupledStructure {
+ public:
+  CoupledStructure(Structure<D>& structure, CouplingAlgorithm algorithm) : structure_(structure), algorithm_(algorithm) {}
+
+  /// CM2: trial state at the end of the window under the old load. CM0: the present surface moved on at its velocity.
+  Surface<D> predict_surface(Ticks begin, Ticks duration) {
+    begin_ = begin;
+    duration_ = duration;
+    if (algorithm_ == CouplingAlgorithm::cm2) return structure_.trial(begin, duration);
+    Surface<D> surface = structure_.surface();
+    for (std::size_t k = 0; k < surface.position.size(); ++k)
+      surface.position[k] += seconds(duration) * surface.velocity[k];
+    return surface;
+  }
+
+  /// Brings the structure to the end of the window under this load.
+  void apply(const SurfaceLoad<D>& load) {
+    if (algorithm_ == CouplingAlgorithm::cm0) structure_.trial(begin_, duration_);
+    structure_.advance(load);
+  }
+
+ private:
+  Structure<D>& structure_;
+  CouplingAlgorithm algorithm_;
+  Ticks begin_ = 0, duration_ = 0;
+};
+
+}  // namespace tern::structure
