@@ -140,7 +140,7 @@ void FrameWriter::end() {
 
   Hdf5File file(data_path_, Hdf5File::Mode::append, frame_->bytes());
   {
-    const Hdf5Handle group = file.create_group(name);
+    const Hdf5Handle group = file.create_group();
     file.write_attribute(group, "time_s", frame_->time_s);
     file.write_attribute(group, "step", frame_->step);
     for (const Field& field : frame_->fields)
@@ -151,6 +151,7 @@ void FrameWriter::end() {
                                field.columns);
           },
           field.values);
+    file.link(group, name);
   }
   file.close();
 

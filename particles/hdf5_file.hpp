@@ -40,7 +40,11 @@ class Hdf5File {
   /// there.
   Hdf5File(std::string path, Mode mode, std::size_t bytes = 0);
 
-  Hdf5Handle create_group(const std::string& name);
+  /// A group that nothing refers to yet: link() makes it part of the file.
+  Hdf5Handle create_group();
+  /// Writes out everything so far, then gives the group its name. Until then nothing that was in the file before has
+  /// been touched; the naming itself is a few small writes in place.
+  void link(const Hdf5Handle& group, const std::string& name);
   /// rows x columns values; columns = 0 makes the dataset one-dimensional. `unit` may be empty: no attribute.
   void write_dataset(const Hdf5Handle& group, const std::string& name, const std::string& unit, hid_t type,
                      const void* values, std::size_t rows, std::size_t columns);
