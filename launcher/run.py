@@ -2,6 +2,7 @@
 
 import json
 import os
+import sys
 import time
 from datetime import datetime, timezone
 
@@ -73,6 +74,9 @@ def run(arguments):
     if not arguments.quiet:
         # Said before the first progress line: where the results appear, and under which name.
         print(f"tern: {case['name']} ({', '.join(roles)}), results in {summary.shown(out)}", flush=True)
+
+        for warning in case.get("warnings", []):
+            print(f"tern: warning: {warning}", file=sys.stderr, flush=True)
 
     contents = {"case": case["name"], "case_path": str(path), "title": case.get("title", ""), "case_hash": case["hash"],
                 "started": datetime.now(timezone.utc).isoformat(timespec="seconds"), "status": "running",

@@ -85,11 +85,11 @@ class Run:
         return float(np.median(distance.min(axis=1)))
 
     def wall_boxes(self):
-        """[(min, max)] of the rigid walls that are boxes, at their initial place."""
+        """[(min, max, open faces)] of the fixed rigid walls that are boxes."""
         boxes = []
         for wall in self.contents.get("settings", {}).get("wall", []):
             shape = wall.get("container") or wall.get("obstacle") or {}
-            if "box" in shape:
+            if "box" in shape and "displacement" not in wall:
                 boxes.append((shape["box"]["min"], shape["box"]["max"], set(wall.get("open", []))))
         return boxes
 
