@@ -229,20 +229,31 @@ class PlacementCheck {
 template <int D>
 double thin_section(const StructureBody& body) {
   const auto surface = sample_surface<D>(body.shape, body.spacing);
-  std::vector<std::pair<double, double>> sections;  // thickness, area
+  std::vector<std::pair<double, double>> all, sheet;  // thickness, area
   double total = 0;
   for (std::size_t k = 0; k < surface.area.size(); ++k) {
-    sections.emplace_back(thickness<D>(body.shape, surface.position[k], surface.normal[k]), surface.area[k]);
+    const Vector<D>&x = surface.position[k], &normal = surface.normal[k];
+    const double section = thickness<D>(body.shape, x, normal), reach = 1e-6 * body.spacing;
+    Vector<D> opposite;  // normal where the ray leaves
+    for (int d = 0; d < D; ++d) {
+      const Vector<D> leaves = x - section * normal, step = reach * Vector<D>::Unit(d);
+      opposite[d] = signed_distance<D>(body.shape, leaves + step) - signed_distance<D>(body.shape, leaves - step);
+    }
+    all.emplace_back(section, surface.area[k]);
+    if (normal.dot(opposite.normalized()) < -0.95) sheet.emplace_back(section, surface.area[k]);
     total += surface.area[k];
   }
-  // Sharp edges are thin in every body; they hold a small share of the surface and are left aside.
-  std::sort(sections.begin(), sections.end());
-  double below = 0;
-  for (const auto& [section, area] : sections) {
-    below += area;
-    if (below >= 0.1 * total) return section;
-  }
-  return 0;
+  const auto share = [&](std::vector<std::pair<double, double>> sections, double fraction) {
+    std::sort(sections.begin(), sections.end());
+    double below = 0;
+    for (const auto& [section, area] : sections) {
+      below += area;
+      if (below >= fraction * total) return section;
+    }
+    return 0.0;
+  };
+  const double thin = share(sheet, 0.05);
+  return thin > 0 ? thin : share(all, 0.5);
 }
 
 template double thin_section<2>(const StructureBody&);

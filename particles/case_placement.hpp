@@ -12,7 +12,8 @@ namespace tern {
 template <int D>
 void check_placement(Case& scene, const Setting& settings);
 
-/// Thickness that 10 % of the body's surface falls below [m]: the thickness of a plate, however long its ends are.
+/// Thickness of the body's thinnest sheet [m]: between opposite parallel faces that hold at least 5 % of its surface, so that
+/// sharp edges, which are thin in every body, do not count. The median thickness where there is no such sheet.
 template <int D>
 double thin_section(const StructureBody& body);
 

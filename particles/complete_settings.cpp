@@ -52,12 +52,19 @@ std::string label(const Parameter& p) {
   return p.table.empty() ? p.key + unit_label(p) : fmt::format("{}{} of {}", p.key, unit_label(p), table_label(p.table));
 }
 
+// "density [kg/m^3] of [fluid] is missing (density of the fluid); give a value greater than 0."
+std::string missing(const Parameter& p) {
+  const std::string range = p.choices.empty() ? describe(p.range) : fmt::format("of {}", fmt::join(p.choices, ", "));
+  const std::string meaning = p.meaning.substr(0, p.meaning.size() - 1);
+  return fmt::format("{} is missing ({}); give a value{}{}.", label(p), meaning, range.empty() ? "" : " ", range);
+}
+
 class Completion {
  public:
   explicit Completion(const Setting& document) : document_(document) {
     const Setting* dimension = document.find("dimension");
     const Parameter& definition = parameters()[1];
-    if (!dimension) fail(document.where, fmt::format("{} is missing; give 2 or 3.", label(definition)));
+    if (!dimension) fail(document.where, missing(definition));
     check_number(definition, *dimension);
     dimension_ = static_cast<std::size_t>(dimension->number);
   }
@@ -84,9 +91,7 @@ class Completion {
       if (const Setting* value = given.find(p.key)) {
         complete.set(p.key, checked(p, *value));
       } else if (p.default_value == "required") {
-        const std::string range = describe(p.range);
-        fail(given.where, fmt::format("{} is missing; {}{}{}", label(p), p.meaning, range.empty() ? "" : " Range: " + range + ".",
-                                      p.choices.empty() ? "" : fmt::format(" One of: {}.", fmt::join(p.choices, ", "))));
+        fail(given.where, missing(p));
       } else if (p.default_value != "absent") {
         complete.set(p.key, checked(p, read_toml_value(p.default_value, "default")));
       }
