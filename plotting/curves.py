@@ -1,24 +1,19 @@
 """Curves over time: gauges with their references, energies, and the history of steps and solver."""
 
-import re
-
 import matplotlib.pyplot as plt
 import numpy as np
 
 from plotting import style
 
-QUANTITIES = {"ux": "displacement x", "uy": "displacement y", "uz": "displacement z", "fx": "force x", "fy": "force y",
-              "fz": "force z", "p": "pressure"}
+QUANTITIES = {"ux": "displacement x", "uy": "displacement y", "uz": "displacement z", "Fx": "force x", "Fy": "force y",
+              "Fz": "force z", "p": "pressure", "eta": "surface elevation", "x": "position x"}
 
 
 def split_column(column):
-    """`P.ux_m` as (P, displacement x, m). The unit is what follows the last underscore."""
+    """`plate.Fx_N_per_m` as (plate, force x, N/m): gauge before the last dot, unit after the quantity's underscore."""
     gauge, _, rest = column.rpartition(".")
-    quantity, _, unit = rest.rpartition("_")
-    if not quantity:
-        quantity, unit = unit, ""
-    unit = re.sub(r"_per_|(?<=[A-Za-z])/", "/", unit)
-    return gauge or quantity, QUANTITIES.get(quantity.lower(), quantity), unit
+    quantity, _, unit = rest.partition("_")
+    return gauge or quantity, QUANTITIES.get(quantity, quantity), unit.replace("_per_", "/")
 
 
 def _panels(runs):
