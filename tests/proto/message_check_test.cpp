@@ -1,6 +1,7 @@
 // Every fault of a message is found before its content is used, and named: field, index, value, limit.
-// Seen to fail: with the check of each row removed from message_check.cpp that row (and only it) turns red; the fuzz
-// test crashed with the length check of Surface.normal removed.
+// Seen to fail: each check of message_check.cpp was switched off on its own; its row turned red, rows of other checks
+// did not. The fuzz turned red without the length of Surface.normal and Band.position, the sign of area and mass,
+// finite positions.
 
 #include "proto/message_check.hpp"
 

@@ -1,0 +1,33 @@
+"""Messages that a participant in Python must refuse; python_participant_test.cpp runs it. Exits 1 naming what passed."""
+
+import pathlib
+import sys
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "proto" / "python"))
+from message_check import BadMessage, check_body  # noqa: E402
+from schema import wire  # noqa: E402
+
+
+def surface(**changes):
+    return wire.Message(surface=wire.Surface(**{"position": [0, 0], "velocity": [0, 0], "normal": [0.6, 0.8], "area": [1]} | changes))
+
+
+def load(**changes):
+    return wire.Message(dissipative_load=wire.DissipativeLoad(
+        **{"force": [1, 2], "reference_pressure": [0], "robin_mass": [1]} | changes))
+
+
+for good in (surface(), load(), wire.Message(surface_load=wire.SurfaceLoad(force=[1, 2])),
+             wire.Message(band_force=wire.BandForce(force=[1, 2])), wire.Message(finish=wire.Finish())):
+    check_body(good, 2, 1, 1)
+
+for bad in (surface(position=[0]), surface(position=[0, float("inf")]), surface(normal=[0.6, 0.9]), surface(area=[0]),
+            surface(area=[1, 1]), load(force=[1]), load(robin_mass=[-1]), load(reference_pressure=[float("nan")]),
+            load(robin_mass=[]), wire.Message(begin_window=wire.BeginWindow(duration_ticks=0)),
+            wire.Message(surface_load=wire.SurfaceLoad(force=[1])), wire.Message(band_force=wire.BandForce(force=[1, float("nan")]))):
+    try:
+        check_body(bad, 2, 1, 1)
+    except BadMessage:
+        continue
+    sys.exit(f"passed although bad: {bad}")

@@ -1,0 +1,25 @@
+"""A fluid written in Python from docs/PROTOCOL.md alone; python_participant_test.cpp runs it. Usage: ENDPOINT CASE_HASH."""
+
+import pathlib
+import sys
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "proto" / "python"))
+from participant import Participant, RunEnded  # noqa: E402
+from schema import wire  # noqa: E402
+
+account = wire.Account(energy=[1.5, 2.5], gauge=[0, 2.5], undefined=[True, False])
+try:
+    with Participant(sys.argv[1], wire.FLUID, start_deadline_s=10, progress_deadline_s=10) as channel:
+        channel.handshake(wire.Hello(case_hash=sys.argv[2], dimension=2, version="python", account=account))
+        while channel.receive("begin_window", "finish").WhichOneof("body") == "begin_window":
+            channel.receive("surface")
+            channel.send(band=wire.Band(id=[4], position=[0, 1], velocity=[2, 3], mass=[1], volume=[1], divergence=[0]))
+            force = channel.receive("dissipative_load").dissipative_load.force
+            channel.send(band_pressure=wire.BandPressure(pressure=[sum(force)], velocity=[0, 0]))
+            channel.receive("band_force")
+            channel.send(window_done=wire.WindowDone(proposed_step_s=1e-3, limit="none", account=account))
+        channel.send(finished=wire.Finished(account=account))
+except RunEnded as end:
+    print(end, file=sys.stderr)
+    sys.exit(end.exit_code)
