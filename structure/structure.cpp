@@ -124,7 +124,7 @@ template <int D>
 void Structure<D>::advance(const SurfaceLoad<D>& load) {
   Parts& p = *parts_;
   assert(load.force.size() == p.attachment.row.size());
-  const bool same = load.force.empty() || std::memcmp(load.force.data(), p.saved.load.force.data(),
+  const bool same = load.force.empty() || std::memcmp(load.force.data(), p.state.load.force.data(),
                                                       load.force.size() * sizeof load.force[0]) == 0;
   if (same) return;
   p.state = p.saved;

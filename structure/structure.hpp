@@ -70,8 +70,9 @@ class Structure {
   /// returns the surface at the end of the window. Throws NumericalFailure when an element of volume is inverted.
   Surface<D> trial(Ticks begin, Ticks duration);
 
-  /// Restores the state saved by trial() and advances the same window under `load`; when `load` is bitwise that of the
-  /// last window the trial state is kept instead. Must follow trial(). Throws NumericalFailure as trial() does.
+  /// Restores the state saved by trial() and advances the same window under `load`; when `load` is bitwise the one the
+  /// present state was computed with, that state is kept instead. Follows trial(), any number of times. Throws
+  /// NumericalFailure as trial() does.
   void advance(const SurfaceLoad<D>& load);
 
   /// Surface in the present state: after advance() the end of the window.

@@ -1,0 +1,61 @@
+// Cost of a structure sub-step per particle. Reported as "per_particle" (CPU time per particle and sub-step).
+//   plate:  the plate of the dam break, 4 x 100 particles of 1 mm, 72 sub-steps per window, as in a coupled run
+//   block:  a square body of n x n particles
+// Arguments of plate: 1 = with diffusion, 1 = with penalty.
+
+#include <benchmark/benchmark.h>
+
+#include "structure/structure.hpp"
+
+namespace {
+
+using namespace tern;
+
+Case scene(double width, double height, double spacing) {
+  StructureBody body;
+  body.name = "plate";
+  body.shape.max = {width, height, 0};
+  body.spacing = spacing;
+  body.density = 1161.54;
+  body.young_modulus = 3.5e6;
+  body.poisson_ratio = 0.45;
+  Shape clamp;
+  clamp.min = {-1, -1, 0};
+  clamp.max = {1, 0.1 * height, 0};
+  body.clamps = {clamp};
+  Case result;
+  result.dimension = 2;
+  result.structure.emplace();
+  result.structure->bodies = {body};
+  return result;
+}
+
+void run(benchmark::State& state, const Case& c) {
+  structure::Structure<2> structure(c);
+  SurfaceLoad<2> load = structure.load();
+  for (auto& force : load.force) force[0] = 1e-3;
+  const Ticks duration = to_ticks(72 * structure.largest_sub_step());
+  double sub_steps = 0;
+  for (auto _ : state) {
+    structure.trial(structure.time(), duration);
+    load.force[0][0] += 1e-6;
+    structure.advance(load);
+    sub_steps += 2 * structure.sub_steps();
+  }
+  state.counters["per_particle"] = benchmark::Counter(
+      sub_steps * static_cast<double>(structure.particles()), benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+void plate(benchmark::State& state) {
+  Case c = scene(0.004, 0.100, 0.001);
+  if (state.range(0) == 0) c.structure->numerics.riemann_diffusion = 0;
+  if (state.range(1) == 0) c.structure->numerics.hourglass_penalty = 0;
+  run(state, c);
+}
+
+void block(benchmark::State& state) { run(state, scene(0.1, 0.1, 0.1 / static_cast<double>(state.range(0)))); }
+
+}  // namespace
+
+BENCHMARK(plate)->Args({1, 1})->Args({1, 0})->Args({0, 1})->Args({0, 0})->Unit(benchmark::kMillisecond);
+BENCHMARK(block)->Arg(20)->Arg(60)->Unit(benchmark::kMillisecond);

@@ -1,0 +1,60 @@
+#include "structure/output.hpp"
+
+#include <string>
+
+namespace tern::structure {
+
+template <int D>
+DisplacementGauges<D>::DisplacementGauges(const Case& scene, const Structure<D>& structure) {
+  for (const GaugeCase& gauge : scene.gauges)
+    if (owner(gauge.kind) == GaugeOwner::structure) points_.push_back(structure.material_point(gauge.body, gauge.at));
+}
+
+template <int D>
+GaugeValues DisplacementGauges<D>::values(const Structure<D>& structure) const {
+  GaugeValues values;
+  for (const MaterialPoint& point : points_) {
+    const Vector<D> d = structure.displacement(point);
+    for (int a = 0; a < D; ++a) values.push_back(d[a]);
+  }
+  return values;
+}
+
+template <int D>
+std::vector<double> energy_values(const Structure<D>& structure) {
+  const Energies e = structure.energies();
+  return {e.kinetic, e.strain, e.potential, e.diffusion, e.penalty, e.interface_work};
+}
+
+template <int D>
+void write_frame(const Structure<D>& structure, FrameWriter& frames, long step) {
+  const Fields<D> fields = structure.fields();
+  frames.begin(seconds(structure.time()), step);
+  frames.vector<D>("position", "m", fields.position);
+  frames.vector<D>("displacement", "m", fields.displacement);
+  frames.vector<D>("velocity", "m/s", fields.velocity);
+  std::vector<double> component(fields.stress.size());
+  constexpr const char* axis = "xyz";
+  for (int a = 0; a < D; ++a)
+    for (int b = a; b < D; ++b) {
+      for (std::size_t p = 0; p < component.size(); ++p) component[p] = fields.stress[p](a, b);
+      frames.scalar(std::string("stress_") + axis[a] + axis[b], "Pa", component);
+    }
+  frames.scalar("von_mises", "Pa", fields.von_mises);
+  frames.scalar("J", "1", fields.jacobian);
+  const std::vector<std::uint32_t> clamped(fields.clamped.begin(), fields.clamped.end());
+  frames.integer("clamped", std::span<const std::uint32_t>(clamped));
+  frames.integer("body", std::span<const std::uint32_t>(fields.body));
+  frames.side_vector<D>("surface_position", "m", structure.surface().position);
+  frames.side_vector<D>("surface_force", D == 2 ? "N/m" : "N", structure.load().force);
+  frames.end();
+}
+
+template class DisplacementGauges<2>;
+template class DisplacementGauges<3>;
+template std::vector<double> energy_values<2>(const Structure<2>&);
+template std::vector<double> energy_values<3>(const Structure<3>&);
+template void write_frame<2>(const Structure<2>&, FrameWriter&, long);
+template void write_frame<3>(const Structure<3>&, FrameWriter&, long);
+
+}  // namespace tern::structure
