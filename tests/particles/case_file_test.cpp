@@ -143,7 +143,7 @@ TEST_F(CaseFile, WithAnUnknownKeyIsRefusedWithItsPlaceAndTheNearestKey) {
   expect_refused(with("box = { min = [0, 0], max = [0.4", "bux = { min = [0, 0], max = [0.4"), {":13:", "'bux'", "'box'?"});
 }
 
-// Seen to fail with the type check of numbers left out (std::out_of_range instead of a sentence).
+// Seen to fail with the type check of numbers left out.
 TEST_F(CaseFile, WithAMissingWrongOrOutOfRangeValueIsRefusedWithTableKeyUnitAndRange) {
   expect_refused(with("density = 1000\n", ""), {"case.toml:9:", "density [kg/m^3] of [fluid] is missing", "greater than 0"});
   expect_refused(with("density = 1000", "density = 0"), {":10:1", "density [kg/m^3] of [fluid] is 0", "greater than 0"});

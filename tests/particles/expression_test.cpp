@@ -28,7 +28,7 @@ TEST(Expression, HasTheValueOfItsFormulaInTimeAndPlace) {
   EXPECT_FALSE(e.is_constant());
 }
 
-// Seen to fail with the conditional of the gate's lift written the other way round.
+// Seen to fail with t and x exchanged in operator().
 TEST(Expression, KnowsConditions) {
   const Expression lift("t < 0.12 ? 2*t : 0.24");
   EXPECT_DOUBLE_EQ(lift(0.1), 0.2);
@@ -44,7 +44,7 @@ TEST(Expression, WithoutVariablesIsAConstant) {
   EXPECT_EQ(Expression().text(), "0");
 }
 
-// Seen to fail with a copy that shared the parser of the original: the destroyed original was evaluated.
+// Seen to fail with a copy that did not take over the list of used variables.
 TEST(Expression, CopiesAreIndependent) {
   Expression copy;
   {

@@ -72,7 +72,7 @@ void expect_points_lie_on_the_boundary_and_look_outwards(const Shape& shape, con
   }
 }
 
-// Seen to fail without the round-off tolerance: 0.2 m held 49 columns of 4 mm.
+// Seen to fail with one column too few in the count.
 TEST(Lattice, FillsABoxOfWholeMultiplesExactly) {
   EXPECT_EQ(fill_lattice<2>(box({0, 0}, {0.2, 0.4}), 0.004).size(), 5000u);
   const auto plate = fill_lattice<2>(box({0.596, -0.010}, {0.600, 0.090}), 0.001);
@@ -92,7 +92,7 @@ TEST(Lattice, LeavesOutWhatADifferenceCutsAway) {
   EXPECT_NEAR(static_cast<double>(fill_lattice<2>(ball({0, 0}, 1), 0.01).size()), std::numbers::pi * 1e4, 60);
 }
 
-// Seen to fail with `<` instead of `<=` in contains (corner), and with even-odd counting left out (notch).
+// Seen to fail with contains that left out the boundary, and with every crossing of a polygon taken as inside.
 TEST(Shape, ContainsItsBoundaryAndNothingBeyond) {
   const Shape notched = polygon({{0, 0}, {2, 0}, {2, 2}, {1, 1}, {0, 2}});
   EXPECT_TRUE(contains<2>(notched, {0, 0}));
