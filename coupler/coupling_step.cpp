@@ -1,0 +1,194 @@
+// The interaction of one window (seed paper section II.C), read from top to bottom. Between the two halves the fluid solves
+// its pressure, knowing the dissipative forces and how far the surface yields to a change of pressure.
+
+#include "coupler/coupling_step.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "coupler/riemann.hpp"
+#include "coupler/velocity_divergence_mitigation.hpp"
+#include "particles/contact.hpp"
+#include "particles/error.hpp"
+
+namespace tern::coupler {
+
+template <int D>
+DissipativeLoad<D> CouplingStep<D>::dissipative_load(double begin, double duration, const Surface<D>& surface,
+                                                     const Band<D>& band) {
+  begin_ = begin;
+  duration_ = duration;
+  surface_ = &surface;
+  band_ = &band;
+  previous_load_ = std::move(load_);
+  load_.force.assign(surface.position.size(), Vector<D>::Zero());
+  if (previous_load_.force.size() != load_.force.size()) previous_load_ = load_;
+  dissipative_.force.assign(band.id.size(), Vector<D>::Zero());
+  audit_ = {};
+
+  pairs_.find(band, surface);
+  if (coupling_.scheme == InterfaceScheme::riemann) add_riemann();
+  if (coupling_.vem_coefficient) add_velocity_divergence_mitigation();
+  set_robin_condition();
+  audit_.band = static_cast<int>(band.id.size());
+  audit_.pairs = static_cast<int>(pairs_.pairs().size());
+  return dissipative_;
+}
+
+template <int D>
+BandForce<D> CouplingStep<D>::interface_force(const BandPressure<D>& pressure) {
+  band_force_.force.assign(band_->id.size(), Vector<D>::Zero());
+  add_pressure(pressure);
+  settle_contacts(pressure);
+  account_work(pressure);
+  check_balance();
+  return band_force_;
+}
+
+template <int D>
+CouplingStep<D>::CouplingStep(const Case& scene, const SurfaceProperties& properties)
+    : coupling_(scene.coupling),
+      density_(scene.fluid->density),
+      smoothing_length_(scene.fluid->numerics.smoothing_length_ratio * scene.fluid->spacing),
+      contact_distance_(scene.fluid->numerics.contact_distance * scene.fluid->spacing),
+      gravity_(scene.gravity),
+      properties_(properties),
+      pairs_(smoothing_length_, scene.fluid->spacing) {
+  for (const StructureBody& body : scene.structure->bodies) body_density_.push_back(body.density);
+}
+
+template <int D>
+void CouplingStep<D>::add_riemann() {
+  double fastest = 0;
+  for (const auto& u : band_->velocity) fastest = std::max(fastest, u.norm());
+  for (const auto& pair : pairs_.pairs()) fastest = std::max(fastest, surface_->velocity[pair.point].norm());
+  const double sound_speed = 10 * fastest;
+  if (sound_speed == 0) return;
+  for (const auto& pair : pairs_.pairs()) {
+    const Vector<D>& n = surface_->normal[pair.point];
+    const double approach = (surface_->velocity[pair.point] - band_->velocity[pair.particle]).dot(n);
+    const double mean_density = 0.5 * (density_ + body_density_[properties_.body[pair.point]]);
+    const double pressure = riemann_pressure(coupling_.riemann_limiter, mean_density, sound_speed, approach);
+    if (pressure == 0) continue;
+    add_pair_force(dissipative_.force, pair, Vector<D>(pressure * pair.b));
+    audit_.riemann_dissipation += pressure * -pair.b.dot(n) * approach * duration_;
+  }
+}
+
+template <int D>
+void CouplingStep<D>::add_velocity_divergence_mitigation() {
+  double fastest = 0;
+  for (const auto& pair : pairs_.pairs()) fastest = std::max(fastest, band_->velocity[pair.particle].norm());
+  for (const auto& pair : pairs_.pairs()) {
+    const int i = pair.particle;
+    const double pressure =
+        mitigation_pressure(*coupling_.vem_coefficient, density_, smoothing_length_, fastest, band_->divergence[i]);
+    if (pressure == 0) continue;
+    add_pair_force(dissipative_.force, pair, Vector<D>(pressure * pair.b));
+    audit_.mitigation_dissipation -= pressure * pair.b.dot(surface_->velocity[pair.point] - band_->velocity[i]) * duration_;
+  }
+}
+
+template <int D>
+void CouplingStep<D>::set_robin_condition() {
+  // Explicit coupling: the fluid takes the surface as a wall that moves as given.
+  if (coupling_.algorithm == CouplingAlgorithm::cm0) return;
+  // The trial state moved under the load of the last window. Over this window the surface answers an extra pressure with
+  // the mass that can respond: the section behind the point, or the layer an elastic wave reaches, at least one particle.
+  const std::size_t points = surface_->position.size();
+  dissipative_.reference_pressure.resize(points);
+  dissipative_.robin_mass.resize(points);
+  for (std::size_t k = 0; k < points; ++k) {
+    const double responding = std::max(std::min(properties_.section_mass[k], properties_.impedance[k] * duration_),
+                                       properties_.least_mass[k]);
+    dissipative_.robin_mass[k] = coupling_.robin_mass_factor * responding;
+    // What the trial already carries, less what is known of the new load.
+    const Vector<D> carried = previous_load_.force[k] - load_.force[k];
+    dissipative_.reference_pressure[k] = -carried.dot(surface_->normal[k]) / surface_->area[k];
+  }
+}
+
+template <int D>
+void CouplingStep<D>::add_pressure(const BandPressure<D>& pressure) {
+  const Vector<D> gravity = [&] {
+    Vector<D> g;
+    for (int c = 0; c < D; ++c) g[c] = gravity_[c](begin_);
+    return g;
+  }();
+  for (const auto& pair : pairs_.pairs()) {
+    // Pressure of the particle carried to the surface by the weight of the fluid between.
+    const Vector<D> d = surface_->position[pair.point] - band_->position[pair.particle];
+    const double p = pressure.pressure[pair.particle] + density_ * gravity.dot(d);
+    add_pair_force(band_force_.force, pair, Vector<D>(p * pair.b));
+  }
+}
+
+template <int D>
+void CouplingStep<D>::settle_contacts(const BandPressure<D>& pressure) {
+  // Inelastic: a particle nearer to a face than the contact distance loses its approach velocity; the impulse is part of
+  // the load. Thin sheets and spray feel too little pressure to be stopped otherwise.
+  for (const auto& pair : pairs_.pairs()) {
+    const int i = pair.particle, k = pair.point;
+    const Vector<D>& n = surface_->normal[k];
+    if (!touches<D>(surface_->position[k], n, surface_->area[k], band_->position[i], contact_distance_)) continue;
+    const Vector<D> velocity = pressure.velocity[i] + (duration_ / band_->mass[i]) * band_force_.force[i];
+    const double approach = (surface_->velocity[k] - velocity).dot(n);
+    if (approach <= 0) continue;
+    add_pair_force(band_force_.force, pair, Vector<D>(-(band_->mass[i] * approach / duration_) * n));
+    audit_.contact_dissipation += 0.5 * band_->mass[i] * approach * approach;
+    ++audit_.contacts;
+  }
+}
+
+template <int D>
+void CouplingStep<D>::account_work(const BandPressure<D>& pressure) {
+  // Kinetic energy that each of the two impulses gives to a particle: force times the mean of the velocity before and after.
+  for (std::size_t i = 0; i < band_->id.size(); ++i) {
+    const double half = 0.5 * duration_ / band_->mass[i];
+    const Vector<D>&first = dissipative_.force[i], &second = band_force_.force[i];
+    audit_.work_on_fluid += duration_ * (first.dot(band_->velocity[i] + half * first) + second.dot(pressure.velocity[i] + half * second));
+  }
+}
+
+template <int D>
+void CouplingStep<D>::check_balance() {
+  Vector<D> force = Vector<D>::Zero();
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+  double size = 0, moment_size = 0;
+  const auto add = [&](const Vector<D>& x, const Vector<D>& f) {
+    force += f;
+    size += f.norm();
+    moment_size += x.norm() * f.norm();
+    Eigen::Vector3d x3 = Eigen::Vector3d::Zero(), f3 = Eigen::Vector3d::Zero();
+    x3.head<D>() = x;
+    f3.head<D>() = f;
+    moment += x3.cross(f3);
+  };
+  for (std::size_t i = 0; i < band_->id.size(); ++i) {
+    add(band_->position[i], band_force_.force[i] + dissipative_.force[i]);
+  }
+  for (std::size_t k = 0; k < load_.force.size(); ++k) {
+    if (!load_.force[k].allFinite())
+      throw NumericalFailure(fmt::format("The load on surface point {} is not finite at t = {:.6g} s; a pressure or a velocity "
+                                         "at the interface has run away. Try a smaller fluid.numerics.courant.", k, begin_));
+    add(surface_->position[k], load_.force[k]);
+  }
+  if (size > 0) {
+    audit_.force_error = force.norm() / size;
+    audit_.moment_error = moment_size > 0 ? moment.norm() / moment_size : 0;
+  }
+}
+
+template <int D>
+Vector<D> CouplingStep<D>::total_load(std::uint32_t body) const {
+  Vector<D> sum = Vector<D>::Zero();
+  for (std::size_t k = 0; k < load_.force.size(); ++k)
+    if (properties_.body[k] == body) sum += load_.force[k];
+  return sum;
+}
+
+template class CouplingStep<2>;
+template class CouplingStep<3>;
+
+}  // namespace tern::coupler

@@ -1,0 +1,71 @@
+#pragma once
+// The interaction of one window: from the trial surface and the fluid band to forces on both sides.
+
+#include <optional>
+#include <vector>
+
+#include "coupler/interface_pairs.hpp"
+#include "particles/case_file.hpp"
+#include "particles/interface.hpp"
+
+namespace tern::coupler {
+
+/// What one window did to momentum and energy. Momentum errors are relative to the sum of the force magnitudes.
+struct WindowAudit {
+  double force_error = 0;        ///< |sum of all forces| / sum of |force|
+  double moment_error = 0;       ///< the same for moments about the origin, relative to sum |x| |force|
+  double work_on_fluid = 0;      ///< [J/m^(3-D)]
+  double riemann_dissipation = 0, mitigation_dissipation = 0, contact_dissipation = 0;  ///< >= 0 [J/m^(3-D)]
+  int band = 0, pairs = 0, contacts = 0;
+};
+
+template <int D>
+class CouplingStep {
+ public:
+  CouplingStep(const Case& scene, const SurfaceProperties& properties);
+
+  /// First exchange: who sees whom, Riemann and VEM forces from u* and the trial velocity, and how the surface yields.
+  DissipativeLoad<D> dissipative_load(double begin, double duration, const Surface<D>& surface, const Band<D>& band);
+
+  /// Second exchange: pressure and contact forces, and the load of the structure (everything). Throws NumericalFailure
+  /// when a force is not finite.
+  BandForce<D> interface_force(const BandPressure<D>& pressure);
+
+  /// Load on the structure over this window; valid after interface_force().
+  const SurfaceLoad<D>& surface_load() const { return load_; }
+  const WindowAudit& audit() const { return audit_; }
+  /// Total load on one body in this window [N/m^(3-D)].
+  Vector<D> total_load(std::uint32_t body) const;
+
+ private:
+  // coupling_step.cpp calls these in order.
+  void add_riemann();
+  void add_velocity_divergence_mitigation();
+  void set_robin_condition();
+  void add_pressure(const BandPressure<D>& pressure);
+  void settle_contacts(const BandPressure<D>& pressure);
+  void account_work(const BandPressure<D>& pressure);
+  void check_balance();
+
+  /// Puts +f on a surface point and -f on a band particle.
+  void add_pair_force(std::vector<Vector<D>>& on_band, const InterfacePair<D>& pair, const Vector<D>& force) {
+    load_.force[pair.point] += force;
+    on_band[pair.particle] -= force;
+  }
+
+  CouplingCase coupling_;
+  double density_, smoothing_length_, contact_distance_;
+  std::vector<double> body_density_;
+  VectorExpression gravity_;
+  SurfaceProperties properties_;
+  InterfacePairs<D> pairs_;
+  double begin_ = 0, duration_ = 0;
+  const Surface<D>* surface_ = nullptr;  ///< of the present window; the caller keeps both alive until interface_force()
+  const Band<D>* band_ = nullptr;
+  SurfaceLoad<D> load_, previous_load_;
+  DissipativeLoad<D> dissipative_;
+  BandForce<D> band_force_;
+  WindowAudit audit_;
+};
+
+}  // namespace tern::coupler

@@ -1,0 +1,40 @@
+#pragma once
+// Pairs of fluid particle i and surface point k that see each other, with the vector all interface operators share:
+//   b_ik = -2 V_i A_k w~(r_ik) n_k
+// div_i takes (1/V_i) b_ik . (u_k - u_i), a pressure p puts the force +p b_ik on k and -p b_ik on i. One vector for both is
+// what makes the exchange conserve momentum exactly and its power equal p div u. Thin bodies need no special care, because
+// the hidden half space is replaced by its surface (Gauss' theorem).
+
+#include <vector>
+
+#include "particles/faces.hpp"
+#include "particles/interface.hpp"
+
+namespace tern::coupler {
+
+template <int D>
+struct InterfacePair {
+  int particle, point;
+  Vector<D> b;         ///< [m^(D-1)]
+};
+
+template <int D>
+class InterfacePairs {
+ public:
+  InterfacePairs(double smoothing_length, double fluid_spacing)
+      : kernel_(Kernel<D>(smoothing_length), fluid_spacing) {}
+
+  /// Finds all pairs of the window, particle by particle.
+  void find(const Band<D>& band, const Surface<D>& surface);
+
+  const std::vector<InterfacePair<D>>& pairs() const { return pairs_; }
+
+ private:
+  FaceKernel<D> kernel_;
+  FaceFinder<D> finder_;
+  Faces<D> faces_;
+  std::vector<int> seen_;
+  std::vector<InterfacePair<D>> pairs_;
+};
+
+}  // namespace tern::coupler

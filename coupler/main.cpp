@@ -1,0 +1,152 @@
+// tern-coupler: owns time and everything that happens between fluid and structure.
+
+#include <algorithm>
+
+#include <spdlog/spdlog.h>
+
+#include "coupler/remote_participants.hpp"
+#include "particles/command_line.hpp"
+#include "particles/error.hpp"
+#include "particles/interrupt.hpp"
+#include "particles/progress.hpp"
+#include "particles/recorder.hpp"
+#include "particles/timing.hpp"
+#include "proto/account.hpp"
+
+namespace {
+
+using namespace tern;
+using proto::Kind;
+
+/// Sums over a run of what the windows did.
+struct Totals {
+  double work_on_fluid = 0, riemann = 0, mitigation = 0, contact = 0;
+  double largest_force_error = 0, largest_moment_error = 0;
+  long contacts = 0, wet_windows = 0;
+
+  void add(const coupler::WindowAudit& audit) {
+    work_on_fluid += audit.work_on_fluid;
+    riemann += audit.riemann_dissipation;
+    mitigation += audit.mitigation_dissipation;
+    contact += audit.contact_dissipation;
+    contacts += audit.contacts;
+    wet_windows += audit.pairs > 0;
+    largest_force_error = std::max(largest_force_error, audit.force_error);
+    largest_moment_error = std::max(largest_moment_error, audit.moment_error);
+  }
+  std::vector<double> energies() const { return {work_on_fluid, riemann, mitigation, contact}; }
+  static std::vector<std::string> columns() {
+    return {"interface_work_on_fluid_J", "riemann_dissipation_J", "vem_dissipation_J", "contact_dissipation_J"};
+  }
+};
+
+template <class T>
+std::vector<T> joined(std::vector<T> first, const std::vector<T>& second, const std::vector<T>& third) {
+  first.insert(first.end(), second.begin(), second.end());
+  first.insert(first.end(), third.begin(), third.end());
+  return first;
+}
+
+template <int D>
+void run(const CommandLine& command, const Case& scene, RunReport& report) {
+  proto::CouplerChannel channel(command.endpoint);
+  try {
+    const auto hello = channel.accept({wire::FLUID, wire::STRUCTURE}, scene.hash, D);
+    const wire::Hello &fluid_hello = hello.at(wire::FLUID), &structure_hello = hello.at(wire::STRUCTURE);
+    const SurfaceProperties properties = proto::from_wire(structure_hello.surface());
+    coupler::CouplingStep<D> step(scene, properties);
+    Recorder recorder(command.out,
+                      joined(gauge_columns(scene, GaugeOwner::fluid), gauge_columns(scene, GaugeOwner::structure),
+                             gauge_columns(scene, GaugeOwner::coupler)),
+                      joined(fluid_energy_columns(), structure_energy_columns(), Totals::columns()), scene.output.gauge_interval);
+    Progress progress(scene.end_time, command.quiet);
+    channel.welcome(static_cast<std::uint32_t>(properties.body.size()));
+
+    Totals totals;
+    StepControl control;
+    const Ticks end = to_ticks(scene.end_time);
+    const FrameSchedule schedule(scene.output.frame_interval, end);
+    double& compute_s = report.timing("compute");
+    double& output_s = report.timing("output");
+
+    wire::Account fluid_account = fluid_hello.account();
+    double proposed = fluid_hello.proposed_step_s();
+    std::string limit = fluid_hello.limit();
+    long windows = 0;
+    // The structure reports its state at the begin of a window, the fluid at the end of the one before: the same instant.
+    const auto record = [&](Ticks now, const wire::Account& structure_account) {
+      ScopedTimer timer(output_s);
+      GaugeValues own;
+      for (const GaugeCase& gauge : scene.gauges) {
+        if (owner(gauge.kind) != GaugeOwner::coupler) continue;
+        const auto body = std::find_if(scene.structure->bodies.begin(), scene.structure->bodies.end(),
+                                       [&](const StructureBody& b) { return b.name == gauge.body; });
+        const Vector<D> load = step.total_load(static_cast<std::uint32_t>(body - scene.structure->bodies.begin()));
+        for (int c = 0; c < D; ++c) own.push_back(load[c]);
+      }
+      recorder.account(now, joined(proto::gauge_values(fluid_account), proto::gauge_values(structure_account), own),
+                       joined(proto::energies(fluid_account), proto::energies(structure_account), totals.energies()));
+    };
+    Ticks now = 0;
+    coupler::RemoteParticipants<D> participants(channel, [&](const wire::Account& account) { record(now, account); });
+    const auto report_now = [&] {
+      report.set_time(seconds(now), windows);
+      report.set_measure("momentum_audit_max", totals.largest_force_error);
+      report.set_measure("moment_audit_max", totals.largest_moment_error);
+      report.set_count("contacts", totals.contacts);
+      report.set_count("wet_windows", totals.wet_windows);
+      report.timing("wait") = channel.wait_seconds();
+      report.timing("exchange") = channel.exchange_seconds();
+      report.set_count("bytes_sent", static_cast<long>(channel.bytes_sent()));
+      report.set_count("bytes_received", static_cast<long>(channel.bytes_received()));
+      report.update();
+    };
+
+    while (now < end && !interrupted()) {
+      const Stopwatch watch;
+      const Ticks target = schedule.next(now);
+      const Ticks duration = control.next(proposed, now, target);
+      channel.set_step(static_cast<std::uint64_t>(windows + 1), seconds(now));
+      participants.write_frame_at_end(now + duration == target);
+      const double waited = channel.wait_seconds() + channel.exchange_seconds();
+      coupler::run_window<D>(participants, participants, step, now, duration);
+      compute_s += watch.seconds() - (channel.wait_seconds() + channel.exchange_seconds() - waited);
+      totals.add(step.audit());
+      now += duration;
+      ++windows;
+      const wire::WindowDone& done = participants.window_done();
+      recorder.step(now, duration, limit, static_cast<int>(done.iterations()), watch.seconds());
+      progress.step(seconds(now), windows, seconds(duration), limit, static_cast<int>(done.iterations()));
+      fluid_account = done.account();
+      proposed = done.proposed_step_s();
+      limit = done.limit();
+      report_now();
+    }
+
+    for (wire::Role role : {wire::FLUID, wire::STRUCTURE}) {
+      wire::Message message;
+      message.mutable_finish()->set_interrupted(interrupted());
+      channel.send(role, std::move(message));
+    }
+    channel.receive(wire::FLUID, {Kind::kFinished});
+    record(now, channel.receive(wire::STRUCTURE, {Kind::kFinished}).finished().account());
+    recorder.flush();
+    report_now();
+    progress.finish(interrupted() ? "interrupted" : "done");
+    if (interrupted()) throw Interrupted("The run was interrupted; results up to here are kept.");
+  } catch (const Error& error) {
+    channel.abort(error);
+    throw;
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return run_main(argc, argv, "coupler", [](const CommandLine& command, const Case& scene, RunReport& report) {
+    if (!scene.fluid || !scene.structure)
+      throw BadInput(scene.path + " has no [" + (scene.fluid ? "structure" : "fluid") +
+                     "] table: nothing is coupled, so no coupler is needed. Use ./tern run, or start the one process by hand.");
+    scene.dimension == 2 ? run<2>(command, scene, report) : run<3>(command, scene, report);
+  });
+}

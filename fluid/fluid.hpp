@@ -1,0 +1,147 @@
+#pragma once
+// The fluid of one scene: incompressible SPH by projection. time_step.cpp is the page to read first; each call there
+// lives in a file named after it.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fluid/boundary.hpp"
+#include "fluid/conjugate_gradient.hpp"
+#include "fluid/multigrid.hpp"
+#include "fluid/neighbours.hpp"
+#include "fluid/state.hpp"
+#include "fluid/walls.hpp"
+#include "particles/interface.hpp"
+#include "particles/step_control.hpp"
+
+namespace tern::fluid {
+
+enum class Flag : std::uint8_t { interior = 0, free_surface = 1, spray = 2 };
+
+/// Seconds of wall time by part of the step, since construction.
+struct StepTiming {
+  double neighbours = 0, boundary = 0, assembly = 0, pressure_solve = 0, correction = 0;
+};
+
+struct Energies {
+  double kinetic = 0;    ///< [J/m^(3-D)]
+  double potential = 0;  ///< minus the work of gravity since t = 0 [J/m^(3-D)]
+};
+
+template <int D>
+class Fluid {
+ public:
+  /// Fills the fluid bodies with particles. Throws BadInput when none results.
+  explicit Fluid(const Case& scene);
+
+  // One window, in this order. Without a structure: empty surface and loads.
+
+  /// Predicts over the window and finds neighbours; walls stand where they are at its end.
+  void begin_window(Ticks begin, Ticks duration);
+  /// The structure's surface at the end of the window; returns the particles that see it.
+  Band<D> see_surface(const Surface<D>& surface);
+  /// Applies the forces already known and solves the pressure Poisson equation.
+  BandPressure<D> solve_pressure(const DissipativeLoad<D>& load);
+  /// Applies the pressure, moves, shifts and settles contacts with walls. Throws NumericalFailure.
+  void end_window(const BandForce<D>& force);
+
+  /// Step wanted for the next window.
+  StepProposal propose_step() const;
+
+  // What the state says of itself.
+  const Constants<D>& constants() const { return constants_; }
+  const State<D>& state() const { return state_; }
+  const std::vector<Flag>& flags() const { return flag_; }
+  const SolveResult& last_solve() const { return solve_; }
+  const StepTiming& timing() const { return timing_; }
+  Energies energies() const;
+  Vector<D> momentum() const;
+  /// (current volume of the fluid)/(initial) - 1, from the mean particle number density of interior particles.
+  double volume_drift() const;
+  std::size_t removed() const { return removed_; }  ///< left the domain
+  std::size_t leaked() const;                       ///< stand where no fluid can be
+  double largest_speed() const;       ///< [m/s]
+  double largest_bulk_speed() const;  ///< spray left out [m/s]
+  std::size_t spray_particles() const;
+  /// Pressure at a point, first order; nothing where fewer than half a kernel of fluid is around [Pa].
+  std::optional<double> pressure_at(const Vector<D>& x) const;
+  /// Highest particle centre plus dx/2 within dx of the vertical through x; nothing where there is none [m].
+  std::optional<double> elevation_at(const Vector<D>& x) const;
+  /// Largest x of particles that are not spray, plus dx/2 [m].
+  double front() const;
+  int fallback_solves() const { return fallback_solves_; }
+  /// Matrix, right-hand side and solution of the last pressure solve, for the tests.
+  const EdgeMatrix& pressure_matrix() const { return matrix_; }
+  const std::vector<double>& pressure_source() const { return source_; }
+  const Neighbours<D>& neighbours() const { return neighbours_; }
+  /// Replaces the state, for tests and later resumption; the next begin_window() rebuilds the rest.
+  void set_state(State<D> state);
+
+ private:
+  // time_step.cpp calls these in order; each is in the file of its name.
+  void predict();
+  void sort_by_cell();
+  void correct_moments();                              // correction_matrix.cpp
+  void mark_free_surface();                            // free_surface.cpp
+  void compute_divergence();                           // divergence.cpp
+  void compute_density_source();                       // density_source.cpp
+  void assemble_pressure_poisson(const DissipativeLoad<D>& load);  // pressure_poisson.cpp
+  void solve_pressure_poisson();                       // pressure_poisson.cpp
+  void apply_pressure_gradient();                      // pressure_gradient.cpp
+  void settle_wall_contacts();                         // wall_contact.cpp
+  void shift_particles();                              // shifting.cpp
+  void hide_walls_behind_structure();
+  void count_surface_leaks();
+  void remove_escaped();
+  void check_finite() const;
+  double density_time_scale() const;
+  Vector<D> gravity_at(double t, const Vector<D>& x) const;
+
+  Constants<D> constants_;
+  std::array<Expression, 3> gravity_expression_;
+  bool uniform_gravity_;
+  Vector<D> domain_min_, domain_max_;
+  double gravity_size_ = 0, speed_floor_ = 0, speed_limit_ = 0;
+  Walls<D> walls_;
+  FaceFinder<D> wall_finder_, surface_finder_;
+  Faces<D> surface_;
+  State<D> state_;
+  double begin_s_ = 0, duration_s_ = 0;
+  std::size_t initial_particles_ = 0, removed_ = 0, surface_leaks_ = 0;
+  double bulk_speed_ = 0;  ///< largest, spray left out, at the begin of the window [m/s]
+  double potential_ = 0;
+  int fallback_solves_ = 0;
+  SolveResult solve_;
+  StepTiming timing_;
+
+  // Rebuilt every step.
+  CellGrid<D> grid_;
+  CellContents contents_;
+  std::vector<Vector<D>> predicted_position_, predicted_velocity_, gravity_;
+  Neighbours<D> neighbours_;
+  FaceRows wall_rows_, surface_rows_;
+  BoundarySums<D> boundary_;
+  std::vector<Matrix<D>> correction_;      ///< C = M^-1, identity for spray
+  std::vector<double> trace_;              ///< tr M / D in [0, 1]
+  std::vector<double> smallest_eigenvalue_;
+  std::vector<Flag> flag_;
+  std::vector<std::uint8_t> active_;       ///< unknown of the pressure equation
+  std::vector<std::uint8_t> sum_form_;     ///< pressure gradient in sum form
+  std::vector<double> divergence_, density_source_;
+  EdgeMatrix matrix_;
+  std::vector<double> source_, pressure_;
+  Multigrid<D> multigrid_;
+  ConjugateGradientWork work_;
+  std::vector<int> band_;                  ///< particle of each band entry
+  // Scratch of the sorting.
+  std::vector<Vector<D>> sorted_vectors_;
+  std::vector<double> sorted_numbers_;
+  std::vector<std::uint32_t> sorted_labels_;
+  std::vector<std::uint8_t> sorted_marks_;
+};
+
+extern template class Fluid<2>;
+extern template class Fluid<3>;
+
+}  // namespace tern::fluid

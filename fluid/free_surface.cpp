@@ -1,0 +1,46 @@
+// Free surface and spray. tr M / D falls from 1 inside to 0.62 at a flat surface (Lee et al. 2008: div r). The mark only
+// chooses the form of the pressure gradient and of the shifting; the condition p = 0 itself is soft (pressure_poisson.cpp).
+
+#include "fluid/fluid.hpp"
+#include "particles/parallel.hpp"
+
+namespace tern::fluid {
+namespace {
+
+constexpr double mark_below = 0.78, unmark_above = 0.82;  ///< of tr M / D; two thresholds keep marks from flickering
+constexpr double spray_eigenvalue = 0.2;                  ///< of M: below, too few neighbours to hold a pressure
+constexpr double sum_form_eigenvalue = 0.6;               ///< of M: below, the corrected gradient is not trusted
+
+}  // namespace
+
+template <int D>
+void Fluid<D>::mark_free_surface() {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
+  flag_.resize(n);
+  active_.resize(n);
+  sum_form_.resize(n);
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    const bool at_structure = surface_rows_.count[i] > 0;
+    const bool spray =
+        neighbours_.count[i] == 0 || (smallest_eigenvalue_[i] < spray_eigenvalue && !at_structure);
+    if (trace_[i] < mark_below) state_.free_surface[i] = 1;
+    if (trace_[i] > unmark_above) state_.free_surface[i] = 0;
+    flag_[i] = spray ? Flag::spray : state_.free_surface[i] ? Flag::free_surface : Flag::interior;
+    active_[i] = !spray;
+  }
+  const bool always = constants_.numerics.gradient == GradientForm::sum;
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    // At the structure the coupler supplies the other half of a pair force, so this half must be in sum form too.
+    bool sum = always || surface_rows_.count[i] > 0 || flag_[i] != Flag::interior || smallest_eigenvalue_[i] < sum_form_eigenvalue;
+    for (int k = neighbours_.begin[i]; !sum && k < neighbours_.begin[i] + neighbours_.count[i]; ++k)
+      sum = flag_[neighbours_.column[k]] != Flag::interior;
+    sum_form_[i] = sum;
+  }
+}
+
+template void Fluid<2>::mark_free_surface();
+template void Fluid<3>::mark_free_surface();
+
+}  // namespace tern::fluid

@@ -1,0 +1,398 @@
+#include "fluid/multigrid.hpp"
+
+#include <cmath>
+
+namespace tern::fluid {
+namespace {
+
+constexpr float jacobi_weight = 0.9f;      ///< positive definite for any weight < 1: lambda_max(D^-1 A) <= 2
+constexpr int coarsest_nodes = 150;        ///< solved directly
+constexpr float diagonal_shift = 2e-6f;    ///< relative; makes the coarse operators of a sealed tank regular
+
+template <int D>
+int flat_index(const std::array<int, D>& coordinate, const std::array<int, D>& size) {
+  int index = coordinate[D - 1];
+  for (int c = D - 2; c >= 0; --c) index = index * size[c] + coordinate[c];
+  return index;
+}
+
+/// Offset in {-1, 0, 1}^D of stencil entry s.
+template <int D>
+std::array<int, D> stencil_offset(int s) {
+  std::array<int, D> offset;
+  for (int c = 0; c < D; ++c, s /= 3) offset[c] = s % 3 - 1;
+  return offset;
+}
+
+/// Stencil entry of an offset.
+template <int D>
+int stencil_entry(const std::array<int, D>& offset) {
+  int entry = offset[D - 1] + 1;
+  for (int c = D - 2; c >= 0; --c) entry = entry * 3 + offset[c] + 1;
+  return entry;
+}
+
+}  // namespace
+
+template <int D>
+void Multigrid<D>::build(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position,
+                         const std::vector<std::uint8_t>& active, double spacing, double gradient_scale) {
+  matrix_ = &matrix;
+  if (levels_.empty()) levels_.resize(1);
+  build_finest(matrix, position, active, spacing, gradient_scale);
+  std::size_t level = 0;
+  while (levels_[level].nodes() > coarsest_nodes && level < 12) {
+    if (levels_.size() == level + 1) levels_.emplace_back();
+    build_next(levels_[level], levels_[level + 1]);
+    ++level;
+    if (levels_[level].nodes() == levels_[level - 1].nodes()) break;
+  }
+  levels_.resize(level + 1);
+
+  const Level& last = levels_.back();
+  const auto n = static_cast<Eigen::Index>(last.nodes());
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index a = 0; a < n; ++a)
+    for (int s = 0; s < stencil; ++s)
+      if (last.row[a][s] != 0) dense(a, last.neighbour[a][s]) += last.row[a][s];
+  coarsest_.compute(dense);
+
+  for (auto* v : {&r_, &z_, &az_}) v->assign(matrix.padded_rows(), 0);
+}
+
+template <int D>
+void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position,
+                                const std::vector<std::uint8_t>& active, double spacing, double gradient_scale) {
+  Level& level = levels_[0];
+  const int n = matrix.rows();
+  const double width = 2 * spacing, inverse_width = 1 / width;
+  Vector<D> low = Vector<D>::Constant(1e300), high = Vector<D>::Constant(-1e300);
+  for (int i = 0; i < n; ++i)
+    if (active[i]) low = low.cwiseMin(position[i]), high = high.cwiseMax(position[i]);
+  if (low[0] > high[0]) low = high = Vector<D>::Zero();
+  const Vector<D> origin = low.array() - 0.37 * width;  // off the lattice, so that no particle sits on a grid line at rest
+  std::array<int, D> cells;
+  int count = 1;
+  for (int c = 0; c < D; ++c) {
+    cells[c] = static_cast<int>((high[c] - origin[c]) * inverse_width) + 1;
+    level.size[c] = cells[c] + 1;
+    count *= cells[c];
+  }
+
+  // Particles by cell; only cells that hold one are kept, in order.
+  std::vector<int> cell_of(n, -1), population(count + 1, 0);
+  for (int i = 0; i < n; ++i) {
+    if (!active[i]) continue;
+    std::array<int, D> cell;
+    for (int c = 0; c < D; ++c) cell[c] = static_cast<int>((position[i][c] - origin[c]) * inverse_width);
+    ++population[cell_of[i] = flat_index<D>(cell, cells)];
+  }
+  int nodes_in_map = 1;
+  for (int c = 0; c < D; ++c) nodes_in_map *= level.size[c];
+  level.map.assign(nodes_in_map, -1);
+  level.coordinate.clear();
+  cell_start_.clear();
+  cell_node_.clear();
+  std::vector<int> compact(count, -1);
+  int filled = 0;
+  for (int flat = 0; flat < count; ++flat) {
+    if (population[flat] == 0) continue;
+    std::array<int, D> cell;
+    for (int c = 0, rest = flat; c < D; ++c, rest /= cells[c - 1]) cell[c] = rest % cells[c];
+    for (int corner = 0; corner < corners; ++corner) {
+      std::array<int, D> node = cell;
+      for (int c = 0; c < D; ++c) node[c] += (corner >> c) & 1;
+      level.map[flat_index<D>(node, level.size)] = 0;
+    }
+    compact[flat] = static_cast<int>(cell_start_.size());
+    cell_start_.push_back(filled);
+    filled += population[flat];
+  }
+  cell_start_.push_back(filled);
+  for (int flat = 0; flat < nodes_in_map; ++flat) {
+    if (level.map[flat] < 0) continue;
+    level.map[flat] = static_cast<int>(level.nodes());
+    std::array<int, D> node;
+    for (int c = 0, rest = flat; c < D; ++c, rest /= level.size[c - 1]) node[c] = rest % level.size[c];
+    level.coordinate.push_back(node);
+  }
+  connect(level);
+
+  const int used = static_cast<int>(cell_start_.size()) - 1;
+  cell_node_.resize(used);
+  cell_sum_.resize(used);
+  node_cell_.assign(level.nodes(), {});
+  for (auto& cells_around : node_cell_) cells_around.fill(-1);
+  for (int flat = 0; flat < count; ++flat) {
+    if (compact[flat] < 0) continue;
+    std::array<int, D> cell;
+    for (int c = 0, rest = flat; c < D; ++c, rest /= cells[c - 1]) cell[c] = rest % cells[c];
+    for (int corner = 0; corner < corners; ++corner) {
+      std::array<int, D> node = cell;
+      for (int c = 0; c < D; ++c) node[c] += (corner >> c) & 1;
+      const int number = level.map[flat_index<D>(node, level.size)];
+      cell_node_[compact[flat]][corner] = number;
+      node_cell_[number][corner] = compact[flat];
+    }
+  }
+  cell_particle_.resize(filled);
+  particle_weight_.resize(filled);
+  std::vector<int> next(cell_start_.begin(), cell_start_.end() - 1);
+  for (int i = 0; i < n; ++i)
+    if (cell_of[i] >= 0) cell_particle_[next[compact[cell_of[i]]]++] = i;
+
+  // Element matrices cell by cell, then rows by gathering from the cells around each node.
+  using Element = std::array<float, corners * corners>;
+  std::vector<Element> element(used);
+  const double scale = gradient_scale * inverse_width * inverse_width;
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (int cell = 0; cell < used; ++cell) {
+    const auto& base = level.coordinate[cell_node_[cell][0]];
+    double sum[corners * corners] = {};
+    for (int entry = cell_start_[cell]; entry < cell_start_[cell + 1]; ++entry) {
+      const int i = cell_particle_[entry];
+      double f[D];
+      for (int c = 0; c < D; ++c) f[c] = (position[i][c] - origin[c]) * inverse_width - base[c];
+      double phi[corners], gradient[corners][D];
+      for (int corner = 0; corner < corners; ++corner) {
+        phi[corner] = 1;
+        for (int c = 0; c < D; ++c) phi[corner] *= (corner >> c) & 1 ? f[c] : 1 - f[c];
+        for (int c = 0; c < D; ++c) {
+          gradient[corner][c] = (corner >> c) & 1 ? 1 : -1;
+          for (int o = 0; o < D; ++o)
+            if (o != c) gradient[corner][c] *= (corner >> o) & 1 ? f[o] : 1 - f[o];
+        }
+        particle_weight_[entry][corner] = static_cast<float>(phi[corner]);
+      }
+      const double constant = matrix.constant()[i];
+      for (int a = 0; a < corners; ++a)
+        for (int b = 0; b < corners; ++b) {
+          double product = 0;
+          for (int c = 0; c < D; ++c) product += gradient[a][c] * gradient[b][c];
+          sum[a * corners + b] += scale * product + constant * phi[a] * phi[b];
+        }
+    }
+    for (int k = 0; k < corners * corners; ++k) element[cell][k] = static_cast<float>(sum[k]);
+  }
+  level.row.assign(level.nodes(), {});
+  for (std::size_t node = 0; node < level.nodes(); ++node)
+    for (int a = 0; a < corners; ++a) {
+      const int cell = node_cell_[node][a];
+      if (cell < 0) continue;
+      for (int b = 0; b < corners; ++b) {
+        std::array<int, D> offset;
+        for (int c = 0; c < D; ++c) offset[c] = ((b >> c) & 1) - ((a >> c) & 1);
+        level.row[node][stencil_entry<D>(offset)] += element[cell][a * corners + b];
+      }
+    }
+  finish(level);
+}
+
+template <int D>
+void Multigrid<D>::connect(Level& level) {
+  level.neighbour.resize(level.nodes());
+  for (auto& nodes : level.color) nodes.clear();
+  for (std::size_t node = 0; node < level.nodes(); ++node) {
+    const auto& at = level.coordinate[node];
+    int color = 0;
+    for (int c = 0; c < D; ++c) color |= (at[c] & 1) << c;
+    level.color[color].push_back(static_cast<int>(node));
+    for (int s = 0; s < stencil; ++s) {
+      auto other = stencil_offset<D>(s);
+      bool inside = true;
+      for (int c = 0; c < D; ++c) {
+        other[c] += at[c];
+        inside = inside && other[c] >= 0 && other[c] < level.size[c];
+      }
+      const int number = inside ? level.map[flat_index<D>(other, level.size)] : -1;
+      level.neighbour[node][s] = number < 0 ? static_cast<int>(node) : number;
+    }
+  }
+}
+
+template <int D>
+void Multigrid<D>::finish(Level& level) {
+  constexpr int centre = stencil / 2;
+  level.inverse_diagonal.resize(level.nodes());
+  for (std::size_t node = 0; node < level.nodes(); ++node) {
+    float& diagonal = level.row[node][centre];
+    diagonal *= 1 + diagonal_shift;
+    level.inverse_diagonal[node] = diagonal > 0 ? 1 / diagonal : 0;
+  }
+  for (auto* v : {&level.x, &level.b, &level.residual}) v->assign(level.nodes(), 0);
+}
+
+template <int D>
+void Multigrid<D>::build_next(const Level& fine, Level& coarse) {
+  // Nodes with even coordinates; a fine node between them has the 2, 4 or 8 around it as parents, all of them active.
+  for (int c = 0; c < D; ++c) coarse.size[c] = (fine.size[c] + 2) / 2;
+  int nodes_in_map = 1;
+  for (int c = 0; c < D; ++c) nodes_in_map *= coarse.size[c];
+  coarse.map.assign(nodes_in_map, -1);
+  coarse.coordinate.clear();
+  auto& parents = const_cast<Level&>(fine);
+  parents.parent.resize(fine.nodes());
+  parents.parent_weight.resize(fine.nodes());
+  const auto parent_of = [](const std::array<int, D>& at, int corner, std::array<int, D>& parent) {
+    float weight = 1;
+    for (int c = 0; c < D; ++c) {
+      const bool odd = at[c] & 1, upper = (corner >> c) & 1;
+      if (!odd && upper) return 0.0f;
+      parent[c] = at[c] / 2 + (upper ? 1 : 0);
+      if (odd) weight *= 0.5f;
+    }
+    return weight;
+  };
+  for (const auto& at : fine.coordinate)
+    for (int corner = 0; corner < corners; ++corner) {
+      std::array<int, D> parent;
+      if (parent_of(at, corner, parent) > 0) coarse.map[flat_index<D>(parent, coarse.size)] = 0;
+    }
+  for (int flat = 0; flat < nodes_in_map; ++flat) {
+    if (coarse.map[flat] < 0) continue;
+    coarse.map[flat] = static_cast<int>(coarse.nodes());
+    std::array<int, D> node;
+    for (int c = 0, rest = flat; c < D; ++c, rest /= coarse.size[c - 1]) node[c] = rest % coarse.size[c];
+    coarse.coordinate.push_back(node);
+  }
+  for (std::size_t node = 0; node < fine.nodes(); ++node)
+    for (int corner = 0; corner < corners; ++corner) {
+      std::array<int, D> parent;
+      const float weight = parent_of(fine.coordinate[node], corner, parent);
+      parents.parent_weight[node][corner] = weight;
+      parents.parent[node][corner] = weight > 0 ? coarse.map[flat_index<D>(parent, coarse.size)] : -1;
+    }
+  connect(coarse);
+
+  // Galerkin product P^T A P.
+  coarse.row.assign(coarse.nodes(), {});
+  for (std::size_t a = 0; a < fine.nodes(); ++a)
+    for (int s = 0; s < stencil; ++s) {
+      const float value = fine.row[a][s];
+      if (value == 0) continue;
+      const int b = fine.neighbour[a][s];
+      for (int ca = 0; ca < corners; ++ca) {
+        const int pa = fine.parent[a][ca];
+        if (pa < 0) continue;
+        const float weighted = value * fine.parent_weight[a][ca];
+        for (int cb = 0; cb < corners; ++cb) {
+          const int pb = fine.parent[b][cb];
+          if (pb < 0) continue;
+          std::array<int, D> offset;
+          for (int c = 0; c < D; ++c) offset[c] = coarse.coordinate[pb][c] - coarse.coordinate[pa][c];
+          coarse.row[pa][stencil_entry<D>(offset)] += weighted * fine.parent_weight[b][cb];
+        }
+      }
+    }
+  finish(coarse);
+}
+
+template <int D>
+void Multigrid<D>::smooth(Level& level, bool forward) {
+  constexpr int colors = 1 << D;
+  for (int k = 0; k < colors; ++k) {
+    const auto& nodes = level.color[forward ? k : colors - 1 - k];
+    const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(nodes.size());
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+    for (std::ptrdiff_t m = 0; m < n; ++m) {
+      const int node = nodes[m];
+      const auto& row = level.row[node];
+      const auto& neighbour = level.neighbour[node];
+      float sum = level.b[node];
+      for (int s = 0; s < stencil; ++s) sum -= row[s] * level.x[neighbour[s]];
+      level.x[node] += sum * level.inverse_diagonal[node];
+    }
+  }
+}
+
+template <int D>
+void Multigrid<D>::compute_residual(Level& level) {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(level.nodes());
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t node = 0; node < n; ++node) {
+    float sum = level.b[node];
+    for (int s = 0; s < stencil; ++s) sum -= level.row[node][s] * level.x[level.neighbour[node][s]];
+    level.residual[node] = sum;
+  }
+}
+
+template <int D>
+void Multigrid<D>::cycle(std::size_t l) {
+  Level& level = levels_[l];
+  if (l + 1 == levels_.size()) {
+    Eigen::VectorXd b(static_cast<Eigen::Index>(level.nodes()));
+    for (Eigen::Index a = 0; a < b.size(); ++a) b[a] = level.b[a];
+    const Eigen::VectorXd x = coarsest_.solve(b);
+    for (Eigen::Index a = 0; a < b.size(); ++a) level.x[a] = static_cast<float>(x[a]);
+    return;
+  }
+  std::fill(level.x.begin(), level.x.end(), 0.0f);
+  smooth(level, true);
+  compute_residual(level);
+  Level& coarse = levels_[l + 1];
+  std::fill(coarse.b.begin(), coarse.b.end(), 0.0f);
+  for (std::size_t node = 0; node < level.nodes(); ++node)
+    for (int corner = 0; corner < corners; ++corner)
+      if (level.parent[node][corner] >= 0)
+        coarse.b[level.parent[node][corner]] += level.parent_weight[node][corner] * level.residual[node];
+  cycle(l + 1);
+  for (std::size_t node = 0; node < level.nodes(); ++node)
+    for (int corner = 0; corner < corners; ++corner)
+      if (level.parent[node][corner] >= 0)
+        level.x[node] += level.parent_weight[node][corner] * coarse.x[level.parent[node][corner]];
+  smooth(level, false);
+}
+
+template <int D>
+void Multigrid<D>::apply(const std::vector<double>& r, std::vector<double>& z) {
+  const std::ptrdiff_t n = matrix_->rows();
+  double largest = ordered_max(n, 0.0, [&](std::ptrdiff_t i) { return std::abs(r[i]); });
+  if (!(largest > 0)) largest = 1;
+  const double inverse_largest = 1 / largest;
+  const auto& diagonal = matrix_->diagonal();
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    r_[i] = static_cast<float>(r[i] * inverse_largest);
+    z_[i] = jacobi_weight * r_[i] / diagonal[i];
+  }
+  matrix_->multiply(z_, az_);
+
+  Level& finest = levels_[0];
+  const std::ptrdiff_t cells = static_cast<std::ptrdiff_t>(cell_node_.size());
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t cell = 0; cell < cells; ++cell) {
+    std::array<float, corners> sum{};
+    for (int entry = cell_start_[cell]; entry < cell_start_[cell + 1]; ++entry) {
+      const int i = cell_particle_[entry];
+      const float q = r_[i] - az_[i];
+      for (int corner = 0; corner < corners; ++corner) sum[corner] += particle_weight_[entry][corner] * q;
+    }
+    cell_sum_[cell] = sum;
+  }
+  const std::ptrdiff_t nodes = static_cast<std::ptrdiff_t>(finest.nodes());
+#pragma omp parallel for schedule(static) if (nodes >= parallel_threshold)
+  for (std::ptrdiff_t node = 0; node < nodes; ++node) {
+    float sum = 0;
+    for (int corner = 0; corner < corners; ++corner)
+      if (node_cell_[node][corner] >= 0) sum += cell_sum_[node_cell_[node][corner]][corner];
+    finest.b[node] = sum;
+  }
+  cycle(0);
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t cell = 0; cell < cells; ++cell)
+    for (int entry = cell_start_[cell]; entry < cell_start_[cell + 1]; ++entry) {
+      float sum = 0;
+      for (int corner = 0; corner < corners; ++corner)
+        sum += particle_weight_[entry][corner] * finest.x[cell_node_[cell][corner]];
+      z_[cell_particle_[entry]] += sum;
+    }
+  matrix_->multiply(z_, az_);
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i)
+    z[i] = largest * (double(z_[i]) + double(jacobi_weight) * (r_[i] - az_[i]) / diagonal[i]);
+}
+
+template class Multigrid<2>;
+template class Multigrid<3>;
+
+}  // namespace tern::fluid

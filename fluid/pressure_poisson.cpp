@@ -1,0 +1,118 @@
+// Pressure Poisson equation (seed paper eq. 2 with the sign a projection needs), rows scaled by V_i:
+//   sum_j a_ij (p_i - p_j) + c_i p_i = -(rho/dt) V_i (div_i(u*) - s_i) + sum_k kappa_ik p^_k
+//   a_ij  = V_i V_j K_ij,  K = 2 |w'|/r                        (Cummins & Rudman 1999)
+//   c_i   = V_i f_i K_full + sum_k kappa_ik + sum_spray a_ij
+// Free surface: the missing part f_i = 1 - tr M_i / D of a support acts as neighbours at p = 0. Unlike p = 0 on marked
+// particles this never switches a particle between two kinds of row, and the matrix keeps one size.
+// Walls and structure are no unknowns: their flux is in div(u*). The structure yields to an increment of pressure,
+// du_k = -dt (p - p^_k)/m_k n_k, which inserted in div(u^{n+1}) gives kappa_ik = 2 rho V_i A_k w~_ik / m_k.
+
+#include <algorithm>
+
+#include <spdlog/spdlog.h>
+
+#include "fluid/fluid.hpp"
+#include "particles/error.hpp"
+#include "particles/parallel.hpp"
+
+namespace tern::fluid {
+namespace {
+
+constexpr double least_deficit = 0.08;     ///< of tr M / D: less is disorder, not a surface
+constexpr int multigrid_limit = 60;        ///< iterations; more means that the preconditioner has failed
+constexpr int jacobi_limit = 20000;
+
+}  // namespace
+
+template <int D>
+void Fluid<D>::assemble_pressure_poisson(const DissipativeLoad<D>& load) {
+  const int n = static_cast<int>(state_.size());
+  const double volume = constants_.volume, density = constants_.density;
+  const double full = constants_.lattice.laplacian_weight / constants_.lattice.gradient_moment;
+  const bool robin = !load.robin_mass.empty();
+  matrix_.reset(n, [&](int i) { return active_[i] ? neighbours_.count[i] : 0; });
+  source_.assign(matrix_.padded_rows(), 0);
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (int i = 0; i < n; ++i) {
+    if (!active_[i]) {
+      matrix_.set_row(i, 0, 1, [](int) { return std::pair<int, float>{0, 0.0f}; });
+      continue;
+    }
+    const int first = neighbours_.begin[i], count = neighbours_.count[i];
+    const double deficit = 1 - trace_[i];
+    double constant = deficit > least_deficit ? volume * deficit * full : 0;
+    double b = -(density / duration_s_) * volume * (divergence_[i] - density_source_[i]);
+    if (robin)
+      for (int entry = surface_rows_.begin[i]; entry < surface_rows_.begin[i] + surface_rows_.count[i]; ++entry) {
+        const int k = surface_rows_.face[entry];
+        const double kappa = 2 * density * volume * surface_rows_.weight[entry] / load.robin_mass[k];
+        constant += kappa;
+        b += kappa * load.reference_pressure[k];
+      }
+    for (int k = first; k < first + count; ++k)
+      if (!active_[neighbours_.column[k]]) constant += 2 * volume * neighbours_.weight[k];
+    matrix_.set_row(i, count, static_cast<float>(constant), [&](int k) {
+      const int j = neighbours_.column[first + k];
+      const float edge = static_cast<float>(2 * volume * neighbours_.weight[first + k]);
+      return active_[j] ? std::pair<int, float>{j, edge} : std::pair<int, float>{i, 0.0f};
+    });
+    source_[i] = b;
+  }
+  matrix_.pad();
+}
+
+template <int D>
+void Fluid<D>::solve_pressure_poisson() {
+  const std::size_t n = state_.size();
+  pressure_.assign(matrix_.padded_rows(), 0);
+  for (std::size_t i = 0; i < n; ++i) pressure_[i] = active_[i] ? state_.pressure[i] : 0;
+
+  // Nothing ties the pressure to zero (a sealed box): only its gradient is defined, and only if no net flux enters.
+  const bool sealed = ordered_max(static_cast<std::ptrdiff_t>(n), 0.0, [&](std::ptrdiff_t i) {
+                        return active_[i] ? double(matrix_.constant()[i]) : 0.0;
+                      }) == 0;
+  const auto subtract_mean = [&](std::vector<double>& values) {
+    const double count = ordered_reduce(static_cast<std::ptrdiff_t>(n), 0.0, [&](std::ptrdiff_t i) { return double(active_[i]); });
+    const double mean = ordered_reduce(static_cast<std::ptrdiff_t>(n), 0.0,
+                                       [&](std::ptrdiff_t i) { return active_[i] ? values[i] : 0.0; }) / std::max(count, 1.0);
+    for (std::size_t i = 0; i < n; ++i)
+      if (active_[i]) values[i] -= mean;
+  };
+  if (sealed) subtract_mean(source_);
+
+  const double tolerance = constants_.numerics.pressure_tolerance;
+  solve_ = {};
+  if (constants_.numerics.preconditioner == Preconditioner::multigrid) {
+    multigrid_.build(matrix_, predicted_position_, active_, constants_.spacing, constants_.volume);
+    solve_ = conjugate_gradient(matrix_, [&](const auto& r, auto& z) { multigrid_.apply(r, z); }, source_, tolerance,
+                                multigrid_limit, pressure_, work_);
+  }
+  if (!solve_.converged) {
+    if (constants_.numerics.preconditioner == Preconditioner::multigrid) {
+      ++fallback_solves_;
+      spdlog::warn("The multigrid solve stopped after {} iterations at a residual of {:.1e}; this step is solved by "
+                   "Jacobi-preconditioned conjugate gradients.", solve_.iterations, solve_.residual);
+      std::fill(pressure_.begin(), pressure_.end(), 0.0);
+    }
+    const int before = solve_.iterations;
+    const auto jacobi = [&](const std::vector<double>& r, std::vector<double>& z) {
+      for (std::size_t i = 0; i < n; ++i) z[i] = r[i] / matrix_.diagonal()[i];
+    };
+    solve_ = conjugate_gradient(matrix_, jacobi, source_, tolerance, jacobi_limit, pressure_, work_);
+    solve_.iterations += before;
+  }
+  if (!solve_.converged)
+    throw NumericalFailure("The pressure solve did not converge at t = " + std::to_string(begin_s_) + " s: relative residual " +
+                           std::to_string(solve_.residual) + " after " + std::to_string(solve_.iterations) +
+                           " iterations. A velocity has probably run away before; look at the last frames, or try a "
+                           "smaller fluid.numerics.courant.");
+  if (sealed) subtract_mean(pressure_);
+  for (std::size_t i = 0; i < n; ++i) state_.pressure[i] = pressure_[i];
+}
+
+template void Fluid<2>::assemble_pressure_poisson(const DissipativeLoad<2>&);
+template void Fluid<3>::assemble_pressure_poisson(const DissipativeLoad<3>&);
+template void Fluid<2>::solve_pressure_poisson();
+template void Fluid<3>::solve_pressure_poisson();
+
+}  // namespace tern::fluid

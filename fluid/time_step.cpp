@@ -1,0 +1,269 @@
+// One step of incompressible SPH by projection (seed paper section II.A; Cummins & Rudman 1999), read from top to bottom:
+//
+//   begin_window     u* = u^n + dt g,  r* = r^n + dt u*;  neighbours at r*
+//   see_surface      faces of walls and structure;  M, C, n;  free surface;  div u*
+//   solve_pressure   u* += dt a_dissipative;  pressure Poisson equation;  u** = u* - dt grad p / rho
+//   end_window       u^{n+1} = u** + dt a_interface;  contacts;  r^{n+1} = r^n + dt u^{n+1};  shifting
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "fluid/fluid.hpp"
+#include "particles/error.hpp"
+#include "particles/parallel.hpp"
+#include "particles/timing.hpp"
+
+namespace tern::fluid {
+
+template <int D>
+void Fluid<D>::begin_window(Ticks begin, Ticks duration) {
+  begin_s_ = seconds(begin);
+  duration_s_ = seconds(duration);
+  state_.time = begin;
+  ScopedTimer timer(timing_.neighbours);
+  bulk_speed_ = largest_bulk_speed();
+  predict();
+  sort_by_cell();
+  find_neighbours<D>(constants_, grid_, contents_, predicted_position_, neighbours_);
+}
+
+template <int D>
+Band<D> Fluid<D>::see_surface(const Surface<D>& surface) {
+  ScopedTimer timer(timing_.boundary);
+  if (walls_.moving()) {
+    walls_.move_to(begin_s_ + duration_s_, duration_s_);
+    wall_finder_.fill(walls_.faces(), constants_.faces.support());
+  }
+  surface_.position = surface.position;
+  surface_.velocity = surface.velocity;
+  surface_.normal = surface.normal;
+  surface_.area = surface.area;
+  surface_.normal_acceleration.assign(surface.position.size(), 0);
+  surface_.two_sided.assign(surface.position.size(), 1);
+  surface_finder_.fill(surface_, constants_.faces.support());
+
+  see_faces<D>(constants_, predicted_position_, walls_.faces(), wall_finder_, wall_rows_);
+  see_faces<D>(constants_, predicted_position_, surface_, surface_finder_, surface_rows_);
+  if (!surface_rows_.face.empty()) {
+    hide_walls_behind_structure();
+    cut_pairs_through_faces<D>(constants_, predicted_position_, surface_, surface_rows_, neighbours_);
+  }
+  if (walls_.any_two_sided())
+    cut_pairs_through_faces<D>(constants_, predicted_position_, walls_.faces(), wall_rows_, neighbours_);
+  boundary_.reset(state_.size());
+  add_wall_sums<D>(constants_, predicted_position_, gravity_, walls_.faces(), wall_rows_, boundary_);
+  add_surface_sums<D>(constants_, predicted_position_, surface_, surface_rows_, boundary_);
+  correct_moments();
+  mark_free_surface();
+  compute_divergence();
+
+  band_.clear();
+  Band<D> band;
+  for (std::size_t i = 0; i < state_.size(); ++i) {
+    if (surface_rows_.count[i] == 0) continue;
+    band_.push_back(static_cast<int>(i));
+    band.id.push_back(state_.id[i]);
+    band.position.push_back(predicted_position_[i]);
+    band.velocity.push_back(predicted_velocity_[i]);
+    band.mass.push_back(constants_.mass);
+    band.volume.push_back(constants_.volume);
+    band.divergence.push_back(divergence_[i]);
+  }
+  return band;
+}
+
+template <int D>
+BandPressure<D> Fluid<D>::solve_pressure(const DissipativeLoad<D>& load) {
+  {
+    ScopedTimer timer(timing_.assembly);
+    bool loaded = false;
+    for (std::size_t m = 0; m < load.force.size(); ++m) {
+      predicted_velocity_[band_[m]] += (duration_s_ / constants_.mass) * load.force[m];
+      loaded = loaded || load.force[m].squaredNorm() > 0;
+    }
+    if (loaded) compute_divergence();
+    compute_density_source();
+    assemble_pressure_poisson(load);
+  }
+  {
+    ScopedTimer timer(timing_.pressure_solve);
+    solve_pressure_poisson();
+  }
+  ScopedTimer timer(timing_.correction);
+  apply_pressure_gradient();
+  BandPressure<D> band;
+  for (int i : band_) {
+    band.pressure.push_back(state_.pressure[i]);
+    band.velocity.push_back(predicted_velocity_[i]);
+  }
+  return band;
+}
+
+template <int D>
+void Fluid<D>::end_window(const BandForce<D>& force) {
+  ScopedTimer timer(timing_.correction);
+  for (std::size_t m = 0; m < force.force.size(); ++m)
+    predicted_velocity_[band_[m]] += (duration_s_ / constants_.mass) * force.force[m];
+  settle_wall_contacts();
+  check_finite();
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
+  potential_ -= ordered_reduce(n, 0.0, [&](std::ptrdiff_t i) {
+    return constants_.mass * duration_s_ * gravity_[i].dot(predicted_velocity_[i]);
+  });
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    state_.velocity[i] = predicted_velocity_[i];
+    state_.position[i] += duration_s_ * predicted_velocity_[i];
+  }
+  count_surface_leaks();
+  shift_particles();
+  remove_escaped();
+  state_.time += to_ticks(duration_s_);
+}
+
+template <int D>
+void Fluid<D>::predict() {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
+  gravity_.resize(n);
+  predicted_velocity_.resize(n);
+  predicted_position_.resize(n);
+  if (uniform_gravity_) {
+    const Vector<D> g = gravity_at(begin_s_, Vector<D>::Zero());
+    std::fill(gravity_.begin(), gravity_.end(), g);
+  } else {
+    for (std::ptrdiff_t i = 0; i < n; ++i) gravity_[i] = gravity_at(begin_s_, state_.position[i]);
+  }
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    predicted_velocity_[i] = state_.velocity[i] + duration_s_ * gravity_[i];
+    predicted_position_[i] = state_.position[i] + duration_s_ * predicted_velocity_[i];
+  }
+}
+
+template <int D>
+void Fluid<D>::sort_by_cell() {
+  const std::size_t n = state_.size();
+  Vector<D> low = predicted_position_[0], high = low;
+  for (const auto& x : predicted_position_) low = low.cwiseMin(x), high = high.cwiseMax(x);
+  grid_.reset(low, high, constants_.kernel.support());
+  contents_.template fill<D>(grid_, predicted_position_);
+  const auto reorder = [&](auto& values, auto& scratch) {
+    scratch.resize(n);
+    for (std::size_t i = 0; i < n; ++i) scratch[i] = values[contents_.order[i]];
+    values.swap(scratch);
+  };
+  for (auto* values : {&state_.position, &state_.velocity, &predicted_position_, &predicted_velocity_, &gravity_})
+    reorder(*values, sorted_vectors_);
+  reorder(state_.pressure, sorted_numbers_);
+  reorder(state_.id, sorted_labels_);
+  reorder(state_.free_surface, sorted_marks_);
+  // Particles now lie in cell order, so the cell lists are the identity.
+  for (std::size_t i = 0; i < n; ++i) contents_.order[i] = static_cast<int>(i);
+}
+
+template <int D>
+void Fluid<D>::hide_walls_behind_structure() {
+  for (std::size_t i = 0; i < state_.size(); ++i) {
+    if (surface_rows_.count[i] == 0 || wall_rows_.count[i] == 0) continue;
+    int kept = 0;
+    for (int entry = wall_rows_.begin[i]; entry < wall_rows_.begin[i] + wall_rows_.count[i]; ++entry) {
+      const Vector<D>& wall = walls_.faces().position[wall_rows_.face[entry]];
+      bool hidden = false;
+      for (int s = surface_rows_.begin[i]; !hidden && s < surface_rows_.begin[i] + surface_rows_.count[i]; ++s)
+        hidden = patch_separates(surface_, surface_rows_.face[s], predicted_position_[i], wall);
+      if (hidden) continue;
+      wall_rows_.face[wall_rows_.begin[i] + kept] = wall_rows_.face[entry];
+      wall_rows_.weight[wall_rows_.begin[i] + kept] = wall_rows_.weight[entry];
+      ++kept;
+    }
+    wall_rows_.count[i] = kept;
+  }
+}
+
+template <int D>
+void Fluid<D>::count_surface_leaks() {
+  // A particle that saw the front of a patch and now stands a quarter spacing behind it has gone through.
+  for (int i : band_)
+    for (int entry = surface_rows_.begin[i]; entry < surface_rows_.begin[i] + surface_rows_.count[i]; ++entry) {
+      const int k = surface_rows_.face[entry];
+      if (!patch_separates(surface_, k, predicted_position_[i], state_.position[i], 0.25 * constants_.spacing)) continue;
+      ++surface_leaks_;
+      break;
+    }
+}
+
+template <int D>
+void Fluid<D>::remove_escaped() {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < state_.size(); ++i) {
+    const Vector<D>& x = state_.position[i];
+    if ((x.array() < domain_min_.array()).any() || (x.array() > domain_max_.array()).any()) {
+      ++removed_;
+      continue;
+    }
+    if (kept != i) {
+      state_.position[kept] = state_.position[i];
+      state_.velocity[kept] = state_.velocity[i];
+      state_.pressure[kept] = state_.pressure[i];
+      state_.id[kept] = state_.id[i];
+      state_.free_surface[kept] = state_.free_surface[i];
+      flag_[kept] = flag_[i];
+    }
+    ++kept;
+  }
+  if (kept == state_.size()) return;
+  if (kept == 0)
+    throw NumericalFailure(fmt::format("All fluid has left the domain by t = {:.6g} s; enlarge [domain] or close the walls.",
+                                       begin_s_ + duration_s_));
+  for (auto* values : {&state_.position, &state_.velocity}) values->resize(kept);
+  state_.pressure.resize(kept);
+  state_.id.resize(kept);
+  state_.free_surface.resize(kept);
+  flag_.resize(kept);
+}
+
+template <int D>
+void Fluid<D>::check_finite() const {
+  for (std::size_t i = 0; i < state_.size(); ++i) {
+    const double speed = predicted_velocity_[i].norm();
+    if (speed < speed_limit_) continue;
+    std::string where;
+    for (int c = 0; c < D; ++c) where += fmt::format("{}{:.5g}", c ? ", " : "", predicted_position_[i][c]);
+    throw NumericalFailure(fmt::format(
+        "The speed of fluid particle {} at ({}) m is {:.4g} m/s at t = {:.6g} s, above the limit of {:.4g} m/s (a thousand times "
+        "the reference speed of the scene); pressure there {:.4g} Pa. The step has become unstable: use a smaller "
+        "fluid.numerics.courant, or for a light structure the coupling algorithm CM2.",
+        state_.id[i], where, speed, begin_s_ + duration_s_, speed_limit_, state_.pressure[i]));
+  }
+}
+
+template <int D>
+StepProposal Fluid<D>::propose_step() const {
+  const double speed = std::max(largest_speed(), speed_floor_);
+  StepProposal proposal{1e300, "none"};
+  if (speed > 0) proposal = {constants_.numerics.courant * constants_.spacing / speed, "velocity"};
+  if (gravity_size_ > 0) {
+    const double by_gravity = constants_.numerics.gravity_courant * std::sqrt(constants_.spacing / gravity_size_);
+    if (by_gravity < proposal.seconds) proposal = {by_gravity, "gravity"};
+  }
+  if (proposal.seconds >= 1e300) proposal = {1e-3, "rest"};
+  return proposal;
+}
+
+#define TERN_INSTANTIATE(D)                                                      \
+  template void Fluid<D>::begin_window(Ticks, Ticks);                            \
+  template Band<D> Fluid<D>::see_surface(const Surface<D>&);                     \
+  template BandPressure<D> Fluid<D>::solve_pressure(const DissipativeLoad<D>&);  \
+  template void Fluid<D>::end_window(const BandForce<D>&);                       \
+  template StepProposal Fluid<D>::propose_step() const;                          \
+  template void Fluid<D>::predict();                                             \
+  template void Fluid<D>::sort_by_cell();                                        \
+  template void Fluid<D>::hide_walls_behind_structure();                         \
+  template void Fluid<D>::count_surface_leaks();                                 \
+  template void Fluid<D>::remove_escaped();                                      \
+  template void Fluid<D>::check_finite() const;
+TERN_INSTANTIATE(2)
+TERN_INSTANTIATE(3)
+#undef TERN_INSTANTIATE
+
+}  // namespace tern::fluid

@@ -1,0 +1,20 @@
+#pragma once
+// Geometry of contact between a particle and a face patch.
+
+#include <cmath>
+
+#include "particles/vector.hpp"
+
+namespace tern {
+
+/// True when x stands over the patch (half an edge, 10 % more so that patches leave no gap) nearer than `distance` [m].
+template <int D>
+bool touches(const Vector<D>& centre, const Vector<D>& normal, double area, const Vector<D>& x, double distance) {
+  const Vector<D> d = x - centre;
+  const double height = d.dot(normal);
+  if (height >= distance) return false;
+  const double reach2 = D == 2 ? 0.3025 * area * area : 0.605 * area;
+  return d.squaredNorm() - height * height < reach2;
+}
+
+}  // namespace tern

@@ -1,0 +1,53 @@
+#include "particles/gauges.hpp"
+
+namespace tern {
+namespace {
+
+constexpr const char* axis[] = {"x", "y", "z"};
+
+}  // namespace
+
+GaugeOwner owner(GaugeCase::Kind kind) {
+  switch (kind) {
+    case GaugeCase::Kind::displacement: return GaugeOwner::structure;
+    case GaugeCase::Kind::interface_force: return GaugeOwner::coupler;
+    case GaugeCase::Kind::pressure:
+    case GaugeCase::Kind::elevation:
+    case GaugeCase::Kind::front: break;
+  }
+  return GaugeOwner::fluid;
+}
+
+std::vector<std::string> gauge_columns(const GaugeCase& gauge, int dimension) {
+  std::vector<std::string> columns;
+  switch (gauge.kind) {
+    case GaugeCase::Kind::displacement:
+      for (int c = 0; c < dimension; ++c) columns.push_back(gauge.name + ".u" + axis[c] + "_m");
+      break;
+    case GaugeCase::Kind::interface_force:
+      for (int c = 0; c < dimension; ++c)
+        columns.push_back(gauge.name + ".F" + axis[c] + (dimension == 2 ? "_N_per_m" : "_N"));
+      break;
+    case GaugeCase::Kind::pressure: columns.push_back(gauge.name + ".p_Pa"); break;
+    case GaugeCase::Kind::elevation: columns.push_back(gauge.name + ".eta_m"); break;
+    case GaugeCase::Kind::front: columns.push_back(gauge.name + ".x_m"); break;
+  }
+  return columns;
+}
+
+std::vector<std::string> gauge_columns(const Case& scene, GaugeOwner who) {
+  std::vector<std::string> all;
+  for (const GaugeCase& gauge : scene.gauges)
+    if (owner(gauge.kind) == who)
+      for (std::string& column : gauge_columns(gauge, scene.dimension)) all.push_back(std::move(column));
+  return all;
+}
+
+std::vector<std::string> fluid_energy_columns() { return {"fluid_kinetic_J", "fluid_potential_J"}; }
+
+std::vector<std::string> structure_energy_columns() {
+  return {"structure_kinetic_J",   "structure_strain_J",  "structure_potential_J",
+          "structure_diffusion_J", "structure_penalty_J", "interface_work_on_structure_J"};
+}
+
+}  // namespace tern

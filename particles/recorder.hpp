@@ -1,0 +1,47 @@
+#pragma once
+// The tables of a run (gauges.csv, energy.csv, steps.csv), written by the process that sees all accounts: the coupler, or
+// the only process there is.
+
+#include <string>
+#include <vector>
+
+#include "particles/gauges.hpp"
+#include "particles/step_control.hpp"
+#include "particles/table_writer.hpp"
+#include "particles/time.hpp"
+
+namespace tern {
+
+class Recorder {
+ public:
+  /// Creates the three files in `directory`; gauge_interval [s], 0 = every step.
+  Recorder(const std::string& directory, std::vector<std::string> gauge_columns, std::vector<std::string> energy_columns,
+           double gauge_interval);
+
+  /// Values at time `now`: written at the first instant at or after every multiple of the interval.
+  void account(Ticks now, const GaugeValues& gauges, const std::vector<double>& energies);
+
+  /// One step that has just been completed. `iterations` < 0: no pressure solve.
+  void step(Ticks now, Ticks duration, const std::string& limit, int iterations, double wall_seconds);
+
+  void flush();
+
+ private:
+  TableWriter gauges_, energy_, steps_;
+  double interval_;
+  double next_ = 0;
+};
+
+/// Times at which frames are due: every interval from 0 and the end.
+class FrameSchedule {
+ public:
+  FrameSchedule(double interval, Ticks end) : interval_(interval), end_(end) {}
+  /// The next instant after `now` that a window must end at.
+  Ticks next(Ticks now) const;
+
+ private:
+  double interval_;
+  Ticks end_;
+};
+
+}  // namespace tern
