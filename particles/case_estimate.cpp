@@ -1,6 +1,6 @@
-// Step limits: dt = C sqrt(dx/|g|), dt = C dx/u with u = sqrt(2 |g| H) for a fluid that is free to fall by H, and for the
-// structure dt_s = C dx_s/c_p, c_p^2 = E (1 - nu)/(rho (1 + nu)(1 - 2 nu)).
-// Added mass of a cantilever of free length L in its first mode: rho_f L/1.875 per wet face, over rho_s T.
+// Step limits: dt = C sqrt(dx/|g|), dt = C dx/u with u = sqrt(2 |g| H) for a fluid that is free to fall by H, and for
+// the structure dt_s = C dx_s/c_p, c_p^2 = E (1 - nu)/(rho (1 + nu)(1 - 2 nu)). Added mass of a cantilever of free
+// length L in its first mode: rho_f L/1.875 per wet face, over rho_s T.
 
 #include "particles/case_estimate.hpp"
 
@@ -103,7 +103,8 @@ void estimate_fluid(const Case& scene, Estimate& result) {
     fall = std::sqrt(2 * result.gravity * std::max(0.0, top - bottom));
   }
   result.speed = std::max(initial_speed, fall);
-  result.gravity_step = result.gravity > 0 ? fluid.numerics.gravity_courant * std::sqrt(fluid.spacing / result.gravity) : infinity;
+  result.gravity_step =
+      result.gravity > 0 ? fluid.numerics.gravity_courant * std::sqrt(fluid.spacing / result.gravity) : infinity;
   result.flow_step = result.speed > 0 ? fluid.numerics.courant * fluid.spacing / result.speed : infinity;
   result.step = std::min({result.gravity_step, result.flow_step, scene.end_time});
 }

@@ -17,25 +17,25 @@ struct BodyEstimate {
   std::string name;
   long particles = 0;
   long clamped = 0;
-  long surface_points = 0;  ///< outside the clamps
-  double thickness = 0;     ///< thin section [m]
-  double wave_speed = 0;    ///< c_p [m/s]
-  double sub_step = 0;      ///< [s]
+  long surface_points = 0;      ///< outside the clamps
+  double thickness = 0;         ///< thin section [m]
+  double wave_speed = 0;        ///< c_p [m/s]
+  double sub_step = 0;          ///< [s]
   double added_mass_ratio = 0;  ///< of one wet face, first cantilever mode; 0 = not thin or no fluid
 };
 
 struct Estimate {
   long fluid_particles = 0;
-  double gravity = 0;             ///< |g| at t = 0 in the middle of the fluid [m/s^2]
-  bool settled = false;           ///< the fluid fills the container from wall to wall and starts at rest
-  double speed = 0;               ///< free-fall speed from the top of the fluid to the lowest wall, and initial speed [m/s]
-  double gravity_step = 0;        ///< limit gravity_courant sqrt(dx/|g|) [s]; infinite without gravity
-  double flow_step = 0;           ///< limit courant dx/speed [s]; infinite at rest
-  double step = 0;                ///< the smaller of the two that apply; of a structure alone, the sub-step [s]
-  double steps = 0;               ///< in the whole run
+  double gravity = 0;       ///< |g| at t = 0 in the middle of the fluid [m/s^2]
+  bool settled = false;     ///< the fluid fills the container from wall to wall and starts at rest
+  double speed = 0;         ///< free-fall speed from the top of the fluid to the lowest wall, and initial speed [m/s]
+  double gravity_step = 0;  ///< limit gravity_courant sqrt(dx/|g|) [s]; infinite without gravity
+  double flow_step = 0;     ///< limit courant dx/speed [s]; infinite at rest
+  double step = 0;          ///< the smaller of the two that apply; of a structure alone, the sub-step [s]
+  double steps = 0;         ///< in the whole run
   std::vector<BodyEstimate> bodies;
-  double sub_steps = 0;           ///< of the structure in one step
-  double memory = 0;              ///< all processes [bytes]
+  double sub_steps = 0;                     ///< of the structure in one step
+  double memory = 0;                        ///< all processes [bytes]
   double fluid_cpu = 0, structure_cpu = 0;  ///< [s]
 };
 

@@ -18,14 +18,15 @@ namespace fs = std::filesystem;
 
 // The file that a path, a folder or a name under cases/ stands for.
 std::string find_case_file(const std::string& name_or_path) {
-  for (const fs::path& candidate : {fs::path(name_or_path), fs::path(name_or_path) / "case.toml",
-                                    fs::path("cases") / name_or_path / "case.toml"}) {
+  for (const fs::path& candidate :
+       {fs::path(name_or_path), fs::path(name_or_path) / "case.toml", fs::path("cases") / name_or_path / "case.toml"}) {
     std::error_code ignored;
     if (fs::is_regular_file(candidate, ignored)) return candidate.string();
   }
-  throw BadInput(fmt::format("There is no case '{0}': neither the file {0}, nor {0}/case.toml, nor cases/{0}/case.toml exists; "
-                             "give the path of a case.toml or of its folder.",
-                             name_or_path));
+  throw BadInput(
+      fmt::format("There is no case '{0}': neither the file {0}, nor {0}/case.toml, nor cases/{0}/case.toml exists; "
+                  "give the path of a case.toml or of its folder.",
+                  name_or_path));
 }
 
 double number(const Setting& table, const std::string& key) { return table.at(key).number; }
@@ -86,18 +87,19 @@ Shape read_shape(const Setting& setting, int dimension) {
   } else if (kind == "polygon") {
     shape.kind = Shape::Kind::polygon;
     double twice_area = 0;
-    for (const Setting& vertex : body.at("vertices").items) shape.vertices.push_back({point(vertex)[0], point(vertex)[1]});
+    for (const Setting& vertex : body.at("vertices").items)
+      shape.vertices.push_back({point(vertex)[0], point(vertex)[1]});
     for (std::size_t i = 0, j = shape.vertices.size() - 1; i < shape.vertices.size(); j = i++) {
       const auto &a = shape.vertices[j], &b = shape.vertices[i];
       twice_area += a[0] * b[1] - b[0] * a[1];
       if (a == b) {
-        throw BadInput(fmt::format("{}: corner {} of the polygon repeats the one before, ({}, {}) m; remove one.", body.where,
-                                   i + 1, b[0], b[1]));
+        throw BadInput(fmt::format("{}: corner {} of the polygon repeats the one before, ({}, {}) m; remove one.",
+                                   body.where, i + 1, b[0], b[1]));
       }
     }
     if (crosses_itself(shape.vertices) || twice_area == 0) {
-      throw BadInput(fmt::format("{}: the sides of the polygon cross, or it has no area; give the corners in order around it.",
-                                 body.where));
+      throw BadInput(fmt::format(
+          "{}: the sides of the polygon cross, or it has no area; give the corners in order around it.", body.where));
     }
   } else if (kind == "ball") {
     shape.kind = Shape::Kind::ball;
@@ -116,16 +118,16 @@ WallCase read_wall(const Setting& setting, int dimension) {
   const Setting* container = setting.find("container");
   const Setting* obstacle = setting.find("obstacle");
   if ((container == nullptr) == (obstacle == nullptr)) {
-    throw BadInput(fmt::format("{}: the wall '{}' has {} container and obstacle; give exactly one of them.", setting.where,
-                               wall.name, container ? "both" : "neither"));
+    throw BadInput(fmt::format("{}: the wall '{}' has {} container and obstacle; give exactly one of them.",
+                               setting.where, wall.name, container ? "both" : "neither"));
   }
   wall.container = container != nullptr;
   wall.shape = read_shape(container ? *container : *obstacle, dimension);
   for (const Setting& face : setting.at("open").items) wall.open.push_back(face.text);
   const Setting& open = setting.at("open");
   if (!wall.open.empty() && !(wall.container && wall.shape.kind == Shape::Kind::box)) {
-    throw BadInput(fmt::format("{}: the wall '{}' has open faces, but only a container that is a box can have them.", open.where,
-                               wall.name));
+    throw BadInput(fmt::format("{}: the wall '{}' has open faces, but only a container that is a box can have them.",
+                               open.where, wall.name));
   }
   for (const std::string& face : wall.open) {
     if (dimension == 2 && face[0] == 'z') {
@@ -136,14 +138,16 @@ WallCase read_wall(const Setting& setting, int dimension) {
     wall.displacement = expressions(*displacement);
     for (const Expression& component : *wall.displacement) {
       if (component.depends_on('x') || component.depends_on('y') || component.depends_on('z')) {
-        throw BadInput(fmt::format("{}: the displacement '{}' of the wall '{}' depends on the place, but a rigid wall moves as a "
-                                   "whole; use t only.",
-                                   displacement->where, component.text(), wall.name));
+        throw BadInput(
+            fmt::format("{}: the displacement '{}' of the wall '{}' depends on the place, but a rigid wall moves as a "
+                        "whole; use t only.",
+                        displacement->where, component.text(), wall.name));
       }
       if (std::abs(component(0)) > 1e-9) {
-        throw BadInput(fmt::format("{}: the displacement '{}' of the wall '{}' is {} m at t = 0 instead of 0; subtract it, or "
-                                   "shift the wall's shape.",
-                                   displacement->where, component.text(), wall.name, component(0)));
+        throw BadInput(
+            fmt::format("{}: the displacement '{}' of the wall '{}' is {} m at t = 0 instead of 0; subtract it, or "
+                        "shift the wall's shape.",
+                        displacement->where, component.text(), wall.name, component(0)));
       }
     }
   }
@@ -197,19 +201,20 @@ StructureCase read_structure(const Setting& setting, int dimension) {
 GaugeCase read_gauge(const Setting& setting) {
   GaugeCase gauge;
   const std::string kind = text(setting, "kind");
-  gauge.kind = kind == "displacement"      ? GaugeCase::Kind::displacement
-               : kind == "pressure"        ? GaugeCase::Kind::pressure
-               : kind == "elevation"       ? GaugeCase::Kind::elevation
-               : kind == "front"           ? GaugeCase::Kind::front
-                                           : GaugeCase::Kind::interface_force;
+  gauge.kind = kind == "displacement" ? GaugeCase::Kind::displacement
+               : kind == "pressure"   ? GaugeCase::Kind::pressure
+               : kind == "elevation"  ? GaugeCase::Kind::elevation
+               : kind == "front"      ? GaugeCase::Kind::front
+                                      : GaugeCase::Kind::interface_force;
   gauge.name = text(setting, "name");
   const bool needs_body = kind == "displacement" || kind == "interface_force";
   const bool needs_at = kind == "displacement" || kind == "pressure" || kind == "elevation";
   for (const auto& [key, needed] : {std::pair{"body", needs_body}, std::pair{"at", needs_at}}) {
     const Setting* value = setting.find(key);
     if ((value != nullptr) == needed) continue;
-    throw BadInput(fmt::format("{}: the gauge '{}' of kind {} {} '{}'; {} it.", value ? value->where : setting.where, gauge.name,
-                               kind, needed ? "needs the key" : "has no use for the key", key, needed ? "give" : "remove"));
+    throw BadInput(fmt::format("{}: the gauge '{}' of kind {} {} '{}'; {} it.", value ? value->where : setting.where,
+                               gauge.name, kind, needed ? "needs the key" : "has no use for the key", key,
+                               needed ? "give" : "remove"));
   }
   if (needs_body) gauge.body = text(setting, "body");
   if (needs_at) gauge.at = point(setting.at("at"));
@@ -240,10 +245,12 @@ Case convert(const Setting& settings) {
     for (const Setting& wall : walls->items) scene.walls.push_back(read_wall(wall, scene.dimension));
   }
   if (const Setting* fluid = settings.find("fluid")) scene.fluid = read_fluid(*fluid, scene.dimension);
-  if (const Setting* structure = settings.find("structure")) scene.structure = read_structure(*structure, scene.dimension);
+  if (const Setting* structure = settings.find("structure"))
+    scene.structure = read_structure(*structure, scene.dimension);
   if (const Setting* coupling = settings.find("coupling")) {
     scene.coupling.algorithm = text(*coupling, "algorithm") == "CM0" ? CouplingAlgorithm::cm0 : CouplingAlgorithm::cm2;
-    scene.coupling.scheme = text(*coupling, "scheme") == "pressure" ? InterfaceScheme::pressure : InterfaceScheme::riemann;
+    scene.coupling.scheme =
+        text(*coupling, "scheme") == "pressure" ? InterfaceScheme::pressure : InterfaceScheme::riemann;
     scene.coupling.riemann_limiter = number(*coupling, "riemann_limiter");
     scene.coupling.robin_mass_factor = number(*coupling, "robin_mass_factor");
     if (const Setting* vem = coupling->find("vem")) scene.coupling.vem_coefficient = number(*vem, "coefficient");
@@ -274,7 +281,8 @@ Case read_case(const std::string& name_or_path, const CaseOptions& options) {
   Case scene = convert(settings);
   const fs::path absolute = fs::absolute(file).lexically_normal();
   scene.path = absolute.string();
-  scene.name = absolute.filename() == "case.toml" ? absolute.parent_path().filename().string() : absolute.stem().string();
+  scene.name =
+      absolute.filename() == "case.toml" ? absolute.parent_path().filename().string() : absolute.stem().string();
   scene.settings = to_json(settings);
   scene.hash = hash_of(scene.settings);
   check_scene(scene, settings);

@@ -38,8 +38,11 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   const auto add = [&](const char* name, const char* meaning) {
     CLI::App* command = app.add_subcommand(name, meaning);
-    command->add_option("CASE", case_path, "case.toml, its folder, or the name of a folder under cases/")->required()->type_name("");
-    command->add_option("--set", overrides, "replace a value of the case, e.g. --set fluid.spacing=0.002")->type_name("KEY=VALUE");
+    command->add_option("CASE", case_path, "case.toml, its folder, or the name of a folder under cases/")
+        ->required()
+        ->type_name("");
+    command->add_option("--set", overrides, "replace a value of the case, e.g. --set fluid.spacing=0.002")
+        ->type_name("KEY=VALUE");
     command->add_option("--preset", options.preset, "group of numerical options: standard")->type_name("PRESET");
     return command;
   };
@@ -60,12 +63,16 @@ int run(int argc, char** argv) {
   for (const std::string& text : overrides) {
     const auto equals = text.find('=');
     if (equals == std::string::npos || equals == 0) {
-      throw BadInput(fmt::format("--set {} is not of the form table.key=value; write for example --set fluid.spacing=0.002.", text));
+      throw BadInput(fmt::format(
+          "--set {} is not of the form table.key=value; write for example --set fluid.spacing=0.002.", text));
     }
     options.overrides.emplace_back(text.substr(0, equals), text.substr(equals + 1));
   }
   const Case scene = read_case(case_path, options);
-  const std::string answer = *check ? check_text(scene) : *explain ? explain_text(scene) : *json ? json_text(scene) : "";
+  const std::string answer = *check     ? check_text(scene)
+                             : *explain ? explain_text(scene)
+                             : *json    ? json_text(scene)
+                                        : "";
   std::fputs(answer.c_str(), stdout);
   return 0;
 }

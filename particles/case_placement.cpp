@@ -56,13 +56,18 @@ class PlacementCheck {
     const Bounds<D> bounds = bounding_box<D>(shape);
     const double cells = ((bounds.max - bounds.min) / spacing).prod();
     if (cells > most_particles) {
-      fail(where, fmt::format("the spacing {} m would make up to {:.3g} particles, but at most {:.0g} are allowed; use a larger one.",
-                              spacing, cells, most_particles));
+      fail(where,
+           fmt::format(
+               "the spacing {} m would make up to {:.3g} particles, but at most {:.0g} are allowed; use a larger one.",
+               spacing, cells, most_particles));
     }
     auto points = fill_lattice<D>(shape, spacing);
     if (points.empty()) {
-      fail(where, fmt::format("the body holds no particle at the spacing {} m, its bounding box measures {}; use a smaller spacing "
-                              "or a larger shape.", spacing, text(bounds.max - bounds.min)));
+      fail(where,
+           fmt::format(
+               "the body holds no particle at the spacing {} m, its bounding box measures {}; use a smaller spacing "
+               "or a larger shape.",
+               spacing, text(bounds.max - bounds.min)));
     }
     return points;
   }
@@ -91,14 +96,17 @@ class PlacementCheck {
       const auto surface = sample_surface<D>(fluid()[i].shape, dx).position;
       for (const Vector<D>& x : surface) {
         if (walls && signed_distance<D>(*walls, x) > 1e-6 * dx) {
-          fail(where_fluid(i), fmt::format("fluid body {} reaches out of the container at {}; shrink or move it.", i + 1, text(x)));
+          fail(where_fluid(i),
+               fmt::format("fluid body {} reaches out of the container at {}; shrink or move it.", i + 1, text(x)));
         }
       }
       for (const Vector<D>& x : fluid_points_[i]) {
         for (int d = 0; d < D; ++d) {
           if (x[d] < scene_.domain_min[d] || x[d] > scene_.domain_max[d]) {
-            fail(where_fluid(i), fmt::format("fluid body {} reaches out of [domain] at {}, where particles are removed; enlarge the "
-                                             "domain.", i + 1, text(x)));
+            fail(where_fluid(i),
+                 fmt::format("fluid body {} reaches out of [domain] at {}, where particles are removed; enlarge the "
+                             "domain.",
+                             i + 1, text(x)));
           }
         }
       }
@@ -107,19 +115,23 @@ class PlacementCheck {
         const auto faces = sample_surface<D>(wall.shape, dx).position;
         const Vector<D>* x = inside(fluid_points_[i], wall.shape, dx);
         if (!x) x = inside(faces, fluid()[i].shape, dx);
-        if (x) fail_overlap(where_fluid(i), fmt::format("fluid body {}", i + 1), fmt::format("the obstacle '{}'", wall.name), *x);
+        if (x)
+          fail_overlap(where_fluid(i), fmt::format("fluid body {}", i + 1), fmt::format("the obstacle '{}'", wall.name),
+                       *x);
       }
       for (std::size_t j = 0; j < i; ++j) {
         const Vector<D>* x = inside(fluid_points_[i], fluid()[j].shape, dx);
         if (!x) x = inside(fluid_points_[j], fluid()[i].shape, dx);
-        if (x) fail_overlap(where_fluid(i), fmt::format("fluid body {}", i + 1), fmt::format("fluid body {}", j + 1), *x);
+        if (x)
+          fail_overlap(where_fluid(i), fmt::format("fluid body {}", i + 1), fmt::format("fluid body {}", j + 1), *x);
       }
     }
   }
 
   [[noreturn]] void fail_overlap(const std::string& where, const std::string& one, const std::string& other,
                                  const Vector<D>& x) const {
-    fail(where, fmt::format("{} and {} overlap at {}; move one of them, or cut it out with difference.", one, other, text(x)));
+    fail(where,
+         fmt::format("{} and {} overlap at {}; move one of them, or cut it out with difference.", one, other, text(x)));
   }
 
   static bool clamped(const StructureBody& body, const Vector<D>& x) {
@@ -134,8 +146,10 @@ class PlacementCheck {
       for (const Vector<D>& x : structure_points_[i]) {
         if (clamped(body, x)) continue;
         if (walls && signed_distance<D>(*walls, x) > 1e-6 * body.spacing) {
-          fail(where_body(i), fmt::format("{} stands outside the container at {}, where it is not clamped; move it inside, or clamp "
-                                          "what is outside.", label, text(x)));
+          fail(where_body(i),
+               fmt::format("{} stands outside the container at {}, where it is not clamped; move it inside, or clamp "
+                           "what is outside.",
+                           label, text(x)));
         }
         for (const WallCase& wall : scene_.walls) {
           if (!wall.container && signed_distance<D>(wall.shape, x) < -1e-6 * body.spacing) {
@@ -163,12 +177,14 @@ class PlacementCheck {
       for (std::size_t c = 0; c < body.clamps.size(); ++c) {
         if (std::none_of(points.begin(), points.end(), [&](const auto& x) { return contains<D>(body.clamps[c], x); })) {
           fail(settings_.at("structure").at("body").items[i].at("clamp").where,
-               fmt::format("clamp {} of '{}' holds none of its {} particles; move or enlarge it.", c + 1, body.name, points.size()));
+               fmt::format("clamp {} of '{}' holds none of its {} particles; move or enlarge it.", c + 1, body.name,
+                           points.size()));
         }
       }
       if (std::all_of(points.begin(), points.end(), [&](const auto& x) { return clamped(body, x); })) {
         fail(settings_.at("structure").at("body").items[i].at("clamp").where,
-             fmt::format("the clamps of '{}' hold all of its {} particles, so nothing can move; make it a [[wall]] with obstacle.",
+             fmt::format("the clamps of '{}' hold all of its {} particles, so nothing can move; make it a [[wall]] "
+                         "with obstacle.",
                          body.name, points.size()));
       }
     }
@@ -179,21 +195,25 @@ class PlacementCheck {
       const StructureBody& body = structure()[i];
       const double across = thin_section<D>(body) / body.spacing;
       if (across < 2 - 1e-6) {
-        fail(where_body(i), fmt::format("'{}' is {:.3g} particles across at the spacing {} m, but needs at least 2 (better 4); use a "
-                                        "spacing of at most {:.3g} m.", body.name, across, body.spacing, across * body.spacing / 2));
+        fail(where_body(i),
+             fmt::format("'{}' is {:.3g} particles across at the spacing {} m, but needs at least 2 (better 4); use a "
+                         "spacing of at most {:.3g} m.",
+                         body.name, across, body.spacing, across * body.spacing / 2));
       }
       if (across < 4 - 1e-6) {
-        scene_.warnings.push_back(fmt::format(
-            "{}: '{}' is {:.3g} particles across; with fewer than 4 its bending stiffness is off by more than 12 %, a spacing of "
-            "{:.3g} m gives 4.", where_body(i), body.name, across, across * body.spacing / 4));
+        scene_.warnings.push_back(
+            fmt::format("{}: '{}' is {:.3g} particles across; with fewer than 4 its bending stiffness is off by more "
+                        "than 12 %, a spacing of "
+                        "{:.3g} m gives 4.",
+                        where_body(i), body.name, across, across * body.spacing / 4));
       }
     }
   }
 
   // Expressions have to be finite wherever a particle starts.
   void check_initial_values() const {
-    const auto check = [&](const VectorExpression& field, const std::vector<Vector<D>>& points, const std::string& where,
-                           const std::string& name) {
+    const auto check = [&](const VectorExpression& field, const std::vector<Vector<D>>& points,
+                           const std::string& where, const std::string& name) {
       for (int d = 0; d < D; ++d) {
         if (field[d].is_constant()) continue;
         if (name == "velocity" && field[d].depends_on('t')) {

@@ -61,8 +61,10 @@ class SceneCheck {
       for (const Setting& item : list->items) {
         const std::string& name = item.at("name").text;
         if (name.find_first_of(",\"\n\r") != std::string::npos) {
-          fail(item.at("name").where, fmt::format("the name '{}' holds a comma, a quote or a line break, which would break the "
-                                                  "tables; use letters, digits, '_', '.' and '-'.", name));
+          fail(item.at("name").where,
+               fmt::format("the name '{}' holds a comma, a quote or a line break, which would break the "
+                           "tables; use letters, digits, '_', '.' and '-'.",
+                           name));
         }
         if (!seen.insert(name).second) {
           fail(item.at("name").where, fmt::format("the name '{}' is used twice in [[{}]]; give each its own.", name,
@@ -77,14 +79,18 @@ class SceneCheck {
     for (std::size_t i = 0; i < scene_.walls.size(); ++i) {
       if (!scene_.walls[i].container) continue;
       if (++containers > 1) {
-        fail(where_wall(i), fmt::format("'{}' is a second container, but the fluid can be inside one only; join them in one wall "
-                                        "with union.", scene_.walls[i].name));
+        fail(where_wall(i),
+             fmt::format("'{}' is a second container, but the fluid can be inside one only; join them in one wall "
+                         "with union.",
+                         scene_.walls[i].name));
       }
       for (int d = 0; d < D; ++d) {
         for (const char* side : {"_min", "_max"}) {
           if (scene_.periodic[d] && !is_open(scene_.walls[i], std::string(1, "xyz"[d]) + side)) {
-            fail(where_wall(i), fmt::format("the direction {0} is periodic, but the container '{1}' is closed there; add \"{0}_min\" "
-                                            "and \"{0}_max\" to its open faces.", "xyz"[d], scene_.walls[i].name));
+            fail(where_wall(i),
+                 fmt::format("the direction {0} is periodic, but the container '{1}' is closed there; add \"{0}_min\" "
+                             "and \"{0}_max\" to its open faces.",
+                             "xyz"[d], scene_.walls[i].name));
           }
         }
       }
@@ -103,7 +109,8 @@ class SceneCheck {
       return;
     }
     if (std::find(scene_.periodic.begin(), scene_.periodic.end(), true) != scene_.periodic.end()) {
-      fail(settings_.at("periodic").where, "a periodic case needs [domain], whose length is the period; give min and max.");
+      fail(settings_.at("periodic").where,
+           "a periodic case needs [domain], whose length is the period; give min and max.");
     }
     std::vector<Shape> extent;
     for (const WallCase& wall : scene_.walls) extent.push_back(wall.shape);
@@ -134,13 +141,16 @@ class SceneCheck {
       if (!scene_.fluid || !scene_.periodic[d]) continue;
       const double count = length / scene_.fluid->spacing;
       if (std::abs(count - std::round(count)) > 1e-6 * count) {
-        fail(domain->where, fmt::format("the period {} m in direction {} is {} spacings of the fluid; make it a whole number of them.",
-                                        length, "xyz"[d], count));
+        fail(domain->where,
+             fmt::format("the period {} m in direction {} is {} spacings of the fluid; make it a whole number of them.",
+                         length, "xyz"[d], count));
       }
       const double support = 4 * scene_.fluid->numerics.smoothing_length_ratio * scene_.fluid->spacing;
       if (length < support) {
-        fail(domain->where, fmt::format("the period {} m in direction {} is shorter than two kernel radii, {} m; use a smaller "
-                                        "spacing or a longer domain.", length, "xyz"[d], support));
+        fail(domain->where,
+             fmt::format("the period {} m in direction {} is shorter than two kernel radii, {} m; use a smaller "
+                         "spacing or a longer domain.",
+                         length, "xyz"[d], support));
       }
     }
   }
@@ -151,19 +161,21 @@ class SceneCheck {
       const std::string& where = settings_.at("gauge").items[i].where;
       using Kind = GaugeCase::Kind;
       if (gauge.kind != Kind::displacement && !scene_.fluid) {
-        fail(where, fmt::format("the gauge '{}' measures the fluid, but the case has no [fluid]; remove it.", gauge.name));
+        fail(where,
+             fmt::format("the gauge '{}' measures the fluid, but the case has no [fluid]; remove it.", gauge.name));
       }
       Vector<D> at;
       for (int d = 0; d < D; ++d) at[d] = gauge.at[d];
       if (gauge.kind == Kind::pressure) {
         const auto walls = fluid_region(scene_);
         if (walls && signed_distance<D>(*walls, at) > 1e-6 * scene_.fluid->spacing) {
-          fail(where, fmt::format("the gauge '{}' at {} is outside the container, where there is never fluid; move it.", gauge.name,
-                                  text(at)));
+          fail(where, fmt::format("the gauge '{}' at {} is outside the container, where there is never fluid; move it.",
+                                  gauge.name, text(at)));
         }
       }
       if (gauge.kind != Kind::displacement && gauge.kind != Kind::interface_force) continue;
-      const auto body = std::find_if(structure().begin(), structure().end(), [&](const auto& b) { return b.name == gauge.body; });
+      const auto body =
+          std::find_if(structure().begin(), structure().end(), [&](const auto& b) { return b.name == gauge.body; });
       if (body == structure().end()) {
         std::vector<std::string> names;
         for (const StructureBody& known : structure()) names.push_back(known.name);
@@ -172,8 +184,8 @@ class SceneCheck {
                                               : fmt::format("there is only '{}'", fmt::join(names, "', '"))));
       }
       if (gauge.kind == Kind::displacement && signed_distance<D>(body->shape, at) > 1e-6 * body->spacing) {
-        fail(where, fmt::format("the gauge '{}' at {} is no point of the undeformed body '{}'; move it by {:.3g} m.", gauge.name,
-                                text(at), gauge.body, signed_distance<D>(body->shape, at)));
+        fail(where, fmt::format("the gauge '{}' at {} is no point of the undeformed body '{}'; move it by {:.3g} m.",
+                                gauge.name, text(at), gauge.body, signed_distance<D>(body->shape, at)));
       }
     }
   }

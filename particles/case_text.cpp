@@ -21,11 +21,13 @@ std::string step_limits(const Case& scene, const Estimate& e) {
   std::string text;
   if (scene.fluid) {
     if (std::isfinite(e.gravity_step)) {
-      text += fmt::format("  gravity          {:.3g} s = {} sqrt(dx/|g|)\n", e.gravity_step, scene.fluid->numerics.gravity_courant);
+      text += fmt::format("  gravity          {:.3g} s = {} sqrt(dx/|g|)\n", e.gravity_step,
+                          scene.fluid->numerics.gravity_courant);
     }
     if (std::isfinite(e.flow_step)) {
-      text += fmt::format("  speed            {:.3g} s = {} dx/|u| at {:.3g} m/s, {}\n", e.flow_step, scene.fluid->numerics.courant,
-                          e.speed, "the free fall over the height of the scene or the initial speed");
+      text += fmt::format("  speed            {:.3g} s = {} dx/|u| at {:.3g} m/s, {}\n", e.flow_step,
+                          scene.fluid->numerics.courant, e.speed,
+                          "the free fall over the height of the scene or the initial speed");
     } else if (e.settled) {
       text += "  speed            none expected: the fluid starts at rest from wall to wall\n";
     }
@@ -34,7 +36,8 @@ std::string step_limits(const Case& scene, const Estimate& e) {
     text += fmt::format("  {:<16} {:.3g} s = {} dx_s/c_p, c_p = {:.4g} m/s (sub-step)\n", body.name, body.sub_step,
                         scene.structure->numerics.courant, body.wave_speed);
   }
-  if (scene.fluid && scene.structure) text += fmt::format("  sub-steps        {:.0f} of the structure in a step\n", e.sub_steps);
+  if (scene.fluid && scene.structure)
+    text += fmt::format("  sub-steps        {:.0f} of the structure in a step\n", e.sub_steps);
   return text;
 }
 
@@ -48,8 +51,8 @@ std::string check_text(const Case& scene) {
   for (std::size_t i = 0; i < e.bodies.size(); ++i) {
     const BodyEstimate& body = e.bodies[i];
     const double spacing = scene.structure->bodies[i].spacing;
-    text += fmt::format("  {:<16} {} of {} m, {} of them clamped, {:.3g} across; {} surface points\n", body.name, body.particles,
-                        spacing, body.clamped, body.thickness / spacing, body.surface_points);
+    text += fmt::format("  {:<16} {} of {} m, {} of them clamped, {:.3g} across; {} surface points\n", body.name,
+                        body.particles, spacing, body.clamped, body.thickness / spacing, body.surface_points);
   }
   text += "step limits\n" + step_limits(scene, e);
   for (const BodyEstimate& body : e.bodies) {
@@ -64,9 +67,11 @@ std::string check_text(const Case& scene) {
     text += fmt::format(" (fluid {}, structure {})", duration(e.fluid_cpu), duration(e.structure_cpu));
   }
   text += fmt::format(", {:.0f} MB\n", e.memory / 1e6);
-  text += fmt::format("  (from {:.2g} us per fluid particle and step and {:.0f} ns per structure particle and sub-step in 2D, calibrated\n"
-                      "  on one machine; fluid and structure mostly wait for each other, so wall time is about the same)\n",
-                      fluid_cost_2d * 1e6, structure_cost_2d * 1e9);
+  text += fmt::format(
+      "  (from {:.2g} us per fluid particle and step and {:.0f} ns per structure particle and sub-step in 2D, "
+      "calibrated\n"
+      "  on one machine; fluid and structure mostly wait for each other, so wall time is about the same)\n",
+      fluid_cost_2d * 1e6, structure_cost_2d * 1e9);
   for (const std::string& warning : scene.warnings) text += "warning: " + warning + "\n";
   return text;
 }
@@ -77,23 +82,26 @@ std::string explain_text(const Case& scene) {
   std::string text = fmt::format("{}{}{}\n\n", scene.name, scene.title.empty() ? "" : ": ", scene.title);
   text += "Modelled\n";
   if (scene.fluid) {
-    text += fmt::format("* An incompressible, inviscid fluid of {} kg/m^3 in {} bod{} ({} particles), with a free surface at zero pressure.\n",
-                        scene.fluid->density, scene.fluid->bodies.size(), scene.fluid->bodies.size() == 1 ? "y" : "ies",
-                        e.fluid_particles);
+    text += fmt::format(
+        "* An incompressible, inviscid fluid of {} kg/m^3 in {} bod{} ({} particles), with a free surface at zero "
+        "pressure.\n",
+        scene.fluid->density, scene.fluid->bodies.size(), scene.fluid->bodies.size() == 1 ? "y" : "ies",
+        e.fluid_particles);
   }
   for (const WallCase& wall : scene.walls) {
-    text += fmt::format("* The rigid, frictionless {} '{}'{}{}.\n", wall.container ? "container" : "obstacle", wall.name,
-                        wall.open.empty() ? "" : fmt::format(", open at {}", fmt::join(wall.open, ", ")),
+    text += fmt::format("* The rigid, frictionless {} '{}'{}{}.\n", wall.container ? "container" : "obstacle",
+                        wall.name, wall.open.empty() ? "" : fmt::format(", open at {}", fmt::join(wall.open, ", ")),
                         wall.displacement ? ", which moves" : "");
   }
   if (scene.structure) {
     for (std::size_t i = 0; i < e.bodies.size(); ++i) {
       const StructureBody& body = scene.structure->bodies[i];
-      text += fmt::format("* The elastic body '{}': neo-Hookean{}, {} kg/m^3, E = {} Pa, Poisson's ratio {}, {:.3g} mm thick; {}.\n",
-                          body.name, scene.dimension == 2 ? " in plane strain" : "", body.density, body.young_modulus,
-                          body.poisson_ratio, 1e3 * e.bodies[i].thickness,
-                          body.clamps.empty() ? "free" : fmt::format("{} of {} particles clamped", e.bodies[i].clamped,
-                                                                     e.bodies[i].particles));
+      text += fmt::format(
+          "* The elastic body '{}': neo-Hookean{}, {} kg/m^3, E = {} Pa, Poisson's ratio {}, {:.3g} mm thick; {}.\n",
+          body.name, scene.dimension == 2 ? " in plane strain" : "", body.density, body.young_modulus,
+          body.poisson_ratio, 1e3 * e.bodies[i].thickness,
+          body.clamps.empty() ? "free"
+                              : fmt::format("{} of {} particles clamped", e.bodies[i].clamped, e.bodies[i].particles));
     }
   }
   text += fmt::format("* Gravity ({}) m/s^2.\n", [&] {
@@ -102,26 +110,30 @@ std::string explain_text(const Case& scene) {
     return list;
   }());
   if (coupled) {
-    text += fmt::format("* Their interaction through {} ({}), {}, {}.\n",
-                        scene.coupling.algorithm == CouplingAlgorithm::cm2 ? "CM2" : "CM0",
-                        scene.coupling.algorithm == CouplingAlgorithm::cm2 ? "predict, project, correct" : "explicit staggering",
-                        scene.coupling.scheme == InterfaceScheme::riemann ? "with Riemann dissipation" : "pressure only",
-                        scene.coupling.vem_coefficient ? fmt::format("with the VEM term, C = {}", *scene.coupling.vem_coefficient)
-                                                       : "without the VEM term");
+    text += fmt::format(
+        "* Their interaction through {} ({}), {}, {}.\n",
+        scene.coupling.algorithm == CouplingAlgorithm::cm2 ? "CM2" : "CM0",
+        scene.coupling.algorithm == CouplingAlgorithm::cm2 ? "predict, project, correct" : "explicit staggering",
+        scene.coupling.scheme == InterfaceScheme::riemann ? "with Riemann dissipation" : "pressure only",
+        scene.coupling.vem_coefficient ? fmt::format("with the VEM term, C = {}", *scene.coupling.vem_coefficient)
+                                       : "without the VEM term");
   }
   text += "\nNot modelled\n";
   if (scene.fluid) text += "* Viscosity, turbulence, surface tension, and air: a closed air pocket is empty space.\n";
   if (scene.structure) text += "* Plasticity, damage, material damping, contact between elastic bodies.\n";
-  if (!scene.structure) text += "* Elastic bodies: no [structure] in the case, so no structure and no coupler process.\n";
+  if (!scene.structure)
+    text += "* Elastic bodies: no [structure] in the case, so no structure and no coupler process.\n";
   if (!scene.fluid) text += "* A fluid: no [fluid] in the case, so no fluid and no coupler process.\n";
   text += "\nWhat binds the step\n" + step_limits(scene, e);
   for (const BodyEstimate& body : e.bodies) {
     if (body.added_mass_ratio <= 0) continue;
-    text += fmt::format("\nThe fluid that '{}' has to move weighs about {:.1f} times the body with one wet face and {:.1f} times with two.\n"
-                        "Explicit staggering (CM0) is {}.\n",
-                        body.name, body.added_mass_ratio, 2 * body.added_mass_ratio,
-                        body.added_mass_ratio > 1 ? "predicted to be unstable, whatever the step; CM2 is predicted to be stable"
-                                                  : "possibly stable here; above 1 it is not");
+    text += fmt::format(
+        "\nThe fluid that '{}' has to move weighs about {:.1f} times the body with one wet face and {:.1f} times with "
+        "two.\n"
+        "Explicit staggering (CM0) is {}.\n",
+        body.name, body.added_mass_ratio, 2 * body.added_mass_ratio,
+        body.added_mass_ratio > 1 ? "predicted to be unstable, whatever the step; CM2 is predicted to be stable"
+                                  : "possibly stable here; above 1 it is not");
   }
   text += fmt::format("\nCost: about {:.0f} steps, {} of CPU ({:.0f} % fluid), {:.0f} MB.\n", e.steps,
                       duration(e.fluid_cpu + e.structure_cpu), 100 * e.fluid_cpu / (e.fluid_cpu + e.structure_cpu),

@@ -49,7 +49,8 @@ std::string unit_label(const Parameter& p) { return p.unit.empty() || p.unit == 
 
 // "density [kg/m^3] of [fluid]"
 std::string label(const Parameter& p) {
-  return p.table.empty() ? p.key + unit_label(p) : fmt::format("{}{} of {}", p.key, unit_label(p), table_label(p.table));
+  return p.table.empty() ? p.key + unit_label(p)
+                         : fmt::format("{}{} of {}", p.key, unit_label(p), table_label(p.table));
 }
 
 // "density [kg/m^3] of [fluid] is missing (density of the fluid); give a value greater than 0."
@@ -74,15 +75,16 @@ class Completion {
     if (!fluid && !structure) fail(document_.where, "the case has neither [fluid] nor [structure]; give at least one.");
     coupled_ = fluid && structure;
     if (const Setting* coupling = document_.find("coupling"); coupling && !coupled_) {
-      fail(coupling->where, fmt::format("[coupling] has no meaning in a case without [{}]; remove it.",
-                                        fluid ? "structure" : "fluid"));
+      fail(coupling->where,
+           fmt::format("[coupling] has no meaning in a case without [{}]; remove it.", fluid ? "structure" : "fluid"));
     }
     return complete_table("", document_);
   }
 
  private:
   Setting complete_table(const std::string& path, const Setting& given) {
-    if (given.type != Type::table) fail(given.where, fmt::format("{} is {}, but has to be a table.", table_label(path), to_text(given)));
+    if (given.type != Type::table)
+      fail(given.where, fmt::format("{} is {}, but has to be a table.", table_label(path), to_text(given)));
     refuse_unknown_keys(path, given);
     Setting complete;
     complete.where = given.where;
@@ -110,7 +112,8 @@ class Completion {
     const Setting* value = given.find(key);
     if (!value) {
       if (table.presence == Presence::required) {
-        fail(given.where, fmt::format("{} has no [[{}]]; {}", table_label(parent(table.path)), table.path, table.meaning));
+        fail(given.where,
+             fmt::format("{} has no [[{}]]; {}", table_label(parent(table.path)), table.path, table.meaning));
       }
       if (table.presence == Presence::filled) {
         Setting empty;
@@ -157,7 +160,8 @@ class Completion {
         remedy = fmt::format("did you mean '{}'?", close);
       } else {
         for (const Parameter& p : parameters()) {
-          if (p.key == key && !p.table.starts_with("shape")) remedy = fmt::format("it belongs in {}.", table_label(p.table));
+          if (p.key == key && !p.table.starts_with("shape"))
+            remedy = fmt::format("it belongs in {}.", table_label(p.table));
         }
       }
       fail(given.items[i].where, fmt::format("unknown key '{}' in {}; {}", key, table_label(path), remedy));
@@ -186,14 +190,16 @@ class Completion {
     if (value.type != Type::text) wrong_type(p, value, fmt::format("one of \"{}\"", fmt::join(p.choices, "\", \"")));
     if (std::find(p.choices.begin(), p.choices.end(), value.text) != p.choices.end()) return;
     if (p.choices.size() == 1) {
-      fail(value.where, fmt::format("{} is \"{}\", but there is only \"{}\".", label(p), value.text, p.choices.front()));
+      fail(value.where,
+           fmt::format("{} is \"{}\", but there is only \"{}\".", label(p), value.text, p.choices.front()));
     }
-    fail(value.where, fmt::format("{} is \"{}\", but has to be one of \"{}\"; the nearest is \"{}\".", label(p), value.text,
-                                  fmt::join(p.choices, "\", \""), nearest(value.text, p.choices)));
+    fail(value.where, fmt::format("{} is \"{}\", but has to be one of \"{}\"; the nearest is \"{}\".", label(p),
+                                  value.text, fmt::join(p.choices, "\", \""), nearest(value.text, p.choices)));
   }
 
   void check_entries(const Parameter& p, const Setting& value, std::size_t count, bool expressions) const {
-    const std::string wanted = fmt::format("a list of {} {}", count, expressions ? "numbers or expressions in quotes" : "numbers");
+    const std::string wanted =
+        fmt::format("a list of {} {}", count, expressions ? "numbers or expressions in quotes" : "numbers");
     if (value.type != Type::list || value.items.size() != count) wrong_type(p, value, wanted);
     for (const Setting& item : value.items) {
       const bool number = item.type == Type::number || item.type == Type::integer;
@@ -225,7 +231,8 @@ class Completion {
         check_choice(p, value);
         return value;
       case ParameterType::choices:
-        if (value.type != Type::list) wrong_type(p, value, fmt::format("a list of some of \"{}\"", fmt::join(p.choices, "\", \"")));
+        if (value.type != Type::list)
+          wrong_type(p, value, fmt::format("a list of some of \"{}\"", fmt::join(p.choices, "\", \"")));
         for (const Setting& item : value.items) check_choice(p, item);
         return value;
       case ParameterType::integer:
@@ -241,7 +248,8 @@ class Completion {
         check_entries(p, value, dimension_, true);
         return plain(value);
       case ParameterType::vertices:
-        if (value.type != Type::list || value.items.size() < 3) wrong_type(p, value, "a list of at least 3 points [x, y]");
+        if (value.type != Type::list || value.items.size() < 3)
+          wrong_type(p, value, "a list of at least 3 points [x, y]");
         for (const Setting& vertex : value.items) check_entries(p, vertex, 2, false);
         return plain(value);
       case ParameterType::shape:
@@ -260,8 +268,9 @@ class Completion {
     if (value.type != Type::table) wrong_type(p, value, "a shape such as { box = { min = [...], max = [...] } }");
     refuse_unknown_keys("shape", value);
     if (value.keys.size() != 1) {
-      fail(value.where, fmt::format("{} names {} shapes, but has to name exactly one of box, polygon, ball, union, difference.",
-                                    label(p), value.keys.size()));
+      fail(value.where,
+           fmt::format("{} names {} shapes, but has to name exactly one of box, polygon, ball, union, difference.",
+                       label(p), value.keys.size()));
     }
     const std::string& kind = value.keys.front();
     const Setting& body = value.items.front();
@@ -277,7 +286,8 @@ class Completion {
       for (Setting& item : list.items) item = complete_shape(p, item);
       complete.set(kind, std::move(list));
     } else {
-      if (kind == "polygon" && dimension_ == 3) fail(body.where, "a polygon has no meaning in 3D; use boxes and balls.");
+      if (kind == "polygon" && dimension_ == 3)
+        fail(body.where, "a polygon has no meaning in 3D; use boxes and balls.");
       complete.set(kind, complete_table("shape." + kind, body));
     }
     return complete;

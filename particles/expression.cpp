@@ -42,7 +42,8 @@ void refuse_assignment(const std::string& text) {
     }
     if (i > 0 && (text[i - 1] == '<' || text[i - 1] == '>' || text[i - 1] == '!')) continue;
     throw BadInput(fmt::format(
-        "The expression '{}' assigns a value at position {}, which is not possible here; compare with '=='.", text, i + 1));
+        "The expression '{}' assigns a value at position {}, which is not possible here; compare with '=='.", text,
+        i + 1));
   }
 }
 
@@ -69,9 +70,10 @@ Expression::Expression(const std::string& text) : text_(text) {
       throw BadInput(fmt::format("The expression '{}' has the value {}; give a finite one.", text, at_origin));
     }
   } catch (const mu::Parser::exception_type& fault) {
-    throw BadInput(fmt::format(
-        "The expression '{}' cannot be read at position {}: {} Known names are t, x, y, z, pi and functions like sin and sqrt.",
-        text, fault.GetPos() + 1, fault.GetMsg()));
+    throw BadInput(
+        fmt::format("The expression '{}' cannot be read at position {}: {} Known names are t, x, y, z, pi and "
+                    "functions like sin and sqrt.",
+                    text, fault.GetPos() + 1, fault.GetMsg()));
   }
 }
 
@@ -94,10 +96,10 @@ double Expression::operator()(double t, double x, double y, double z) const {
   parser_->variables = {t, x, y, z};
   const double value = parser_->parser.Eval();
   if (!std::isfinite(value)) {
-    throw NumericalFailure(
-        fmt::format("The expression '{}' has the value {} at t = {} s, x = {} m, y = {} m, z = {} m; write it so that it "
-                    "stays finite everywhere in the domain.",
-                    text_, value, t, x, y, z));
+    throw NumericalFailure(fmt::format(
+        "The expression '{}' has the value {} at t = {} s, x = {} m, y = {} m, z = {} m; write it so that it "
+        "stays finite everywhere in the domain.",
+        text_, value, t, x, y, z));
   }
   return value;
 }

@@ -21,12 +21,13 @@ Range between(double lowest, double highest) { return {lowest, highest, true, tr
 
 }  // namespace
 
+// clang-format off: one parameter per entry, like the rows of a table.
 const std::vector<TableDefinition>& table_definitions() {
   static const std::vector<TableDefinition> definitions = {
       {"", false, Presence::filled, "The scene as a whole."},
       {"domain", false, Presence::optional,
-       "Fluid particles that leave this box are removed and counted; default: the box around the walls (without walls: the "
-       "fluid), enlarged by half of its longest side."},
+       "Fluid particles that leave this box are removed and counted; default: the box around the walls (without "
+       "walls: the fluid), enlarged by half of its longest side."},
       {"wall", true, Presence::optional, "A rigid, impermeable, frictionless wall; either `container` or `obstacle`."},
       {"fluid", false, Presence::optional, "The incompressible, inviscid fluid; absent = no fluid."},
       {"fluid.body", true, Presence::required, "A region filled with fluid at the start."},
@@ -41,7 +42,8 @@ const std::vector<TableDefinition>& table_definitions() {
       {"gauge", true, Presence::optional, "A quantity written to gauges.csv."},
       {"output", false, Presence::filled, "What a run writes, and how often."},
       {"shape", false, Presence::filled,
-       "A solid, written as an inline table with exactly one of these keys, e.g. `{ box = { min = [0, 0], max = [1, 2] } }`."},
+       "A solid, written as an inline table with exactly one of these keys, e.g. `{ box = { min = [0, 0], max = [1, "
+       "2] } }`."},
       {"shape.box", false, Presence::filled, "A box along the axes."},
       {"shape.polygon", false, Presence::filled, "A polygon; 2D only."},
       {"shape.ball", false, Presence::filled, "A disc (2D) or ball (3D)."},
@@ -81,7 +83,8 @@ const std::vector<Parameter>& parameters() {
       {"fluid.numerics", "smoothing_length_ratio", Type::number, "-", "1.5", from_to(1.2, 2.5), {},
        "Smoothing length over particle spacing, h/dx."},
       {"fluid.numerics", "gradient", Type::choice, "", "\"blend\"", any, {"blend", "sum"},
-       "Pressure gradient in the interior: the corrected form blended with the momentum-conserving sum, or the sum alone."},
+       "Pressure gradient in the interior: the corrected form blended with the momentum-conserving sum, or the sum "
+       "alone."},
       {"fluid.numerics", "blend_theta", Type::number, "-", "0.2", from_to(0, 1), {},
        "Weight of the self-regularising part of the blended gradient."},
       {"fluid.numerics", "density_relaxation", Type::number, "-", "0.02", from_to(0, 1), {},
@@ -99,11 +102,13 @@ const std::vector<Parameter>& parameters() {
       {"fluid.numerics", "preconditioner", Type::choice, "", "\"multigrid\"", any, {"multigrid", "jacobi"},
        "Preconditioner of the conjugate gradients."},
 
-      {"structure.body", "name", Type::text, "", "required", any, {}, "Name of the body in gauges and messages; unique."},
+      {"structure.body", "name", Type::text, "", "required", any, {},
+       "Name of the body in gauges and messages; unique."},
       {"structure.body", "shape", Type::shape, "", "required", any, {}, "The undeformed body."},
       {"structure.body", "spacing", Type::number, "m", "required", positive, {},
        "Particle spacing dx_s; at least 2 and better 4 particles across the thinnest part."},
-      {"structure.body", "density", Type::number, "kg/m^3", "required", positive, {}, "Density of the undeformed body."},
+      {"structure.body", "density", Type::number, "kg/m^3", "required", positive, {},
+       "Density of the undeformed body."},
       {"structure.body", "young_modulus", Type::number, "Pa", "required", positive, {}, "Young's modulus E."},
       {"structure.body", "poisson_ratio", Type::number, "-", "required", between(-1, 0.5), {}, "Poisson's ratio nu."},
       {"structure.body", "clamp", Type::shapes, "", "[]", any, {}, "Particles inside any of these shapes are fixed."},
@@ -119,8 +124,8 @@ const std::vector<Parameter>& parameters() {
        "Sub-step as a fraction of dx_s/(c_p + |v|max)."},
 
       {"coupling", "algorithm", Type::choice, "", "\"CM2\"", any, {"CM0", "CM2"},
-       "CM2: predict, project, correct; CM0: explicit staggering, unstable where the fluid's added mass exceeds the mass of the "
-       "structure."},
+       "CM2: predict, project, correct; CM0: explicit staggering, unstable where the fluid's added mass exceeds the "
+       "mass of the structure."},
       {"coupling", "scheme", Type::choice, "", "\"riemann\"", any, {"riemann", "pressure"},
        "Interface pressure with or without the Riemann dissipation."},
       {"coupling", "riemann_limiter", Type::number, "-", "3.0", not_negative, {},
@@ -132,8 +137,9 @@ const std::vector<Parameter>& parameters() {
 
       {"gauge", "kind", Type::choice, "", "required", any,
        {"displacement", "pressure", "elevation", "front", "interface_force"},
-       "displacement of a body's material point [m]; pressure of the fluid at a point [Pa]; elevation of the free surface at a "
-       "place [m]; front: largest x the connected fluid reaches [m]; interface_force on a body [N/m^(3-D)]."},
+       "displacement of a body's material point [m]; pressure of the fluid at a point [Pa]; elevation of the free "
+       "surface at a place [m]; front: largest x the connected fluid reaches [m]; interface_force on a body "
+       "[N/m^(3-D)]."},
       {"gauge", "name", Type::text, "", "required", any, {}, "Name of the column; unique."},
       {"gauge", "body", Type::text, "", "absent", any, {}, "Elastic body; displacement and interface_force need it."},
       {"gauge", "at", Type::point, "m", "absent", any, {},
@@ -141,12 +147,14 @@ const std::vector<Parameter>& parameters() {
 
       {"output", "frame_interval", Type::number, "s", "0", not_negative, {},
        "Time between frames of the particle fields; 0 = the first and the last only."},
-      {"output", "gauge_interval", Type::number, "s", "0", not_negative, {}, "Time between rows of gauges.csv; 0 = every step."},
+      {"output", "gauge_interval", Type::number, "s", "0", not_negative, {},
+       "Time between rows of gauges.csv; 0 = every step."},
 
       {"shape", "box", Type::shape, "", "absent", any, {}, "See `shape.box`."},
       {"shape", "polygon", Type::shape, "", "absent", any, {}, "See `shape.polygon`."},
       {"shape", "ball", Type::shape, "", "absent", any, {}, "See `shape.ball`."},
-      {"shape", "union", Type::shapes, "", "absent", any, {}, "List of shapes; a point of any of them belongs to the solid."},
+      {"shape", "union", Type::shapes, "", "absent", any, {},
+       "List of shapes; a point of any of them belongs to the solid."},
       {"shape", "difference", Type::shapes, "", "absent", any, {}, "List of shapes; the first without the others."},
       {"shape.box", "min", Type::point, "m", "required", any, {}, "Lower corner."},
       {"shape.box", "max", Type::point, "m", "required", any, {}, "Upper corner."},
@@ -157,6 +165,7 @@ const std::vector<Parameter>& parameters() {
   };
   return list;
 }
+// clang-format on
 
 std::string describe(const Range& range) {
   const bool below = range.lowest > -infinity, over = range.highest < infinity;

@@ -10,9 +10,9 @@
 namespace tern {
 
 enum class ParameterType {
-  text,         ///< "..."
-  choice,       ///< one of Parameter::choices
-  choices,      ///< list of some of Parameter::choices
+  text,     ///< "..."
+  choice,   ///< one of Parameter::choices
+  choices,  ///< list of some of Parameter::choices
   integer,
   number,
   point,        ///< list of D numbers
@@ -31,14 +31,14 @@ struct Range {
 };
 
 struct Parameter {
-  std::string table;          ///< "" for the top of the file
+  std::string table;  ///< "" for the top of the file
   std::string key;
   ParameterType type;
   std::string unit;           ///< SI; "-" for a pure number, "" where there is none
   std::string default_value;  ///< as TOML; "required"; "absent" = the key may be missing and then has no value
   Range range;
   std::vector<std::string> choices;
-  std::string meaning;        ///< one sentence
+  std::string meaning;  ///< one sentence
 };
 
 struct TableDefinition {
@@ -47,8 +47,8 @@ struct TableDefinition {
     required,  ///< must be given where the table that holds it is given
     filled     ///< made of defaults where it is absent
   };
-  std::string path;     ///< "fluid.body"
-  bool repeated;        ///< written [[path]]
+  std::string path;  ///< "fluid.body"
+  bool repeated;     ///< written [[path]]
   Presence presence;
   std::string meaning;  ///< one sentence
 };
@@ -56,8 +56,8 @@ struct TableDefinition {
 const std::vector<TableDefinition>& table_definitions();
 const std::vector<Parameter>& parameters();
 
-/// The effective settings: `document` with every default filled in. Throws BadInput on an unknown key, a missing, wrongly
-/// typed or out-of-range value, naming place, table, key, unit, range and the nearest valid key.
+/// The effective settings: `document` with every default filled in. Throws BadInput on an unknown key, a missing,
+/// wrongly typed or out-of-range value, naming place, table, key, unit, range and the nearest valid key.
 Setting complete_settings(const Setting& document);
 
 /// The text of docs/PARAMETERS.md.

@@ -123,8 +123,8 @@ void apply_override(Setting& settings, const std::string& key, const std::string
         continue;
       }
       if (place->items.size() != 1) {
-        throw BadInput(fmt::format("{}: none of the {} elements is called '{}'; use a position from 0 to {} or a name.", where,
-                                   place->items.size(), part, static_cast<long>(place->items.size()) - 1));
+        throw BadInput(fmt::format("{}: none of the {} elements is called '{}'; use a position from 0 to {} or a name.",
+                                   where, place->items.size(), part, static_cast<long>(place->items.size()) - 1));
       }
       place = &place->items.front();
     }

@@ -11,11 +11,11 @@ struct Setting {
   enum class Type { boolean, integer, number, text, list, table };
   Type type = Type::table;
   bool boolean = false;
-  double number = 0;                ///< integer and number
+  double number = 0;  ///< integer and number
   std::string text;
-  std::vector<Setting> items;       ///< list and table
-  std::vector<std::string> keys;    ///< table: one per item
-  std::string where;                ///< "FILE:LINE:COLUMN", "--set KEY", or "default"
+  std::vector<Setting> items;     ///< list and table
+  std::vector<std::string> keys;  ///< table: one per item
+  std::string where;              ///< "FILE:LINE:COLUMN", "--set KEY", or "default"
 
   /// The value of a key of a table; null if absent.
   const Setting* find(const std::string& key) const;

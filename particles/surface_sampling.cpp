@@ -66,10 +66,11 @@ class Sampler {
     points.area.push_back(area);
   }
 
-  using Curve = std::function<SurfacePoint<D>(double)>;           // parameter 0..1 along an edge (2D)
-  using Patch = std::function<SurfacePoint<D>(double, double)>;   // parameters 0..1, area-preserving (3D)
+  using Curve = std::function<SurfacePoint<D>(double)>;          // parameter 0..1 along an edge (2D)
+  using Patch = std::function<SurfacePoint<D>(double, double)>;  // parameters 0..1, area-preserving (3D)
 
-  // 2D: finds where the edge enters and leaves the final boundary by bisection and divides each remaining stretch evenly.
+  // 2D: finds where the edge enters and leaves the final boundary by bisection and divides each remaining stretch
+  // evenly.
   void add_curve(const Curve& raw, double length, long pieces_if_whole) {
     const double sign = leaves_[current_].sign;
     const Curve curve = [&](double s) {
@@ -133,7 +134,10 @@ class Sampler {
     if constexpr (D == 2) {
       auto vertices = leaf.vertices;
       if (leaf.kind == Shape::Kind::box) {
-        vertices = {{leaf.min[0], leaf.min[1]}, {leaf.max[0], leaf.min[1]}, {leaf.max[0], leaf.max[1]}, {leaf.min[0], leaf.max[1]}};
+        vertices = {{leaf.min[0], leaf.min[1]},
+                    {leaf.max[0], leaf.min[1]},
+                    {leaf.max[0], leaf.max[1]},
+                    {leaf.min[0], leaf.max[1]}};
       }
       sample_polygon(vertices);
     } else {
@@ -200,7 +204,8 @@ class Sampler {
       const double length = 2 * std::numbers::pi * r;
       add_curve(circle, length, std::max(3L, count(length)));
     } else {
-      // Bands of latitude; within a band area is proportional to z and angle (Archimedes), so each patch is r dz r dphi.
+      // Bands of latitude; within a band area is proportional to z and angle (Archimedes), so each patch is r dz r
+      // dphi.
       const long bands = std::max(2L, count(std::numbers::pi * r));
       for (long band = 0; band < bands; ++band) {
         const double south = -std::cos(std::numbers::pi * static_cast<double>(band) / static_cast<double>(bands));

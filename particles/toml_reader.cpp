@@ -43,7 +43,8 @@ Setting convert(const toml::node& node, const std::string& file, bool with_line)
     setting.type = Setting::Type::boolean;
     setting.boolean = boolean->get();
   } else {
-    throw BadInput(fmt::format("{}: dates and times have no use in a case file; give a number or a text.", setting.where));
+    throw BadInput(
+        fmt::format("{}: dates and times have no use in a case file; give a number or a text.", setting.where));
   }
   return setting;
 }
@@ -54,7 +55,8 @@ Setting read_toml_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::stringstream text;
   if (!file || !(text << file.rdbuf())) {
-    throw InputOutputError(fmt::format("The case file {} cannot be read or is empty; check its name and permissions.", path));
+    throw InputOutputError(
+        fmt::format("The case file {} cannot be read or is empty; check its name and permissions.", path));
   }
   try {
     return convert(toml::parse(text.str(), path), path, true);

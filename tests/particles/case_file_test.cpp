@@ -137,26 +137,32 @@ TEST_F(CaseFile, HasTheDefaultsOfTheStructs) {
 
 // Seen to fail with the list of valid keys of the parent table searched.
 TEST_F(CaseFile, WithAnUnknownKeyIsRefusedWithItsPlaceAndTheNearestKey) {
-  expect_refused(with("spacing = 0.05", "spacng = 0.05"), {"case.toml:11:1", "unknown key 'spacng' in [fluid]", "'spacing'?"});
+  expect_refused(with("spacing = 0.05", "spacng = 0.05"),
+                 {"case.toml:11:1", "unknown key 'spacng' in [fluid]", "'spacing'?"});
   expect_refused(with("density = 1000", "density = 1000\nyoung_modulus = 3"), {"it belongs in [structure.body]"});
   expect_refused(with("[fluid]\n", "[fluid]\nviscosity = 1e-6\n"), {":10:1", "the keys here are density, spacing"});
-  expect_refused(with("box = { min = [0, 0], max = [0.4", "bux = { min = [0, 0], max = [0.4"), {":13:", "'bux'", "'box'?"});
+  expect_refused(with("box = { min = [0, 0], max = [0.4", "bux = { min = [0, 0], max = [0.4"),
+                 {":13:", "'bux'", "'box'?"});
 }
 
 // Seen to fail with the type check of numbers left out.
 TEST_F(CaseFile, WithAMissingWrongOrOutOfRangeValueIsRefusedWithTableKeyUnitAndRange) {
-  expect_refused(with("density = 1000\n", ""), {"case.toml:9:", "density [kg/m^3] of [fluid] is missing", "greater than 0"});
-  expect_refused(with("density = 1000", "density = 0"), {":10:1", "density [kg/m^3] of [fluid] is 0", "greater than 0"});
+  expect_refused(with("density = 1000\n", ""),
+                 {"case.toml:9:", "density [kg/m^3] of [fluid] is missing", "greater than 0"});
+  expect_refused(with("density = 1000", "density = 0"),
+                 {":10:1", "density [kg/m^3] of [fluid] is 0", "greater than 0"});
   expect_refused(with("density = 1000", "density = \"heavy\""), {":10:1", "is \"heavy\"", "a number"});
   expect_refused(with("poisson_ratio = 0.4", "poisson_ratio = 0.5"), {"poisson_ratio", "0.5 (excluded)"});
   expect_refused(with("dimension = 2", "dimension = 2.0"), {":2:1", "a whole number from 2 to 3"});
   expect_refused(with("end_time = 0.5", "end_time = nan"), {"end_time [s]", "from 0 (excluded)"});
-  expect_refused(with("gravity = [0, -9.81]", "gravity = [0, -9.81, 0]"), {":4:1", "a list of 2 numbers or expressions"});
+  expect_refused(with("gravity = [0, -9.81]", "gravity = [0, -9.81, 0]"),
+                 {":4:1", "a list of 2 numbers or expressions"});
   expect_refused(with("gravity = [0, -9.81]", "gravity = [0, \"2*u\"]"), {":4:", "'2*u'", "position 3"});
   expect_refused(with("spacing = 0.05", "spacing = -0.05"), {"greater than 0"});
   expect_refused(with("[\"y_max\"]", "[\"y_mx\"]"), {":8:", "one of", "the nearest is \"y_max\""});
   expect_refused(with("dimension = 2\n", ""), {"dimension is missing"});
-  expect_refused(with("dimension = 2", "dimension = 2\ncoupling = 3"), {":3:1", "[coupling] is 3", "has to be a table"});
+  expect_refused(with("dimension = 2", "dimension = 2\ncoupling = 3"),
+                 {":3:1", "[coupling] is 3", "has to be a table"});
 }
 
 // Seen to fail with the parser's own exception let through: the sentence had no remedy.
@@ -191,7 +197,8 @@ TEST_F(CaseFile, HasAHashOfTheEffectiveSettings) {
   EXPECT_EQ(hash.size(), 16u);
   EXPECT_EQ(read(std::string("# a comment\n") + small_case).hash, hash);
   EXPECT_EQ(read(with("density = 1000", "density = 1000.0")).hash, hash);
-  EXPECT_EQ(read(with("[[gauge]]", "[fluid.numerics]\ncourant = 0.15\n[[gauge]]")).hash, hash) << "a default, spelled out";
+  EXPECT_EQ(read(with("[[gauge]]", "[fluid.numerics]\ncourant = 0.15\n[[gauge]]")).hash, hash)
+      << "a default, spelled out";
   EXPECT_NE(read(small_case, {{{"fluid.density", "1001"}}, ""}).hash, hash);
   EXPECT_NE(read(with("density = 1000", "density = 1000.0000001")).hash, hash);
 }
@@ -201,7 +208,8 @@ TEST_F(CaseFile, WhoseSceneMakesNoSenseIsRefused) {
   expect_refused(with("max = [0.4, 0.5]", "max = [1.1, 0.5]"), {"fluid body 1 reaches out of the container"});
   expect_refused(with("max = [0.4, 0.5]", "max = [0.75, 0.5]"), {"'plate' and fluid body 1 overlap"});
   expect_refused(with("max = [0.4, 0.5]", "max = [0.02, 0.02]"), {"holds no particle"});
-  expect_refused(with("[0.7, -0.1], max = [0.8, 0.5]", "[0.7, -0.1], max = [1.2, 0.5]"), {"'plate' stands outside the container"});
+  expect_refused(with("[0.7, -0.1], max = [0.8, 0.5]", "[0.7, -0.1], max = [1.2, 0.5]"),
+                 {"'plate' stands outside the container"});
   expect_refused(with("{ box = { min = [0.6, -0.2], max = [0.9, 0] } }", ""), {"'plate' stands outside the container"});
   expect_refused(with("min = [0.6, -0.2], max = [0.9, 0]", "min = [2, 2], max = [3, 3]"), {"stands outside"});
   expect_refused(with("[{ box = { min = [0.6", "[{ ball = { center = [9, 9], radius = 1 } }, { box = { min = [0.6"),
@@ -217,12 +225,15 @@ TEST_F(CaseFile, WhoseSceneMakesNoSenseIsRefused) {
   expect_refused(with("open = [", "displacement = [\"t*x\", 0]\nopen = ["), {"depends on the place"});
   const std::string twice = std::string(small_case) + "[[gauge]]\nkind = \"front\"\nname = \"tip\"\n";
   expect_refused(twice, {"'tip' is used twice"});
-  const std::string gate = std::string(small_case) + "[[wall]]\nname = \"gate\"\nobstacle = { box = { min = [0.3, 0], max = [0.35, 1] } }\n";
+  const std::string gate =
+      std::string(small_case) + "[[wall]]\nname = \"gate\"\nobstacle = { box = { min = [0.3, 0], max = [0.35, 1] } }\n";
   expect_refused(gate, {"fluid body 1 and the obstacle 'gate' overlap"});
-  const std::string two = std::string(small_case) + "[[wall]]\nname = \"b\"\ncontainer = { box = { min = [0, 0], max = [1, 1] } }\n";
+  const std::string two =
+      std::string(small_case) + "[[wall]]\nname = \"b\"\ncontainer = { box = { min = [0, 0], max = [1, 1] } }\n";
   expect_refused(two, {"second container"});
   const std::string thin_gate =
-      std::string(small_case) + "[[wall]]\nname = \"gate\"\nobstacle = { box = { min = [0.299, 0], max = [0.301, 1] } }\n";
+      std::string(small_case) +
+      "[[wall]]\nname = \"gate\"\nobstacle = { box = { min = [0.299, 0], max = [0.301, 1] } }\n";
   expect_refused(thin_gate, {"fluid body 1 and the obstacle 'gate' overlap"});  // thinner than the spacing
 }
 
@@ -236,8 +247,11 @@ TEST_F(CaseFile, WarnsOfABodyFewerThanFourParticlesThick) {
 
 // Seen to fail with the tenth-thinnest part of the whole surface as thickness: the tip of the triangle was too thin.
 TEST_F(CaseFile, AllowsBodiesWithSharpEdges) {
-  EXPECT_EQ(sentence(with("box = { min = [0.7, -0.1], max = [0.8, 0.5] }", "polygon = { vertices = [[0.6, -0.1], [0.9, -0.1], [0.75, 0.5]] }")), "");
-  expect_refused(with("box = { min = [0.7, -0.1], max = [0.8, 0.5] }", "polygon = { vertices = [[0.5, -0.1], [0.9, 0.5], [0.9, -0.1], [0.5, 0.5]] }"),
+  EXPECT_EQ(sentence(with("box = { min = [0.7, -0.1], max = [0.8, 0.5] }",
+                          "polygon = { vertices = [[0.6, -0.1], [0.9, -0.1], [0.75, 0.5]] }")),
+            "");
+  expect_refused(with("box = { min = [0.7, -0.1], max = [0.8, 0.5] }",
+                      "polygon = { vertices = [[0.5, -0.1], [0.9, 0.5], [0.9, -0.1], [0.5, 0.5]] }"),
                  {"sides of the polygon cross"});
 }
 
@@ -248,7 +262,8 @@ TEST_F(CaseFile, WithoutATableIsWithoutItsModel) {
   const Case fluid = read(text);
   EXPECT_FALSE(fluid.structure.has_value());
   EXPECT_EQ(fluid.settings.find("coupling"), std::string::npos);
-  expect_refused(text + "[coupling]\nalgorithm = \"CM2\"\n", {"[coupling] has no meaning in a case without [structure]"});
+  expect_refused(text + "[coupling]\nalgorithm = \"CM2\"\n",
+                 {"[coupling] has no meaning in a case without [structure]"});
   expect_refused("dimension = 2\nend_time = 1\ngravity = [0, 0]\n", {"neither [fluid] nor [structure]"});
 }
 

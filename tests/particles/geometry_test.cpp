@@ -63,7 +63,8 @@ double enclosed(const SurfacePoints<D>& s) {
 }
 
 template <int D>
-void expect_points_lie_on_the_boundary_and_look_outwards(const Shape& shape, const SurfacePoints<D>& s, double spacing) {
+void expect_points_lie_on_the_boundary_and_look_outwards(const Shape& shape, const SurfacePoints<D>& s,
+                                                         double spacing) {
   for (std::size_t k = 0; k < s.area.size(); ++k) {
     EXPECT_NEAR(s.normal[k].norm(), 1, 1e-12);
     EXPECT_NEAR(signed_distance<D>(shape, s.position[k]), 0, 1e-9);
