@@ -164,6 +164,7 @@ class StencilStore {
     std::string content(reinterpret_cast<const char*>(gradient_sum), sizeof gradient_sum);
     for (const auto& [offset, entry] : entries) {
       content.append(reinterpret_cast<const char*>(&offset), sizeof offset);
+      content.append(reinterpret_cast<const char*>(&entry.slot), sizeof entry.slot);
       content.append(reinterpret_cast<const char*>(&entry.neighbour), sizeof entry.neighbour);
       content.append(reinterpret_cast<const char*>(&entry.pair), sizeof entry.pair);
     }

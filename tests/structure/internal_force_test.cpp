@@ -1,0 +1,105 @@
+// The internal force is the exact negative gradient of the strain energy and conserves both momenta.
+
+#include <gtest/gtest.h>
+
+#include "structure/energy.hpp"
+#include "tests/structure/scenes.hpp"
+
+namespace tern::structure::testing {
+namespace {
+
+constexpr unsigned seed = 3;
+
+template <int D>
+double strain_energy(const Reference<D>& reference, const State<D>& state, Workspace<D>& work) {
+  deformation_gradient(reference, state, work);
+  return energies_of(reference, state, work).strain;
+}
+
+/// Largest |f + dE/dx| over a sample of particles, relative to the largest |f|.
+template <int D>
+double gradient_error(StructureCase structure) {
+  structure.numerics.riemann_diffusion = structure.numerics.hourglass_penalty = 0;
+  const auto reference = build_reference<D>(structure);
+  auto state = state_at_rest(reference, 0);
+  auto work = workspace_for(reference);
+  std::mt19937 random(seed);
+  set_rows<D>(reference, state.displacement, [&](const Vector<D>&) { return random_vector<D>(random, 0.03); });
+  evaluate(reference, state, work);
+  double largest = 0, error = 0;
+  const double step = 1e-4;
+  for (std::size_t p = 0; p < reference.particle_row.size(); p += 3) {
+    const auto row = reference.particle_row[p];
+    for (int a = 0; a < D; ++a) {
+      double& d = state.displacement[a][row];
+      const double at = d, force = state.internal_force[a][row];
+      // Fourth-order difference, so that neither truncation nor round-off reaches the bound.
+      const double weights[] = {1.0 / 12, -8.0 / 12, 8.0 / 12, -1.0 / 12};
+      double slope = 0;
+      for (int k = 0; k < 4; ++k) {
+        d = at + step * (k < 2 ? k - 2 : k - 1);
+        slope += weights[k] * strain_energy(reference, state, work) / step;
+      }
+      d = at;
+      largest = std::max(largest, std::abs(force));
+      error = std::max(error, std::abs(force + slope));
+    }
+  }
+  return error / largest;
+}
+
+// Seen to fail: with g_ij in place of g_ji in the second term the error is 0.3; with the opposite sign, 2.
+TEST(InternalForce, IsTheNegativeGradientOfTheStrainEnergy) {
+  EXPECT_LT(gradient_error<2>(block<2>(6)), 1e-8) << "seed " << seed;
+  EXPECT_LT(gradient_error<3>(block<3>(4)), 1e-8) << "seed " << seed;
+}
+
+/// A ball: lattice lines of every length, blocks of four that begin and end anywhere.
+template <int D>
+StructureCase ball() {
+  StructureBody b = body("ball", {}, {}, 1.0);
+  b.shape.kind = Shape::Kind::ball;
+  b.shape.radius = D == 2 ? 7.3 : 4.3;
+  return *scene(D, {b}).structure;
+}
+
+TEST(InternalForce, IsTheNegativeGradientOfTheStrainEnergyInABall) {
+  EXPECT_LT(gradient_error<2>(ball<2>()), 1e-8) << "seed " << seed;
+}
+
+template <int D>
+void expect_no_net_force(const StructureCase& structure) {
+  const auto reference = build_reference<D>(structure);
+  auto state = state_at_rest(reference, 0);
+  auto work = workspace_for(reference);
+  std::mt19937 random(seed);
+  set_rows<D>(reference, state.displacement, [&](const Vector<D>&) { return random_vector<D>(random, 0.03); });
+  set_rows<D>(reference, state.velocity, [&](const Vector<D>&) { return random_vector<D>(random, 1.0); });
+  evaluate(reference, state, work);
+  double total = 0;
+  for (const auto row : reference.particle_row) total += row_vector<D>(state.internal_force, row).norm();
+  const auto [force, moment] = force_and_moment(reference, state);
+  EXPECT_GT(total, 0);
+  EXPECT_LT(force.norm(), 1e-12 * total) << "seed " << seed;
+  // Riemann diffusion is antisymmetric but not central: its moment is checked apart, without it.
+  if (structure.numerics.riemann_diffusion == 0) {
+    EXPECT_LT(moment.norm(), 1e-11 * total) << "seed " << seed;
+  }
+}
+
+// Seen to fail: with the lines not separated by empty rows the ball takes up pair forces of the next line (1e-2).
+TEST(InternalForce, HasNoNetForceAndNoNetMoment) {
+  for (double diffusion : {0.0, 1.0})
+    for (StructureCase structure : {block<2>(6), ball<2>()}) {
+      structure.numerics.riemann_diffusion = diffusion;
+      expect_no_net_force<2>(structure);
+    }
+  for (double diffusion : {0.0, 1.0})
+    for (StructureCase structure : {block<3>(5), ball<3>()}) {
+      structure.numerics.riemann_diffusion = diffusion;
+      expect_no_net_force<3>(structure);
+    }
+}
+
+}  // namespace
+}  // namespace tern::structure::testing
