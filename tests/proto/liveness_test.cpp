@@ -1,6 +1,6 @@
 // Peers that die, freeze, fall silent or were never there are noticed in time and named; nobody waits for ever.
-// Seen to fail: monitor events ignored (kill is noticed only at the progress deadline), heartbeats off (the frozen peer
-// is never noticed), the deadline test of Waiting::check removed (the stuck peer hangs the test).
+// Seen to fail, one at a time, by running into the time limit of the test: monitor events ignored by the coupler, by
+// the participant; heartbeats off; the deadline and the interruption not looked at in Waiting::check.
 
 #include <signal.h>
 #include <sys/wait.h>
@@ -176,6 +176,7 @@ TEST(Liveness, AParticipantMayStartBeforeTheCoupler) {
 
 TEST(Liveness, WhatAParticipantSaidBeforeItLeftCounts) {
   // Abort and the end of the connection arrive together; the reason must win every time.
+  // Seen to fail: the monitor looked at before the messages in CouplerChannel::State::collect.
   for (int round = 0; round < 20; ++round) {
     TemporaryEndpoint endpoint;
     CouplerChannel coupler(endpoint.address(), 30, 60);
@@ -186,9 +187,10 @@ TEST(Liveness, WhatAParticipantSaidBeforeItLeftCounts) {
     });
     coupler.accept({wire::FLUID}, "ab12", 2);
     coupler.welcome(2);
-    fluid.get();
+    if (round % 2 == 0) fluid.wait();  // both have arrived, or arrive during the wait
     const Outcome outcome = outcome_of([&] { coupler.receive(wire::FLUID, {Kind::kBand}); });
     EXPECT_EQ(outcome.code, 5) << outcome.sentence;
+    fluid.get();
   }
 }
 
