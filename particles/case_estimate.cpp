@@ -91,6 +91,8 @@ void estimate_fluid(const Case& scene, Estimate& result) {
       }
     }
   }
+  // The fluid process reckons with half of sqrt(|g| H) at least.
+  const double least = result.gravity > 0 ? 0.5 * std::sqrt(result.gravity * (top - bottom + fluid.spacing)) : 0;
   double fall = 0;
   if (result.gravity > 0 && !result.settled) {
     for (const WallCase& wall : scene.walls) {
@@ -102,7 +104,7 @@ void estimate_fluid(const Case& scene, Estimate& result) {
     }
     fall = std::sqrt(2 * result.gravity * std::max(0.0, top - bottom));
   }
-  result.speed = std::max(initial_speed, fall);
+  result.speed = std::max({initial_speed, fall, least});
   result.gravity_step =
       result.gravity > 0 ? fluid.numerics.gravity_courant * std::sqrt(fluid.spacing / result.gravity) : infinity;
   result.flow_step = result.speed > 0 ? fluid.numerics.courant * fluid.spacing / result.speed : infinity;

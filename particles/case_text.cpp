@@ -27,9 +27,8 @@ std::string step_limits(const Case& scene, const Estimate& e) {
     if (std::isfinite(e.flow_step)) {
       text += fmt::format("  speed            {:.3g} s = {} dx/|u| at {:.3g} m/s, {}\n", e.flow_step,
                           scene.fluid->numerics.courant, e.speed,
-                          "the free fall over the height of the scene or the initial speed");
-    } else if (e.settled) {
-      text += "  speed            none expected: the fluid starts at rest from wall to wall\n";
+                          e.settled ? "half of sqrt(|g| H), the least that is reckoned with"
+                                    : "the free fall over the height of the scene, or the initial speed");
     }
   }
   for (const BodyEstimate& body : e.bodies) {
@@ -69,7 +68,7 @@ std::string check_text(const Case& scene) {
   text += fmt::format(", {:.0f} MB\n", e.memory / 1e6);
   text += fmt::format(
       "  (from {:.2g} us per fluid particle and step and {:.0f} ns per structure particle and sub-step in 2D, "
-      "calibrated\n"
+      "measured\n"
       "  on one machine; fluid and structure mostly wait for each other, so wall time is about the same)\n",
       fluid_cost_2d * 1e6, structure_cost_2d * 1e9);
   for (const std::string& warning : scene.warnings) text += "warning: " + warning + "\n";
