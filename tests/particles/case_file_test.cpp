@@ -203,7 +203,7 @@ TEST_F(CaseFile, HasAHashOfTheEffectiveSettings) {
   EXPECT_NE(read(with("density = 1000", "density = 1000.0000001")).hash, hash);
 }
 
-// Each seen to fail with the check that its sentence comes from left out.
+// Each seen to fail with its check left out (but for the limit on particles, which would fill the memory).
 TEST_F(CaseFile, WhoseSceneMakesNoSenseIsRefused) {
   expect_refused(with("max = [0.4, 0.5]", "max = [1.1, 0.5]"), {"fluid body 1 reaches out of the container"});
   expect_refused(with("max = [0.4, 0.5]", "max = [0.75, 0.5]"), {"'plate' and fluid body 1 overlap"});
