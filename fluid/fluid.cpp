@@ -107,11 +107,6 @@ double Fluid<D>::volume_drift() const {
 }
 
 template <int D>
-std::size_t Fluid<D>::leaked() const {
-  return surface_leaks_ + walls_.count_leaked(state_.position, 0.25 * constants_.spacing);
-}
-
-template <int D>
 std::size_t Fluid<D>::spray_particles() const {
   return static_cast<std::size_t>(std::count(flag_.begin(), flag_.end(), Flag::spray));
 }

@@ -60,7 +60,7 @@ class Fluid {
   /// (current volume of the fluid)/(initial) - 1, from the mean particle number density of interior particles.
   double volume_drift() const;
   std::size_t removed() const { return removed_; }  ///< left the domain
-  std::size_t leaked() const;                       ///< stand where no fluid can be
+  std::size_t leaked() const { return leaked_; }    ///< went through a wall or the structure
   double largest_speed() const;       ///< [m/s]
   double largest_bulk_speed() const;  ///< spray left out [m/s]
   std::size_t spray_particles() const;
@@ -92,7 +92,7 @@ class Fluid {
   void settle_wall_contacts();                         // wall_contact.cpp
   void shift_particles();                              // shifting.cpp
   void hide_walls_behind_structure();
-  void count_surface_leaks();
+  void count_leaks(const Faces<D>& faces, const FaceRows& rows);
   void remove_escaped();
   void check_finite() const;
   double density_time_scale() const;
@@ -108,7 +108,7 @@ class Fluid {
   Faces<D> surface_;
   State<D> state_;
   double begin_s_ = 0, duration_s_ = 0;
-  std::size_t initial_particles_ = 0, removed_ = 0, surface_leaks_ = 0;
+  std::size_t initial_particles_ = 0, removed_ = 0, leaked_ = 0;
   double bulk_speed_ = 0;  ///< largest, spray left out, at the begin of the window [m/s]
   double potential_ = 0;
   int fallback_solves_ = 0;

@@ -1,6 +1,8 @@
 #include "fluid/neighbours.hpp"
 
+#include <array>
 #include <numeric>
+
 #include <omp.h>
 
 #include "particles/parallel.hpp"
@@ -11,26 +13,37 @@ namespace {
 /// Entries a row may have at most per unit of expected neighbours; denser clumps make the arrays grow.
 constexpr int initial_row_length(int dimension) { return dimension == 2 ? 34 : 130; }
 
-/// Sums row i over the neighbours in column[first .. first + n - 1] and writes the weights.
+/// One row while it is built: r_j - r_i of the candidates of a row of cells, and of the neighbours kept so far.
 template <int D>
-void sum_row(const Constants<D>& constants, const std::vector<Vector<D>>& position, int i, Neighbours<D>& result) {
-  const int first = result.begin[i], n = result.count[i];
-  const int* column = result.column.data() + first;
-  double* weight = result.weight.data() + first;
-  const double h = constants.kernel.smoothing_length(), inverse_h = 1 / h;
+struct RowScratch {
+  std::vector<double> distance2;
+  std::array<std::vector<double>, D> candidate, offset;
+
+  void reserve(std::size_t n) {
+    if (distance2.size() >= n) return;
+    distance2.resize(2 * n);
+    for (auto& axis : candidate) axis.resize(2 * n);
+    for (auto& axis : offset) axis.resize(2 * n);
+  }
+};
+
+/// Sums row i over its neighbours at `offset` and writes the weights.
+template <int D>
+void sum_row(const Constants<D>& constants, const std::array<std::vector<double>, D>& offset, int i, Neighbours<D>& result) {
+  const int n = result.count[i];
+  double* weight = result.weight.data() + result.begin[i];
+  const double inverse_h = 1 / constants.kernel.smoothing_length();
   const double value_scale = constants.kernel.value(0) * constants.volume;
   const double gradient_scale = constants.kernel.gradient_weight(0) * constants.volume / constants.lattice.gradient_moment;
   const double lattice_value = 1 / (constants.kernel.value(constants.spacing) * constants.volume);
-  const Vector<D> xi = position[i];
 
   double density = value_scale;
-  double m[D][D] = {}, g[D] = {}, c[D] = {};
   if constexpr (D == 2) {
+    const double *x = offset[0].data(), *y = offset[1].data();
     double mxx = 0, mxy = 0, myy = 0, gx = 0, gy = 0, cx = 0, cy = 0;
 #pragma omp simd reduction(+ : density, mxx, mxy, myy, gx, gy, cx, cy)
     for (int k = 0; k < n; ++k) {
-      const double* xj = position[column[k]].data();
-      const double dx = xj[0] - xi[0], dy = xj[1] - xi[1];
+      const double dx = x[k], dy = y[k];
       const double q = std::sqrt(dx * dx + dy * dy) * inverse_h;
       const double s = 1 - 0.5 * q, s3 = s * s * s;
       const double w = value_scale * s3 * s * (2 * q + 1), a = gradient_scale * s3;
@@ -41,14 +54,15 @@ void sum_row(const Constants<D>& constants, const std::vector<Vector<D>>& positi
       gx += a * dx, gy += a * dy;
       cx += a * extra * dx, cy += a * extra * dy;
     }
-    m[0][0] = mxx, m[0][1] = m[1][0] = mxy, m[1][1] = myy;
-    g[0] = gx, g[1] = gy, c[0] = cx, c[1] = cy;
+    result.moment[i] << mxx, mxy, mxy, myy;
+    result.kernel_gradient[i] << gx, gy;
+    result.concentration_gradient[i] << cx, cy;
   } else {
+    const double *x = offset[0].data(), *y = offset[1].data(), *z = offset[2].data();
     double mxx = 0, mxy = 0, mxz = 0, myy = 0, myz = 0, mzz = 0, gx = 0, gy = 0, gz = 0, cx = 0, cy = 0, cz = 0;
 #pragma omp simd reduction(+ : density, mxx, mxy, mxz, myy, myz, mzz, gx, gy, gz, cx, cy, cz)
     for (int k = 0; k < n; ++k) {
-      const double* xj = position[column[k]].data();
-      const double dx = xj[0] - xi[0], dy = xj[1] - xi[1], dz = xj[2] - xi[2];
+      const double dx = x[k], dy = y[k], dz = z[k];
       const double q = std::sqrt(dx * dx + dy * dy + dz * dz) * inverse_h;
       const double s = 1 - 0.5 * q, s3 = s * s * s;
       const double w = value_scale * s3 * s * (2 * q + 1), a = gradient_scale * s3;
@@ -60,16 +74,11 @@ void sum_row(const Constants<D>& constants, const std::vector<Vector<D>>& positi
       gx += a * dx, gy += a * dy, gz += a * dz;
       cx += a * extra * dx, cy += a * extra * dy, cz += a * extra * dz;
     }
-    m[0][0] = mxx, m[0][1] = m[1][0] = mxy, m[0][2] = m[2][0] = mxz;
-    m[1][1] = myy, m[1][2] = m[2][1] = myz, m[2][2] = mzz;
-    g[0] = gx, g[1] = gy, g[2] = gz, c[0] = cx, c[1] = cy, c[2] = cz;
+    result.moment[i] << mxx, mxy, mxz, mxy, myy, myz, mxz, myz, mzz;
+    result.kernel_gradient[i] << gx, gy, gz;
+    result.concentration_gradient[i] << cx, cy, cz;
   }
   result.number_density[i] = density;
-  for (int a = 0; a < D; ++a) {
-    result.kernel_gradient[i][a] = g[a];
-    result.concentration_gradient[i][a] = c[a];
-    for (int b = 0; b < D; ++b) result.moment[i](a, b) = m[a][b];
-  }
 }
 
 }  // namespace
@@ -90,17 +99,13 @@ void find_neighbours(const Constants<D>& constants, const CellGrid<D>& grid, con
   result.kernel_gradient.resize(n);
   result.concentration_gradient.resize(n);
 
-  const float support2 = static_cast<float>(constants.kernel.support() * constants.kernel.support());
-  // Positions relative to a corner in single precision: enough to tell neighbours but for a rim of 1e-6, whose weight
-  // (1 - q/2)^3 vanishes there anyway; sum_row clips nothing because the exact test follows.
-  std::vector<float> coordinate[D];
-  Vector<D> corner = n ? position[0] : Vector<D>::Zero();
-  for (const auto& x : position) corner = corner.cwiseMin(x);
+  const double support2 = constants.kernel.support() * constants.kernel.support();
+  // One array per axis: the candidates of a row of cells are contiguous, so their distances are computed many at a time.
+  std::array<std::vector<double>, D>& coordinate = result.coordinate;
   for (int c = 0; c < D; ++c) {
     coordinate[c].resize(n);
-    for (int i = 0; i < n; ++i) coordinate[c][i] = static_cast<float>(position[i][c] - corner[c]);
+    for (int i = 0; i < n; ++i) coordinate[c][i] = position[i][c];
   }
-  const double exact_support2 = constants.kernel.support() * constants.kernel.support();
 
   // Each thread owns one contiguous range of particles and one contiguous part of the arrays.
   std::size_t row_length = std::max<std::size_t>(initial_row_length(D), n ? result.column.size() / n : 0);
@@ -117,45 +122,41 @@ void find_neighbours(const Constants<D>& constants, const CellGrid<D>& grid, con
       const int low = static_cast<int>(static_cast<long>(n) * thread / threads);
       const int high = static_cast<int>(static_cast<long>(n) * (thread + 1) / threads);
       std::size_t next = part * thread;
-      std::vector<float> distance2;
+      RowScratch<D> scratch;
       for (int i = low; i < high && fits; ++i) {
         result.begin[i] = static_cast<int>(next);
         int found = 0;
         grid.for_rows_around(position[i], [&](int first_cell, int last_cell) {
-          const int first = contents.start[first_cell], last = contents.start[last_cell + 1];
-          const int candidates = last - first;
+          const int first = contents.start[first_cell], candidates = contents.start[last_cell + 1] - first;
           if (!fits || next + found + candidates > part * (thread + 1)) {
             fits = false;
             return;
           }
-          if (static_cast<int>(distance2.size()) < candidates) distance2.resize(candidates);
-          float xi[D];
-          const float* x[D];
-          for (int c = 0; c < D; ++c) xi[c] = coordinate[c][i], x[c] = coordinate[c].data() + first;
-          for (int k = 0; k < candidates; ++k) {
-            float sum = 0;
-            for (int c = 0; c < D; ++c) {
-              const float d = x[c][k] - xi[c];
-              sum += d * d;
+          scratch.reserve(found + candidates);
+          double* distance2 = scratch.distance2.data();
+          std::array<double*, D> candidate, offset;
+          for (int c = 0; c < D; ++c) candidate[c] = scratch.candidate[c].data(), offset[c] = scratch.offset[c].data();
+          for (int c = 0; c < D; ++c) {
+            const double xi = position[i][c];
+            const double* x = coordinate[c].data() + first;
+#pragma omp simd
+            for (int k = 0; k < candidates; ++k) {
+              const double d = x[k] - xi;
+              candidate[c][k] = d;
+              distance2[k] = c == 0 ? d * d : distance2[k] + d * d;
             }
-            distance2[k] = sum;
           }
           int* out = result.column.data() + next;
           for (int k = 0; k < candidates; ++k) {
             out[found] = first + k;
-            found += distance2[k] < support2 && first + k != i;
+            for (int c = 0; c < D; ++c) offset[c][found] = candidate[c][k];
+            found += (distance2[k] < support2) & (first + k != i);
           }
         });
         if (!fits) break;
-        int kept = 0;
-        int* out = result.column.data() + next;
-        for (int k = 0; k < found; ++k) {
-          out[kept] = out[k];
-          kept += (position[out[k]] - position[i]).squaredNorm() < exact_support2;
-        }
-        result.count[i] = kept;
-        next += kept;
-        sum_row(constants, position, i, result);
+        result.count[i] = found;
+        next += found;
+        sum_row<D>(constants, scratch.offset, i, result);
       }
     }
   }
@@ -183,6 +184,7 @@ void cut_pairs_through_faces(const Constants<D>& constants, const std::vector<Ve
   };
   for (int i = 0; i < static_cast<int>(position.size()); ++i)
     if (rows.count[i] > 0) list(i);
+  RowScratch<D> scratch;
   for (std::size_t a = 0; a < affected.size(); ++a) {
     const int i = affected[a], first = neighbours.begin[i];
     int kept = 0;
@@ -196,7 +198,10 @@ void cut_pairs_through_faces(const Constants<D>& constants, const std::vector<Ve
     }
     if (kept == neighbours.count[i]) continue;
     neighbours.count[i] = kept;
-    sum_row(constants, position, i, neighbours);
+    scratch.reserve(kept);
+    for (int k = 0; k < kept; ++k)
+      for (int c = 0; c < D; ++c) scratch.offset[c][k] = position[neighbours.column[first + k]][c] - position[i][c];
+    sum_row<D>(constants, scratch.offset, i, neighbours);
   }
 }
 

@@ -2,6 +2,7 @@
 // Pairs of fluid particles, found once per step at the predicted positions, and the sums over them that depend on
 // positions alone. Rows are full (each pair appears in both), so every particle gathers its own sums.
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -22,6 +23,8 @@ struct Neighbours {
   std::vector<Matrix<D>> moment;                   ///< M = sum V grad w (r_j - r_i)^T [-]
   std::vector<Vector<D>> kernel_gradient;          ///< sum V grad w [1/m]
   std::vector<Vector<D>> concentration_gradient;   ///< sum V (1 + 0.2 (w/w(dx))^4) grad w [1/m]
+
+  std::array<std::vector<double>, D> coordinate;   ///< positions by axis, for the search
 
   std::size_t pairs() const;
 };

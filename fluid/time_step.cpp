@@ -116,8 +116,9 @@ void Fluid<D>::end_window(const BandForce<D>& force) {
     state_.velocity[i] = predicted_velocity_[i];
     state_.position[i] += duration_s_ * predicted_velocity_[i];
   }
-  count_surface_leaks();
   shift_particles();
+  count_leaks(walls_.faces(), wall_rows_);
+  count_leaks(surface_, surface_rows_);
   remove_escaped();
   state_.time += to_ticks(duration_s_);
 }
@@ -181,13 +182,12 @@ void Fluid<D>::hide_walls_behind_structure() {
 }
 
 template <int D>
-void Fluid<D>::count_surface_leaks() {
+void Fluid<D>::count_leaks(const Faces<D>& faces, const FaceRows& rows) {
   // A particle that saw the front of a patch and now stands a quarter spacing behind it has gone through.
-  for (int i : band_)
-    for (int entry = surface_rows_.begin[i]; entry < surface_rows_.begin[i] + surface_rows_.count[i]; ++entry) {
-      const int k = surface_rows_.face[entry];
-      if (!patch_separates(surface_, k, predicted_position_[i], state_.position[i], 0.25 * constants_.spacing)) continue;
-      ++surface_leaks_;
+  for (std::size_t i = 0; i < state_.size(); ++i)
+    for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry) {
+      if (!patch_separates(faces, rows.face[entry], predicted_position_[i], state_.position[i], 0.25 * constants_.spacing)) continue;
+      ++leaked_;
       break;
     }
 }
@@ -259,7 +259,7 @@ StepProposal Fluid<D>::propose_step() const {
   template void Fluid<D>::predict();                                             \
   template void Fluid<D>::sort_by_cell();                                        \
   template void Fluid<D>::hide_walls_behind_structure();                         \
-  template void Fluid<D>::count_surface_leaks();                                 \
+  template void Fluid<D>::count_leaks(const Faces<D>&, const FaceRows&);          \
   template void Fluid<D>::remove_escaped();                                      \
   template void Fluid<D>::check_finite() const;
 TERN_INSTANTIATE(2)

@@ -68,43 +68,8 @@ void Walls<D>::move_to(double time, double duration) {
       faces_.velocity[k] = velocity;
       faces_.normal_acceleration[k] = acceleration.dot(faces_.normal[k]);
     }
-    wall.displacement = displacement;
     wall.velocity = velocity;
   }
-}
-
-template <int D>
-std::size_t Walls<D>::count_leaked(const std::vector<Vector<D>>& positions, double tolerance) const {
-  std::size_t leaked = 0;
-  for (const Vector<D>& x : positions) {
-    bool bad = false;
-    for (const Wall& wall : walls_) {
-      const Vector<D> local = x - wall.displacement;
-      if (!wall.scene.container) {
-        // Inside, and not just by the tolerance: still inside when pushed towards any side by that much.
-        bad = contains<D>(wall.scene.shape, local);
-        for (int c = 0; c < D && bad; ++c)
-          for (double sign : {-1.0, 1.0})
-            bad = bad && contains<D>(wall.scene.shape, Vector<D>(local + sign * tolerance * Vector<D>::Unit(c)));
-      } else if (wall.scene.shape.kind == Shape::Kind::box) {
-        bool beyond_open = false, outside = false;
-        for (int c = 0; c < D; ++c) {
-          const bool low = local[c] < wall.scene.shape.min[c] - tolerance, high = local[c] > wall.scene.shape.max[c] + tolerance;
-          beyond_open = beyond_open || (low && is_open(wall.scene, 2 * c)) || (high && is_open(wall.scene, 2 * c + 1));
-          outside = outside || low || high;
-        }
-        bad = outside && !beyond_open;
-      } else {
-        bad = !contains<D>(wall.scene.shape, local);
-        for (int c = 0; c < D && bad; ++c)
-          for (double sign : {-1.0, 1.0})
-            bad = bad && !contains<D>(wall.scene.shape, Vector<D>(local + sign * tolerance * Vector<D>::Unit(c)));
-      }
-      if (bad) break;
-    }
-    leaked += bad;
-  }
-  return leaked;
 }
 
 template class Walls<2>;

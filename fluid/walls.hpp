@@ -21,15 +21,11 @@ class Walls {
   /// Places moving walls at `time` [s]; velocity is the mean over the step of `duration` [s] that ends there.
   void move_to(double time, double duration);
 
-  /// Particles at these positions that are not where fluid can be: inside an obstacle (at its present place) or outside a
-  /// container, except beyond its open faces, by more than `tolerance` [m].
-  std::size_t count_leaked(const std::vector<Vector<D>>& positions, double tolerance) const;
-
  private:
   struct Wall {
     WallCase scene;
     std::size_t first, last;  ///< its patches
-    Vector<D> displacement = Vector<D>::Zero(), velocity = Vector<D>::Zero();
+    Vector<D> velocity = Vector<D>::Zero();
   };
   std::vector<Wall> walls_;
   std::vector<Vector<D>> reference_;

@@ -54,8 +54,9 @@ double subtended_angle(const Vector<D>& d, const Vector<D>& normal, double area)
   const double height = -d.dot(normal);
   if (height <= 0) return 0;
   if constexpr (D == 2) {
+    // Between the directions to the two ends: tan = cross product / dot product.
     const double along = d[0] * -normal[1] + d[1] * normal[0];
-    return std::atan2(along + 0.5 * area, height) - std::atan2(along - 0.5 * area, height);
+    return std::atan2(area * height, height * height + along * along - 0.25 * area * area);
   } else {
     int axis = 0;
     for (int c = 1; c < 3; ++c)
