@@ -8,7 +8,7 @@
 namespace tern::structure::testing {
 namespace {
 
-// Seen to fail: with points inside the clamp kept there are 4 + 2 x 100 + 4 of them.
+// Seen to fail: with points inside the clamp kept, y reaches down to -0.010.
 TEST(SurfacePoints, LieOnTheFacesOutsideTheClamp) {
   const Structure<2> structure(plate());
   const auto surface = structure.surface();
