@@ -17,7 +17,7 @@ def split_column(column):
 
 
 def _panels(runs):
-    """[(gauge, quantity, unit, [(run, column, table)])] for every column any of the runs has, in file order."""
+    """[(gauge, quantity, unit, [(run, column, table)])]: every column any of the runs has, those with a reference first."""
     panels = {}
     for run in runs:
         table = run.table("gauges.csv")
@@ -25,7 +25,8 @@ def _panels(runs):
             if column != "t_s" and np.isfinite(table[column]).any():
                 gauge, quantity, unit = split_column(column)
                 panels.setdefault(column, (gauge, quantity, unit, []))[3].append((run, column, table))
-    return list(panels.values())
+    referenced = {column for run in runs for column in run.references()}
+    return sorted(panels.values(), key=lambda panel: panel[3][0][1] not in referenced)  # stable: file order otherwise
 
 
 def gauges(runs):
@@ -53,27 +54,27 @@ def gauges(runs):
             axis.legend()
     for axis in axes.flat[len(panels):]:
         axis.set_visible(False)
-    for axis in axes[-1]:
+    for axis in axes.flat[max(0, len(panels) - columns):len(panels)]:
         axis.set_xlabel("t [s]")
+        axis.tick_params(labelbottom=True)
     figure.suptitle("Comparison of gauges" if len(runs) > 1 else f"{runs[0].title}: gauges")
     return style.save(figure, runs[0], "comparison" if len(runs) > 1 else "gauges")
 
 
 def energies(run):
-    """Every energy of energy.csv, and the interface work of both sides with their sum."""
+    """Every column of energy.csv: each side by itself, since the structure has little beside the fluid, and the interface."""
     table = run.table("energy.csv")
     if len(table.get("t_s", [])) < 2:
         return None
     work = [name for name in table if "_work_" in name or name.endswith("_dissipation_J")]
-    stored = [name for name in table if name != "t_s" and name not in work]
-    # A potential energy has no natural zero, so each one is drawn as its change since the start.
-    groups = [("energies" + (", potential as change since the start" if any("potential" in name for name in stored)
-                             else ""), stored), ("interface work and dissipation, accumulated", work)]
+    change = " (potential: change since the start)"  # a potential energy has no natural zero
+    groups = [(side + change, [name for name in table if name.startswith(side) and name not in work])
+              for side in ("fluid", "structure")] + [("interface: work and dissipation, accumulated", work)]
     groups = [(title, names) for title, names in groups
               if any(np.nanmax(np.abs(table[name]), initial=0) > 0 for name in names)]
     if not groups:
         return None
-    figure, axes = plt.subplots(len(groups), 1, figsize=(9, 3.6 * len(groups)), squeeze=False, sharex=True,
+    figure, axes = plt.subplots(len(groups), 1, figsize=(9, 3.0 * len(groups)), squeeze=False, sharex=True,
                                 layout="constrained")
     for axis, (title, names) in zip(axes.flat, groups):
         for name in names:
