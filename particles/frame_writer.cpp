@@ -47,14 +47,6 @@ struct FrameWriter::Frame {
 
   std::size_t particles() const { return fields.empty() ? 0 : fields.front().rows; }
 
-  /// Upper bound of what the frame adds to the file, headers of group and datasets included.
-  std::size_t bytes() const {
-    std::size_t sum = 16384;
-    for (const Field& field : fields)
-      sum += 4096 + std::visit([](const auto& v) { return v.size() * sizeof(v[0]); }, field.values);
-    return sum;
-  }
-
   template <class Real>
   Real finite(double value, const std::string& field, std::size_t i) const {
     // Real = float: what float32 cannot hold counts as not finite.
@@ -138,7 +130,7 @@ void FrameWriter::end() {
   std::iota(connectivity.begin(), connectivity.end(), 0);
   frame_->fields.push_back({"connectivity", "", std::move(connectivity), particles, 0, false});
 
-  Hdf5File file(data_path_, Hdf5File::Mode::append, frame_->bytes());
+  Hdf5File file(data_path_, Hdf5File::Mode::append);
   {
     const Hdf5Handle group = file.create_group();
     file.write_attribute(group, "time_s", frame_->time_s);

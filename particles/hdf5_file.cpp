@@ -2,10 +2,7 @@
 
 #include "particles/hdf5_file.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <array>
 #include <cerrno>
@@ -17,11 +14,6 @@ namespace tern {
 
 namespace {
 
-std::string sentence(const std::string& what, const std::string& path, int reason) {
-  return fmt::format("Cannot {} {}: {}; free space or choose another --out (frames written before are kept).", what,
-                     path, reason != 0 ? std::strerror(reason) : "HDF5 refused it");
-}
-
 // The root group of a new file with room for the names of its first frames, so that naming one allocates nothing.
 hid_t create_file(const std::string& path, hid_t access) {
   constexpr unsigned entries_per_leaf = 512;
@@ -32,8 +24,7 @@ hid_t create_file(const std::string& path, hid_t access) {
   return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access);
 }
 
-hid_t open_file(const std::string& path, Hdf5File::Mode mode, std::size_t bytes) {
-  if (mode == Hdf5File::Mode::append) make_room(path, bytes);
+hid_t open_file(const std::string& path, Hdf5File::Mode mode) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // our sentence instead of the library's stack on stderr
   const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   // A viewer that has the file open for reading must not stop the run.
@@ -45,27 +36,15 @@ hid_t open_file(const std::string& path, Hdf5File::Mode mode, std::size_t bytes)
 
 }  // namespace
 
-void make_room(const std::string& path, std::size_t bytes) {
-  const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
-  if (descriptor < 0) throw InputOutputError(sentence("open", path, errno));
-  struct stat status = {};
-  int reason = fstat(descriptor, &status) == 0 ? 0 : errno;
-  if (reason == 0) {
-    do {
-      reason = posix_fallocate(descriptor, status.st_size, static_cast<off_t>(bytes));
-    } while (reason == EINTR);
-    if (reason != 0 && ftruncate(descriptor, status.st_size) != 0) reason = errno;
-  }
-  ::close(descriptor);
-  if (reason != 0) throw InputOutputError(sentence("extend", path, reason));
-}
-
-Hdf5File::Hdf5File(std::string path, Mode mode, std::size_t bytes)
-    : path_(std::move(path)), file_(open_file(path_, mode, bytes), H5Fclose) {
+Hdf5File::Hdf5File(std::string path, Mode mode) : path_(std::move(path)), file_(open_file(path_, mode), H5Fclose) {
   if (file_.id() < 0) fail(mode == Mode::create ? "create" : "open");
 }
 
-void Hdf5File::fail(const std::string& what) const { throw InputOutputError(sentence(what, path_, errno)); }
+void Hdf5File::fail(const std::string& what) const {
+  const std::string reason = errno != 0 ? std::strerror(errno) : "HDF5 refused it";
+  throw InputOutputError(fmt::format(
+      "Cannot {} {}: {}; free space or choose another --out (frames written before are kept).", what, path_, reason));
+}
 
 Hdf5Handle Hdf5File::checked(hid_t id, Hdf5Handle::Close closer, const std::string& what) const {
   if (id < 0) fail(what);
@@ -92,7 +71,7 @@ void Hdf5File::write_dataset(const Hdf5Handle& group, const std::string& name, c
   const Hdf5Handle space = checked(H5Screate_simple(columns > 0 ? 2 : 1, extent.data(), nullptr), H5Sclose, what);
   Hdf5Handle dataset = checked(
       H5Dcreate2(group.id(), name.c_str(), type, space.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose, what);
-  if (rows > 0 && H5Dwrite(dataset.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) fail(what);
+  if (H5Dwrite(dataset.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) fail(what);
   if (!unit.empty()) write_attribute(dataset, "unit", unit);
   if (!dataset.close()) fail(what);
 }

@@ -9,10 +9,6 @@
 
 namespace tern {
 
-/// Extends the file by `bytes` (HDF5 cuts off what it does not use). Throws InputOutputError, the file unchanged, when
-/// there is no room.
-void make_room(const std::string& path, std::size_t bytes);
-
 /// One HDF5 identifier and the function that closes it.
 class Hdf5Handle {
  public:
@@ -36,14 +32,12 @@ class Hdf5Handle {
 class Hdf5File {
  public:
   enum class Mode { create, append };
-  /// Appending first makes room for about `bytes` more: a disk that fills up while HDF5 writes would damage what is
-  /// there.
-  Hdf5File(std::string path, Mode mode, std::size_t bytes = 0);
+  Hdf5File(std::string path, Mode mode);
 
   /// A group that nothing refers to yet: link() makes it part of the file.
   Hdf5Handle create_group();
   /// Writes out everything so far, then gives the group its name. Until then nothing that was in the file before has
-  /// been touched; the naming itself is a few small writes in place.
+  /// been touched, whether the process is killed or the disk is full; the naming itself is a few small writes in place.
   void link(const Hdf5Handle& group, const std::string& name);
   /// rows x columns values; columns = 0 makes the dataset one-dimensional. `unit` may be empty: no attribute.
   void write_dataset(const Hdf5Handle& group, const std::string& name, const std::string& unit, hid_t type,
