@@ -40,7 +40,7 @@ TEST(CommandLine, ReadsEveryOption) {
   EXPECT_FALSE(all.alone());
 }
 
-// Seen to fail with 0 threads as default, and with --until set from its unused variable.
+// Seen to fail with --until set from its unused variable.
 TEST(CommandLine, HasDefaultsForWhatIsNotSaid) {
   const CommandLine least = parse({"cases/tank", "--out", "runs/a"});
   EXPECT_TRUE(least.alone());
@@ -50,7 +50,7 @@ TEST(CommandLine, HasDefaultsForWhatIsNotSaid) {
   EXPECT_TRUE(least.answer.empty());
 }
 
-// Seen to fail with each check removed in turn.
+// Seen to fail with the checks of --until, --threads and --set removed in turn.
 TEST(CommandLine, RefusesWhatItDoesNotUnderstandWithASentence) {
   const std::vector<std::pair<std::vector<const char*>, std::string>> cases = {
       {{}, "CASE"},

@@ -66,7 +66,7 @@ void write_frame(FrameWriter& frames, double time, long step, std::size_t n, dou
   frames.end();
 }
 
-// Seen to fail with float32 positions, with the third component missing in 2D and with the unit not written.
+// Seen to fail with float32 positions and with the unit not written.
 TEST(FrameWriter, StoresFieldsWithShapesUnitsAndPrecision) {
   const ScratchDirectory dir;
   FrameWriter frames(dir.path(), "fluid");

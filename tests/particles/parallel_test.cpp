@@ -62,7 +62,7 @@ TEST(OrderedReductions, CountEveryIndexOnceAroundTheBlockAndThreadLimits) {
   }
 }
 
-// Seen to fail with `partial` left without its initial value and with += on a default Vector (Eigen leaves it unset).
+// Seen to fail with the block results added from the second block on.
 TEST(OrderedReductions, AddVectors) {
   const Vector<3> sum = ordered_reduce(20'000, Vector<3>(Vector<3>::Zero()),
                                        [](std::ptrdiff_t i) { return Vector<3>(1.0, static_cast<double>(i), -2.0); });

@@ -27,7 +27,7 @@ std::string printed(bool quiet, bool terminal, double interval_s, bool finish) {
   return text_of(dir / "out");
 }
 
-// Seen to fail with any one of the parts left out of line().
+// Seen to fail with the iterations left out of line().
 TEST(Progress, SaysTimePercentStepLimitIterationsRateAndRemainingTime) {
   const std::string text = printed(false, false, 0, true);
   for (const char* part : {"t = 0.3000 s", "30.0 %", "step 3", "dt 1.0e-01 s (gravity)", "CG 7", "ms/step", "ETA 0:00",

@@ -67,7 +67,7 @@ TEST(RunMain, RunsTheBodyAndReportsDone) {
   EXPECT_NE(text_of(dir / "out/fluid.log").find("half way"), std::string::npos);
 }
 
-// Seen to fail with each catch clause of cause_of_current_exception removed in turn.
+// Seen to fail with every Error ending in code 3, and with the code of bad_alloc changed.
 TEST(RunMain, TurnsEveryExceptionIntoItsExitCodeAndOneSentence) {
   const auto expect = [](const std::function<void()>& fault, int code, const std::string& sentence) {
     const ScratchDirectory dir;
@@ -87,7 +87,7 @@ TEST(RunMain, TurnsEveryExceptionIntoItsExitCodeAndOneSentence) {
   expect([] { throw 1; }, 3, "The fluid process met an unexpected fault of its own.");
 }
 
-// Seen to fail without the handler: the process then dies of the signal and reports nothing.
+// Seen to fail without the handler (the process dies of the signal and reports nothing), and with SIGPIPE not ignored.
 TEST(RunMain, EndsWith130AndAReportWhenInterrupted) {
   for (const int signal : {SIGINT, SIGTERM}) {
     const ScratchDirectory dir;

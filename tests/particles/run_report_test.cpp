@@ -18,7 +18,7 @@ nlohmann::json report_in(const ScratchDirectory& dir) {
   return nlohmann::json::parse(text_of(dir / "report.fluid.json"));
 }
 
-// Seen to fail with any one of the keys left out of json().
+// Seen to fail with "git" left out of json().
 TEST(RunReport, HasEveryKeyTheLauncherReads) {
   const ScratchDirectory dir;
   RunReport report(dir.path(), "fluid", 2);
@@ -86,7 +86,7 @@ TEST(RunReport, SurvivesACauseThatIsNotUtf8) {
   EXPECT_EQ(report_in(dir)["exit_code"], 2);
 }
 
-// Seen to fail with a copy returned by timing(), and with 1e3 in place of 1 in ScopedTimer.
+// Seen to fail with 1e3 in place of 1 s in ScopedTimer.
 TEST(RunReport, AddsTimeThroughAReferenceThatStaysValid) {
   const ScratchDirectory dir;
   RunReport report(dir.path(), "fluid", 1);
@@ -103,7 +103,7 @@ TEST(RunReport, AddsTimeThroughAReferenceThatStaysValid) {
   EXPECT_LT(seconds, 1.5);
 }
 
-// Seen to fail with the temporary file left behind, and with the target written directly.
+// Seen to fail with the temporary file left behind.
 TEST(AtomicFile, KeepsTheOldContentWhenTheNewCannotBeWritten) {
   const ScratchDirectory dir;
   write_atomically(dir / "a", "old");

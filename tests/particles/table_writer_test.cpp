@@ -14,7 +14,7 @@
 namespace tern {
 namespace {
 
-// Seen to fail with "{:.6g}", with 0 for an undefined value and with the separator after every cell.
+// Seen to fail with "{:.6g}".
 TEST(TableWriter, WritesNineDigitsEmptyCellsAndTexts) {
   const ScratchDirectory dir;
   {
