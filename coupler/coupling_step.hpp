@@ -14,7 +14,7 @@ namespace tern::coupler {
 struct WindowAudit {
   double force_error = 0;        ///< |sum of all forces| / sum of |force|
   double moment_error = 0;       ///< the same for moments about the origin, relative to sum |x| |force|
-  double work_on_fluid = 0;      ///< [J/m^(3-D)]
+  double work_on_fluid = 0;      ///< by the surface moving at its trial velocity [J/m^(3-D)]
   double riemann_dissipation = 0, mitigation_dissipation = 0, contact_dissipation = 0;  ///< >= 0 [J/m^(3-D)]
   int band = 0, pairs = 0, contacts = 0;
 };
@@ -44,7 +44,6 @@ class CouplingStep {
   void set_robin_condition();
   void add_pressure(const BandPressure<D>& pressure);
   void settle_contacts(const BandPressure<D>& pressure);
-  void account_work(const BandPressure<D>& pressure);
   void check_balance();
 
   /// Puts +f on a surface point and -f on a band particle.

@@ -80,7 +80,10 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
   }
 
   // Particles by cell; only cells that hold one are kept, in order.
-  std::vector<int> cell_of(n, -1), population(count + 1, 0);
+  auto &cell_of = cell_of_particle_, &population = population_, &compact = compact_, &next = next_;
+  cell_of.assign(n, -1);
+  population.assign(count, 0);
+  compact.assign(count, -1);
   for (int i = 0; i < n; ++i) {
     if (!active[i]) continue;
     std::array<int, D> cell;
@@ -93,7 +96,6 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
   level.coordinate.clear();
   cell_start_.clear();
   cell_node_.clear();
-  std::vector<int> compact(count, -1);
   int filled = 0;
   for (int flat = 0; flat < count; ++flat) {
     if (population[flat] == 0) continue;
@@ -137,13 +139,13 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
   }
   cell_particle_.resize(filled);
   particle_weight_.resize(filled);
-  std::vector<int> next(cell_start_.begin(), cell_start_.end() - 1);
+  next.assign(cell_start_.begin(), cell_start_.end() - 1);
   for (int i = 0; i < n; ++i)
     if (cell_of[i] >= 0) cell_particle_[next[compact[cell_of[i]]]++] = i;
 
   // Element matrices cell by cell, then rows by gathering from the cells around each node.
-  using Element = std::array<float, corners * corners>;
-  std::vector<Element> element(used);
+  auto& element = element_;
+  element.resize(used);
   const double scale = gradient_scale * inverse_width * inverse_width;
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (int cell = 0; cell < used; ++cell) {

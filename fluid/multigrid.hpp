@@ -66,6 +66,9 @@ class Multigrid {
   std::vector<std::array<float, corners>> cell_sum_;
   std::vector<std::array<int, corners>> node_cell_;          ///< cells around a node, -1 where none: corner c of that cell
   std::vector<float> r_, z_, az_;
+  // Scratch of build_finest, kept so that a step allocates nothing.
+  std::vector<int> cell_of_particle_, population_, compact_, next_;
+  std::vector<std::array<float, corners * corners>> element_;
 };
 
 }  // namespace tern::fluid

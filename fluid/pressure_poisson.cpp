@@ -29,7 +29,6 @@ void Fluid<D>::assemble_pressure_poisson(const DissipativeLoad<D>& load) {
   const int n = static_cast<int>(state_.size());
   const double volume = constants_.volume, density = constants_.density;
   const double full = constants_.lattice.laplacian_weight / constants_.lattice.gradient_moment;
-  const bool robin = !load.robin_mass.empty();
   matrix_.reset(n, [&](int i) { return active_[i] ? neighbours_.count[i] : 0; });
   source_.assign(matrix_.padded_rows(), 0);
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
@@ -42,13 +41,14 @@ void Fluid<D>::assemble_pressure_poisson(const DissipativeLoad<D>& load) {
     const double deficit = 1 - trace_[i];
     double constant = deficit > least_deficit ? volume * deficit * full : 0;
     double b = -(density / duration_s_) * volume * (divergence_[i] - density_source_[i]);
-    if (robin)
-      for (int entry = surface_rows_.begin[i]; entry < surface_rows_.begin[i] + surface_rows_.count[i]; ++entry) {
-        const int k = surface_rows_.face[entry];
+    for (int entry = surface_rows_.begin[i]; entry < surface_rows_.begin[i] + surface_rows_.count[i]; ++entry) {
+      const int k = surface_rows_.face[entry];
+      if (load.robin_mass[k] > 0) {
         const double kappa = 2 * density * volume * surface_rows_.weight[entry] / load.robin_mass[k];
         constant += kappa;
         b += kappa * load.reference_pressure[k];
       }
+    }
     for (int k = first; k < first + count; ++k)
       if (!active_[neighbours_.column[k]]) constant += 2 * volume * neighbours_.weight[k];
     matrix_.set_row(i, count, static_cast<float>(constant), [&](int k) {

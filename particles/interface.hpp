@@ -42,7 +42,7 @@ template <int D>
 struct DissipativeLoad {
   std::vector<Vector<D>> force;            ///< on each band particle [N/m^(3-D)]
   std::vector<double> reference_pressure;  ///< p-hat on each surface point [Pa], the load the trial state already carries
-  std::vector<double> robin_mass;          ///< m_p on each surface point [kg/m^2]
+  std::vector<double> robin_mass;          ///< m_p on each surface point [kg/m^2]; 0: it does not yield
 };
 
 /// The band after the pressure solve.
