@@ -11,6 +11,7 @@
     band = [0.062, 0.080]         # or at_most = ..., or at_least = ...
     source = "SPHinXsys, run by us, 4 mm"
     confidence = "B"              # A closed form or converged, B another code or digitised data
+    shortfall = "..."             # only where the band is known to be missed: how far and why; it still counts as FAIL
 """
 
 import tomllib
@@ -18,7 +19,7 @@ import tomllib
 from launcher import field_reducers, reducers
 from launcher.errors import BAD_INPUT, LauncherError
 
-_COMMON = {"name", "kind", "unit", "reference", "band", "at_most", "at_least", "source", "confidence", "remark"}
+_COMMON = {"name", "kind", "unit", "reference", "band", "at_most", "at_least", "source", "confidence", "shortfall"}
 
 
 def _check_keys(where, quantity, required, optional):

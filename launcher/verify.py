@@ -26,7 +26,7 @@ def judge(directory, quantities):
     """One row per quantity: name, unit, value, reference, error, band, passed, why, source, confidence."""
     rows = []
     for quantity in quantities:
-        row = {key: quantity.get(key) for key in ("name", "unit", "reference", "source", "confidence")}
+        row = {key: quantity.get(key) for key in ("name", "unit", "reference", "source", "confidence", "shortfall")}
         lowest, highest = expected.limits(quantity)
         row |= {"value": None, "error": None, "band": [lowest, highest], "passed": False, "why": ""}
         try:
@@ -63,6 +63,7 @@ def table(case, rows):
     lines = [f"{case}:"] + ["  " + "  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip()
                             for line in cells]
     lines += [f"  {row['name']}: {row['why']}" for row in rows if row["why"]]
+    lines += [f"  {row['name']}: known shortfall: {row['shortfall']}" for row in rows if row["shortfall"]]
     return "\n".join(lines)
 
 

@@ -2,7 +2,8 @@
 """The verification cases, run by the real processes and held to their expected.toml by ./tern verify.
 
 Seen to fail: dry_plate with structure.numerics.smoothing_length_ratio=1.0 (4.435 Hz), hydrostatic_tank and dam_break_plate
-with fluid.numerics.density_relaxation=0 (pressure 1.1 % off; volume drift 3.9 %).
+with fluid.numerics.density_relaxation=0 (pressure 1.1 % off; volume drift 3.9 %). A band that expected.toml itself declares
+missed (shortfall) does not stop the suite, but ./tern verify counts it as FAIL, and meeting it unannounced is an error here.
 """
 
 import json
@@ -23,9 +24,12 @@ class VerifyCasesTest(unittest.TestCase):
         self.assertIn(answer.returncode, (0, 3), answer.stderr)
         rows = json.loads(answer.stdout or "[{}]")[0].get("rows", [])
         self.assertTrue(rows, answer.stderr)
-        failed = [f"{row['name']}: {row['value']} {row['why']}, band {row['band']}" for row in rows if not row["passed"]]
+        failed = [f"{row['name']}: {row['value']} {row['why']}, band {row['band']}" for row in rows
+                  if not row["passed"] and not row["shortfall"]]
         self.assertEqual(failed, [])
-        self.assertEqual(answer.returncode, 0)
+        overtaken = [row["name"] for row in rows if row["passed"] and row["shortfall"]]
+        self.assertEqual(overtaken, [], "inside its band now: take the shortfall out of expected.toml")
+        self.assertEqual(answer.returncode, 0 if all(row["passed"] for row in rows) else 3)
 
     def test_the_dry_plate_swings_with_its_own_frequency(self):
         self.verify("dry_plate")
