@@ -27,6 +27,41 @@ struct RowScratch {
   }
 };
 
+/// Appends to row i, which holds `found` neighbours so far, those of the particles first .. first + candidates - 1 that are
+/// nearer than the support; returns the new number. Distances many at a time, then a selection without branches.
+template <int D>
+int keep_near(const std::array<std::vector<double>, D>& coordinate, int first, int candidates, int i, double support2,
+              int found, int* __restrict column, RowScratch<D>& scratch) {
+  double* __restrict distance2 = scratch.distance2.data();
+  double *__restrict dx = scratch.candidate[0].data(), *__restrict dy = scratch.candidate[1].data();
+  double *__restrict keep_x = scratch.offset[0].data(), *__restrict keep_y = scratch.offset[1].data();
+  [[maybe_unused]] double *__restrict dz = scratch.candidate[D - 1].data(), *__restrict keep_z = scratch.offset[D - 1].data();
+  const double *x = coordinate[0].data() + first, *y = coordinate[1].data() + first, *z = coordinate[D - 1].data() + first;
+  const double xi = coordinate[0][i], yi = coordinate[1][i], zi = coordinate[D - 1][i];
+#pragma omp simd
+  for (int k = 0; k < candidates; ++k) {
+    dx[k] = x[k] - xi;
+    dy[k] = y[k] - yi;
+    distance2[k] = dx[k] * dx[k] + dy[k] * dy[k];
+  }
+  if constexpr (D == 3) {
+#pragma omp simd
+    for (int k = 0; k < candidates; ++k) {
+      dz[k] = z[k] - zi;
+      distance2[k] += dz[k] * dz[k];
+    }
+  }
+  const int own = i - first;
+  for (int k = 0; k < candidates; ++k) {
+    column[found] = first + k;
+    keep_x[found] = dx[k];
+    keep_y[found] = dy[k];
+    if constexpr (D == 3) keep_z[found] = dz[k];
+    found += (distance2[k] < support2) & (k != own);
+  }
+  return found;
+}
+
 /// Sums row i over its neighbours at `offset` and writes the weights.
 template <int D>
 void sum_row(const Constants<D>& constants, const std::array<std::vector<double>, D>& offset, int i, Neighbours<D>& result) {
@@ -133,25 +168,7 @@ void find_neighbours(const Constants<D>& constants, const CellGrid<D>& grid, con
             return;
           }
           scratch.reserve(found + candidates);
-          double* distance2 = scratch.distance2.data();
-          std::array<double*, D> candidate, offset;
-          for (int c = 0; c < D; ++c) candidate[c] = scratch.candidate[c].data(), offset[c] = scratch.offset[c].data();
-          for (int c = 0; c < D; ++c) {
-            const double xi = position[i][c];
-            const double* x = coordinate[c].data() + first;
-#pragma omp simd
-            for (int k = 0; k < candidates; ++k) {
-              const double d = x[k] - xi;
-              candidate[c][k] = d;
-              distance2[k] = c == 0 ? d * d : distance2[k] + d * d;
-            }
-          }
-          int* out = result.column.data() + next;
-          for (int k = 0; k < candidates; ++k) {
-            out[found] = first + k;
-            for (int c = 0; c < D; ++c) offset[c][found] = candidate[c][k];
-            found += (distance2[k] < support2) & (first + k != i);
-          }
+          found = keep_near<D>(coordinate, first, candidates, i, support2, found, result.column.data() + next, scratch);
         });
         if (!fits) break;
         result.count[i] = found;
