@@ -234,13 +234,6 @@ Case convert(const Setting& settings) {
   scene.dimension = static_cast<int>(number(settings, "dimension"));
   scene.end_time = number(settings, "end_time");
   scene.gravity = expressions(settings.at("gravity"));
-  for (const Setting& direction : settings.at("periodic").items) {
-    const int d = direction.text[0] - 'x';
-    if (d >= scene.dimension) {
-      throw BadInput(fmt::format("{}: the direction z does not exist in 2D; remove it.", direction.where));
-    }
-    scene.periodic[d] = true;
-  }
   if (const Setting* walls = settings.find("wall")) {
     for (const Setting& wall : walls->items) scene.walls.push_back(read_wall(wall, scene.dimension));
   }

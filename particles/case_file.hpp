@@ -113,7 +113,6 @@ struct Case {
   int dimension = 0;
   double end_time = 0;     ///< [s]
   VectorExpression gravity;                ///< [m/s^2] in t, x, y, z
-  std::array<bool, 3> periodic{};
   std::array<double, 3> domain_min{}, domain_max{};  ///< fluid particles that leave it are removed and counted
   std::vector<WallCase> walls;
   std::optional<FluidCase> fluid;

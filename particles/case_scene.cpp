@@ -84,16 +84,6 @@ class SceneCheck {
                          "with union.",
                          scene_.walls[i].name));
       }
-      for (int d = 0; d < D; ++d) {
-        for (const char* side : {"_min", "_max"}) {
-          if (scene_.periodic[d] && !is_open(scene_.walls[i], std::string(1, "xyz"[d]) + side)) {
-            fail(where_wall(i),
-                 fmt::format("the direction {0} is periodic, but the container '{1}' is closed there; add \"{0}_min\" "
-                             "and \"{0}_max\" to its open faces.",
-                             "xyz"[d], scene_.walls[i].name));
-          }
-        }
-      }
     }
     if (!scene_.fluid && !scene_.walls.empty()) {
       fail(where_wall(0), "a wall acts on the fluid only, but the case has no [fluid]; remove it.");
@@ -107,10 +97,6 @@ class SceneCheck {
         scene_.domain_max[d] = settings_.at("domain").at("max").items[d].number;
       }
       return;
-    }
-    if (std::find(scene_.periodic.begin(), scene_.periodic.end(), true) != scene_.periodic.end()) {
-      fail(settings_.at("periodic").where,
-           "a periodic case needs [domain], whose length is the period; give min and max.");
     }
     std::vector<Shape> extent;
     for (const WallCase& wall : scene_.walls) extent.push_back(wall.shape);
@@ -137,20 +123,6 @@ class SceneCheck {
       if (length <= 0) {
         fail(domain->where, fmt::format("min {} is not less than max {} m of [domain] in direction {}; exchange them.",
                                         scene_.domain_min[d], scene_.domain_max[d], "xyz"[d]));
-      }
-      if (!scene_.fluid || !scene_.periodic[d]) continue;
-      const double count = length / scene_.fluid->spacing;
-      if (std::abs(count - std::round(count)) > 1e-6 * count) {
-        fail(domain->where,
-             fmt::format("the period {} m in direction {} is {} spacings of the fluid; make it a whole number of them.",
-                         length, "xyz"[d], count));
-      }
-      const double support = 4 * scene_.fluid->numerics.smoothing_length_ratio * scene_.fluid->spacing;
-      if (length < support) {
-        fail(domain->where,
-             fmt::format("the period {} m in direction {} is shorter than two kernel radii, {} m; use a smaller "
-                         "spacing or a longer domain.",
-                         length, "xyz"[d], support));
       }
     }
   }

@@ -59,8 +59,6 @@ const std::vector<Parameter>& parameters() {
       {"", "end_time", Type::number, "s", "required", between(0, 2097152), {}, "The run starts at 0 and ends here."},
       {"", "gravity", Type::expressions, "m/s^2", "required", any, {},
        "Acceleration of fluid and structure, one entry per direction; expressions in t, x, y, z."},
-      {"", "periodic", Type::choices, "", "[]", any, {"x", "y", "z"},
-       "Directions in which the fluid repeats itself with the length of the domain."},
       {"", "preset", Type::choice, "", "\"standard\"", any, {"standard"},
        "Group of defaults for the numerical options; standard: the defaults in this document."},
       {"domain", "min", Type::point, "m", "required", any, {}, "Lower corner."},

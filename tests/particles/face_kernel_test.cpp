@@ -9,13 +9,14 @@ namespace {
 
 constexpr double spacing = 0.02;
 
-/// A lattice of particles on the plane x_1 = 0 (y > 0, first layer dx/2 above it) and what one particle of a layer sees.
+/// A lattice of particles on the plane x_1 = 0 (y > 0, first layer dx/2 above it) and what one particle of a layer
+/// sees.
 template <int D>
 struct LatticeOnPlane {
-  double gradient = 0;   ///< dx sum grad w, component along the normal, fluid and hidden side, calibrated [-]
-  double number = 0;     ///< (sum V w)/(value of the full lattice)
-  double trace = 0;      ///< tr M / D
-  double face = 0;       ///< dx sum_k A_k w~, the part of the face alone [-]
+  double gradient = 0;  ///< dx sum grad w, component along the normal, fluid and hidden side, calibrated [-]
+  double number = 0;    ///< (sum V w)/(value of the full lattice)
+  double trace = 0;     ///< tr M / D
+  double face = 0;      ///< dx sum_k A_k w~, the part of the face alone [-]
 };
 
 /// `patches` per spacing; `offset` of the particle along the plane [dx].
@@ -72,10 +73,10 @@ void expect_lattice_completed(double ratio) {
     }
 }
 
-// Patches of a quarter spacing. Measured, h/dx 1.3 and 1.5, 2D and 3D: sum grad w dx below 6e-8 in the two layers of the
-// calibration and 7e-4 in the third (1.5 only); n off by 0.7e-3 to 1.5e-3 in the layer at the plane, 5e-5 above; tr M/D by
-// 0.5e-3 to 1.1e-3 at the plane, 1.5e-4 in the second layer, 1.1e-3 in the third.
-// Seen to fail: with w in place of w~ (gradient); with the weights a + b s of the density, then of the moment, left out.
+// Patches of a quarter spacing. Measured, h/dx 1.3 and 1.5, 2D and 3D: sum grad w dx below 6e-8 in the two layers of
+// the calibration and 7e-4 in the third (1.5 only); n off by 0.7e-3 to 1.5e-3 in the layer at the plane, 5e-5 above; tr
+// M/D by 0.5e-3 to 1.1e-3 at the plane, 1.5e-4 in the second layer, 1.1e-3 in the third. Seen to fail: with w in place
+// of w~ (gradient); with the weights a + b s of the density, then of the moment, left out.
 TEST(FaceKernel, CompletesALatticeRestingOnAPlane) {
   for (double ratio : {1.3, 1.5}) {
     expect_lattice_completed<2>(ratio);
@@ -101,8 +102,8 @@ void expect_convergence(double ratio) {
   EXPECT_LT(before, 1e-4);
 }
 
-// The limit is what the lattice continued behind the plane would give. Patches of dx/2 are off by 3e-3 (2D) and 6e-3 (3D),
-// and every halving divides that by four. Seen to fail: with the hidden sums of a shell s^D instead of s^(D-1).
+// The limit is what the lattice continued behind the plane would give. Patches of dx/2 are off by 3e-3 (2D) and 6e-3
+// (3D), and every halving divides that by four. Seen to fail: with the hidden sums of a shell s^D instead of s^(D-1).
 TEST(FaceKernel, SumsTendToTheContinuedLatticeAsPatchesShrink) {
   for (double ratio : {1.3, 1.5}) {
     expect_convergence<2>(ratio);
@@ -118,8 +119,8 @@ double transferred_pressure(double ratio) {
   return sum;
 }
 
-// Measured: 1.0000 at h/dx 1.3, 1.0014 (2D) and 1.0008 (3D) at 1.5. Seen to fail: with w in place of w~, and with the lattice
-// behind the plane not calibrated by M_xx.
+// Measured: 1.0000 at h/dx 1.3, 1.0014 (2D) and 1.0008 (3D) at 1.5. Seen to fail: with w in place of w~, and with the
+// lattice behind the plane not calibrated by M_xx.
 TEST(FaceKernel, TransfersAUniformPressureThroughAFlatFace) {
   for (double ratio : {1.3, 1.5}) {
     EXPECT_NEAR(transferred_pressure<2>(ratio), 1, 2e-3);

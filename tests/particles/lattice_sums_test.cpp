@@ -21,7 +21,8 @@ void expect_table(const std::vector<Row>& table) {
   }
 }
 
-// Seen to fail: without the particle itself in sum V w; with r^2 instead of x^2 in M_xx; with a reach two layers short (one has no weight).
+// Seen to fail: without the particle itself in sum V w; with r^2 instead of x^2 in M_xx; with a reach two layers short
+// (one has no weight).
 TEST(LatticeSums, AreTheTabulatedOnesToFourDigits) {
   expect_table<2>({{1.2, 1.0180, 0.9639}, {1.3, 1.0105, 0.9739}, {1.5, 1.0051, 0.9974}, {2.0, 1.0012, 0.9992}});
   expect_table<3>({{1.2, 1.0175, 0.9852}, {1.3, 1.0095, 0.9789}, {1.5, 1.0031, 1.0006}});
