@@ -69,11 +69,11 @@ void Measures<D>::report(const Fluid<D>& fluid, RunReport& report) const {
   report.set_measure("volume_drift_largest", largest_drift_);
   report.set_measure("largest_speed_m_per_s", fluid.largest_speed());
   const StepTiming& timing = fluid.timing();
-  report.timing("neighbours") = timing.neighbours;
-  report.timing("boundary") = timing.boundary;
-  report.timing("assembly") = timing.assembly;
-  report.timing("pressure_solve") = timing.pressure_solve;
-  report.timing("correction") = timing.correction;
+  report.timing("compute.neighbours") = timing.neighbours;
+  report.timing("compute.boundary") = timing.boundary;
+  report.timing("compute.assembly") = timing.assembly;
+  report.timing("compute.pressure_solve") = timing.pressure_solve;
+  report.timing("compute.correction") = timing.correction;
 }
 
 #define TERN_INSTANTIATE(D)                                              \
