@@ -1,0 +1,170 @@
+// Gradient, divergence and Laplacian of the fluid as the projection step uses them.
+
+#include <gtest/gtest.h>
+
+#include "tests/fluid/scenes.hpp"
+
+namespace tern::fluid::testing {
+namespace {
+
+constexpr unsigned seed = 20240118;
+
+/// A block of n particles a side without walls, unit spacing.
+template <int D>
+Case block(int n, double g = 0) {
+  const double size = n;
+  return scene(D, 1.0, {box({0, 0, 0}, {size, size, size})}, {}, g);
+}
+
+template <int D>
+Vector<D> random_vector(std::mt19937& random) {
+  std::normal_distribution<double> normal(0, 1);
+  Vector<D> v;
+  for (int c = 0; c < D; ++c) v[c] = normal(random);
+  return v;
+}
+
+/// Largest error of the acceleration by a linear pressure field, relative to it, over particles deep inside a block.
+template <int D>
+double linear_gradient_error(int n) {
+  std::mt19937 random(seed);
+  Case c = block<D>(n, 1e-3);
+  c.fluid->numerics.blend_theta = 0;            // the part that is not exact, by intention
+  c.fluid->numerics.pressure_tolerance = 1e30;  // any start is accepted: the field given stays
+  Fluid<D> fluid(c);
+  jitter(fluid, 0.2, random);
+  const Vector<D> slope = 1e3 * random_vector<D>(random);
+  const double dt = seconds(to_ticks(1e-3));
+  Vector<D> g = Vector<D>::Zero();
+  g[1] = -1e-3;
+  State<D> state = fluid.state();
+  for (std::size_t i = 0; i < state.size(); ++i) state.pressure[i] = 7 + slope.dot(state.position[i] + dt * dt * g);
+  fluid.set_state(std::move(state));
+  step(fluid, dt);
+  EXPECT_EQ(fluid.last_solve().iterations, 0);
+  double largest = 0;
+  int checked = 0;
+  for (std::size_t i = 0; i < fluid.state().size(); ++i) {
+    const Vector<D>& x = fluid.state().position[i];
+    if ((x.array() < 4.3).any() || (x.array() > n - 4.3).any()) continue;
+    const Vector<D> acceleration = fluid.state().velocity[i] / dt - g;
+    largest = std::max(largest, (acceleration + slope / density).norm());
+    ++checked;
+  }
+  EXPECT_GE(checked, 20);
+  return largest / (slope.norm() / density);
+}
+
+// Measured 8e-16 in 2D and 3D. Seen to fail: with C replaced by the identity in the blended form, and with off-diagonal
+// entries of M left out.
+TEST(PressureGradient, IsExactForALinearFieldOnTwentyPercentDisorder) {
+  const double error2 = linear_gradient_error<2>(16), error3 = linear_gradient_error<3>(12);
+  EXPECT_LT(error2, 1e-12);
+  EXPECT_LT(error3, 1e-12);
+}
+
+/// | sum f.u - sum V p div u | relative to the sum of the sizes of its terms, for the forces of one projection step.
+template <int D>
+double adjoint_error(int n) {
+  std::mt19937 random(seed);
+  Case c = block<D>(n);
+  c.fluid->numerics.gradient = GradientForm::sum;
+  c.fluid->numerics.density_relaxation = 0;
+  c.fluid->numerics.shifting = 0;
+  Fluid<D> fluid(c);
+  jitter(fluid, 0.2, random);
+  State<D> state = fluid.state();
+  // Corners may count as spray, which feels no pressure: the outer layer stands still, so that it neither gives nor
+  // takes.
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    const Vector<D>& x = state.position[i];
+    const bool outer = (x.array() < 1).any() || (x.array() > n - 1).any();
+    state.velocity[i] = outer ? Vector<D>(Vector<D>::Zero()) : random_vector<D>(random);
+  }
+  fluid.set_state(state);
+  const double dt = seconds(to_ticks(1e-3));
+  step(fluid, dt);
+  double power = 0, work = 0, size = 0;
+  for (std::size_t i = 0; i < fluid.state().size(); ++i) {
+    const Vector<D>& u = state.velocity[fluid.state().id[i]];
+    EXPECT_TRUE(fluid.flags()[i] != Flag::spray || u.norm() == 0);
+    const double by_force = fluid.constants().mass / dt * (fluid.state().velocity[i] - u).dot(u);
+    const double by_divergence = fluid.state().pressure[i] * -fluid.pressure_source()[i] * dt / density;
+    power += by_force, work += by_divergence;
+    size += std::abs(by_force) + std::abs(by_divergence);
+  }
+  return std::abs(power - work) / size;
+}
+
+// The sum form of the gradient is the adjoint of the divergence: pressure does exactly the work p div u. Measured
+// 5e-16. Seen to fail: without the factor 2 of p_i in the sum form, and with the weights of the divergence squared.
+TEST(PressureGradient, OfTheSumFormIsTheAdjointOfTheDivergence) {
+  const double error2 = adjoint_error<2>(20), error3 = adjoint_error<3>(9);
+  EXPECT_LT(error2, 1e-12);
+  EXPECT_LT(error3, 1e-12);
+}
+
+// Seen to fail: with the sign of p_j - p_i turned in the sum form.
+TEST(PressureGradient, OfTheSumFormConservesMomentum) {
+  std::mt19937 random(seed);
+  Case c = block<2>(20);
+  c.fluid->numerics.gradient = GradientForm::sum;
+  Fluid<2> fluid(c);
+  jitter(fluid, 0.2, random);
+  State<2> state = fluid.state();
+  for (auto& u : state.velocity) u = random_vector<2>(random);
+  fluid.set_state(std::move(state));
+  const Vector<2> before = fluid.momentum();
+  step(fluid, 1e-3);
+  EXPECT_LT((fluid.momentum() - before).norm(), 1e-12 * density * 400);
+}
+
+/// -(A f)_i / V for the particle nearest to the middle of a block: the Laplacian of f there. h/dx = 1.5.
+template <int D, class Field>
+double laplacian(Fluid<D>& fluid, const Vector<D>& middle, Field&& f) {
+  const auto& x = fluid.state().position;
+  std::vector<double> values(fluid.pressure_matrix().padded_rows(), 0), result(values.size());
+  std::size_t nearest = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    values[i] = f(x[i]);
+    if ((x[i] - middle).norm() < (x[nearest] - middle).norm()) nearest = i;
+  }
+  EXPECT_EQ(fluid.pressure_matrix().constant()[nearest], 0);
+  fluid.pressure_matrix().multiply(values, result);
+  return -result[nearest] / fluid.constants().volume;
+}
+
+// Uncalibrated it would be 2 M_xx = 1.9948 (2D). Seen to fail: without the factor 2 in the edges, and with weights not
+// divided by M_xx.
+TEST(Laplacian, OfASquareIsTwoOnALattice) {
+  Fluid<2> fluid2(block<2>(15));
+  solve(fluid2, 1e-3);
+  const Vector<2> middle2 = Vector<2>::Constant(7.5);
+  const double value = laplacian<2>(fluid2, middle2, [&](const Vector<2>& x) { return std::pow(x[0] - 7.5, 2); });
+  EXPECT_NEAR(value, 2, 1e-6);
+  EXPECT_NEAR(value * fluid2.constants().lattice.gradient_moment, 1.9948, 5.1e-5);
+  Fluid<3> fluid3(block<3>(9));
+  solve(fluid3, 1e-3);
+  EXPECT_NEAR(
+      laplacian<3>(fluid3, Vector<3>::Constant(4.5), [](const Vector<3>& x) { return std::pow(x[2] - 4.5, 2); }), 2,
+      1e-6);
+}
+
+// The relative error of a wave is -K_4 k^2/24, K_4 the fourth moment of the kernel, 1.667 h^2 in the continuum: -0.069
+// (kh)^2, and nothing that would stay as the wave grows long. Measured -0.0709 at 20 dx to -0.0716 at 160 dx, for the
+// fourth moment of the lattice is 3 % above the continuum's. Seen to fail: with weights not divided by M_xx (a plateau
+// of -0.26 %), and with (1 - q/2)^2 in place of the cube in the weight.
+TEST(Laplacian, OfAWaveConvergesWithTheSquareOfItsNumber) {
+  Fluid<2> fluid(block<2>(15));
+  solve(fluid, 1e-3);
+  const double h = fluid.constants().kernel.smoothing_length();
+  for (double wavelength : {20., 40., 80., 160.}) {
+    const double k = 2 * std::numbers::pi / wavelength;
+    const auto wave = [&](const Vector<2>& x) { return std::sin(k * (x[0] - 7.5) + 1); };
+    const double error = laplacian<2>(fluid, Vector<2>::Constant(7.5), wave) / (-k * k * std::sin(1.0)) - 1;
+    EXPECT_NEAR(error / (k * k * h * h), -0.069, 0.003) << "wavelength " << wavelength << " dx";
+  }
+}
+
+}  // namespace
+}  // namespace tern::fluid::testing

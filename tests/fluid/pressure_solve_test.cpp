@@ -1,0 +1,158 @@
+// The pressure Poisson equation: its matrix, its solver, and hydrostatic pressure from one solve at rest.
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <Eigen/SparseCholesky>
+
+#include "tests/fluid/scenes.hpp"
+
+namespace tern::fluid::testing {
+namespace {
+
+constexpr unsigned seed = 20240119;
+
+/// All entries, read off by products with unit vectors: edges come out to the last bit.
+Eigen::SparseMatrix<double> entries_of(const EdgeMatrix& matrix) {
+  std::vector<double> unit(matrix.padded_rows(), 0), column(matrix.padded_rows());
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int j = 0; j < matrix.rows(); ++j) {
+    unit[j] = 1;
+    matrix.multiply(unit, column);
+    unit[j] = 0;
+    for (int i = 0; i < matrix.rows(); ++i)
+      if (column[i] != 0) entries.emplace_back(i, j, column[i]);
+  }
+  Eigen::SparseMatrix<double> result(matrix.rows(), matrix.rows());
+  result.setFromTriplets(entries.begin(), entries.end());
+  return result;
+}
+
+Eigen::VectorXd head(const std::vector<double>& values, std::size_t n) {
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(n));
+}
+
+/// A column that has collapsed for `until` seconds.
+Fluid<2> collapsed(int nx, int ny, double until, double tolerance = 1e-6) {
+  Case c = dam_break(nx, ny);
+  c.fluid->numerics.pressure_tolerance = tolerance;
+  Fluid<2> fluid(c);
+  run(fluid, until, [] {});
+  return fluid;
+}
+
+// Seen to fail: with the edges of every second row larger by a millionth (not symmetric), and with the sign of the
+// missing part of a support turned.
+TEST(PressureMatrix, IsSymmetricToTheLastBitAndPositiveDefinite) {
+  Fluid<2> fluid = collapsed(20, 40, 0.2);
+  solve(fluid, 1e-4);
+  const Eigen::SparseMatrix<double> a = entries_of(fluid.pressure_matrix());
+  const Eigen::SparseMatrix<double> difference = a - Eigen::SparseMatrix<double>(a.transpose());
+  EXPECT_EQ(difference.coeffs().cwiseAbs().maxCoeff(), 0);
+  for (int j = 0; j < a.outerSize(); ++j)
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(a, j); entry; ++entry)
+      ASSERT_TRUE(entry.row() == j ? entry.value() > 0 : entry.value() < 0) << entry.row() << " " << j;
+  const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> cholesky(a);
+  EXPECT_EQ(cholesky.info(), Eigen::Success);
+}
+
+// Measured differences: 3e-8 at a tolerance of 1e-6, 3e-12 at 1e-10. Seen to fail: with ten thousand times the
+// tolerance, and with p advanced by 1.0001 of the step that the residual takes.
+TEST(PressureSolve, AgreesWithAFreshCholeskyFactorisation) {
+  for (double tolerance : {1e-6, 1e-10}) {
+    Fluid<2> fluid = collapsed(25, 50, 0.15, tolerance);
+    solve(fluid, 5e-4);
+    const std::size_t n = fluid.state().size();
+    const Eigen::SparseMatrix<double> a = entries_of(fluid.pressure_matrix());
+    const Eigen::VectorXd b = head(fluid.pressure_source(), n), p = head(fluid.state().pressure, n);
+    const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> cholesky(a);
+    const Eigen::VectorXd reference = cholesky.solve(b);
+    EXPECT_LE((b - a * p).norm(), 1.01 * tolerance * b.norm());
+    EXPECT_LT((p - reference).norm(), 10 * tolerance * reference.norm());
+  }
+}
+
+// Measured: 5.0 on the mean, 6 at most. Seen to fail: with the free surface's part c_i left out of the grid operator.
+TEST(PressureSolve, TakesAtMostEightIterationsInACollapsingColumn) {
+  Fluid<2> fluid(dam_break(50, 100));
+  int most = 0;
+  run(fluid, 0.1, [&] { most = std::max(most, fluid.last_solve().iterations); });
+  RecordProperty("most_iterations", most);
+  EXPECT_LE(most, 8);
+  EXPECT_EQ(fluid.fallback_solves(), 0);
+  EXPECT_EQ(fluid.leaked() + fluid.removed(), 0u);
+}
+
+State<2> three_steps(int threads) {
+  omp_set_num_threads(threads);
+  std::mt19937 random(seed);
+  Fluid<2> fluid(scene(2, 0.01, {box({0, 0, 0}, {1, 1, 0})}, {tank({0, 0, 0}, {2, 2, 0})}));
+  EXPECT_GT(static_cast<std::ptrdiff_t>(fluid.state().size()), parallel_threshold);
+  jitter(fluid, 0.1, random);
+  for (int k = 0; k < 3; ++k) step(fluid, 5e-4);
+  return fluid.state();
+}
+
+// Seen to fail: with the scalar products of the conjugate gradients summed by thread.
+TEST(FluidStep, GivesTheSameBitsWithOneAndWithTwoThreads) {
+  const int before = omp_get_max_threads();
+  const State<2> one = three_steps(1), two = three_steps(2);
+  omp_set_num_threads(before);
+  EXPECT_EQ(one.id, two.id);
+  EXPECT_EQ(one.pressure, two.pressure);
+  EXPECT_EQ(one.position, two.position);
+  EXPECT_EQ(one.velocity, two.velocity);
+}
+
+/// A tank 1 m x 1 m, 20 particles a side, moved at random; its pressure from one solve at rest, without density source.
+Fluid<2> tank_at_rest(double size_of_jitter, std::mt19937& random) {
+  Case c = scene(2, 0.05, {box({0, 0, 0}, {1, 1, 0})}, {tank({0, 0, 0}, {1, 2, 0})});
+  c.fluid->numerics.density_relaxation = 0;
+  Fluid<2> fluid(c);
+  jitter(fluid, size_of_jitter, random);
+  solve(fluid, 1e-3);
+  return fluid;
+}
+
+// One draw scatters: over 40 draws the slope was 1.001 +- 0.011, the noise 3.4e-3 rho g H. The density source is off:
+// at a step of 1 ms it would ask for more divergence than gravity makes in one step, and settles only as particles
+// move. Seen to fail: with the mirror factor 2 of the wall flux left out, and with the factor 2 of the Laplacian's
+// edges left out.
+TEST(HydrostaticPressure, HasTheSlopeOfTheWeightOnTheMeanOverDisorderedTanks) {
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  constexpr int draws = 40;
+  double slope = 0;
+  for (int k = 0; k < draws; ++k) {
+    const PressureLine line = fit_pressure(tank_at_rest(0.1, random), 2.0);
+    slope += line.slope / (-density * gravity) / draws;
+    EXPECT_LT(line.noise, 0.01 * density * gravity);
+  }
+  RecordProperty("slope", std::to_string(slope));
+  EXPECT_NEAR(slope, 1, 0.005);
+}
+
+// Nothing ties the pressure of a full box to a value. Measured after ten steps: slope 0.9999 of the weight, noise 8e-5
+// rho g H on a lattice; 0.991 and 4e-3 from 10 % disorder, still settling. Seen to fail: without the mean taken out of
+// the pressure or of the source, and with walls that hide only half of tr M (deficits tie the pressure to zero).
+TEST(SealedBox, HasAPressureOfMeanZeroAndTheSlopeOfTheWeight) {
+  for (double size_of_jitter : {0.0, 0.1}) {
+    Fluid<2> fluid(scene(2, 0.05, {box({0, 0, 0}, {1, 1, 0})}, {tank({0, 0, 0}, {1, 1, 0}, {})}));
+    std::mt19937 random(seed);
+    jitter(fluid, size_of_jitter, random);
+    for (int k = 0; k < 10; ++k) {
+      step(fluid, 2e-3);
+      ASSERT_TRUE(fluid.last_solve().converged);
+      EXPECT_LE(fluid.last_solve().iterations, 8);
+      const auto& pressure = fluid.state().pressure;
+      ASSERT_EQ(fluid.spray_particles(), 0u);
+      EXPECT_LT(std::abs(ordered_sum(pressure)) / static_cast<double>(pressure.size()), 1e-9 * density * gravity);
+    }
+    EXPECT_EQ(fluid.fallback_solves(), 0);
+    EXPECT_NEAR(fit_pressure(fluid, 2.0).slope, -density * gravity,
+                (size_of_jitter > 0 ? 0.02 : 5e-4) * density * gravity);
+  }
+}
+
+}  // namespace
+}  // namespace tern::fluid::testing

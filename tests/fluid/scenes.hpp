@@ -1,0 +1,126 @@
+#pragma once
+// Scenes and states the fluid tests share, built by hand. Density 1000 kg/m^3, gravity 9.81 m/s^2 unless said
+// otherwise.
+
+#include <random>
+
+#include "fluid/fluid.hpp"
+
+namespace tern::fluid::testing {
+
+inline constexpr double density = 1000, gravity = 9.81;
+
+inline Shape box(std::array<double, 3> min, std::array<double, 3> max) {
+  Shape shape;
+  shape.min = min;
+  shape.max = max;
+  return shape;
+}
+
+inline WallCase tank(std::array<double, 3> min, std::array<double, 3> max, std::vector<std::string> open = {"y_max"}) {
+  WallCase wall;
+  wall.name = "tank";
+  wall.container = true;
+  wall.shape = box(min, max);
+  wall.open = std::move(open);
+  return wall;
+}
+
+inline WallCase obstacle(std::array<double, 3> min, std::array<double, 3> max) {
+  WallCase wall;
+  wall.name = "obstacle";
+  wall.shape = box(min, max);
+  return wall;
+}
+
+inline Case scene(int dimension, double spacing, const std::vector<Shape>& bodies, std::vector<WallCase> walls = {},
+                  double g = gravity) {
+  Case c;
+  c.path = "scene";
+  c.dimension = dimension;
+  c.gravity[1] = Expression(-g);
+  c.domain_min = {-1e3, -1e3, -1e3};
+  c.domain_max = {1e3, 1e3, 1e3};
+  c.walls = std::move(walls);
+  c.fluid.emplace();
+  c.fluid->density = density;
+  c.fluid->spacing = spacing;
+  for (const Shape& shape : bodies) c.fluid->bodies.push_back({shape, {}});
+  return c;
+}
+
+/// A column of nx by ny particles in the corner of a tank four columns wide.
+inline Case dam_break(int nx, int ny) {
+  return scene(2, 0.2 / nx, {box({0, 0, 0}, {0.2, 0.2 * ny / nx, 0})}, {tank({0, 0, 0}, {0.8, 1, 0})});
+}
+
+/// Moves every particle by up to `size` spacings in each direction.
+template <int D>
+void jitter(Fluid<D>& fluid, double size, std::mt19937& random) {
+  std::uniform_real_distribution<double> shift(-size * fluid.constants().spacing, size * fluid.constants().spacing);
+  State<D> state = fluid.state();
+  for (auto& x : state.position)
+    for (int c = 0; c < D; ++c) x[c] += shift(random);
+  fluid.set_state(std::move(state));
+}
+
+/// The first half of a window: afterwards the pressure is solved and belongs to the positions at its begin.
+template <int D>
+void solve(Fluid<D>& fluid, double duration) {
+  fluid.begin_window(fluid.state().time, to_ticks(duration));
+  fluid.see_surface({});
+  fluid.solve_pressure({});
+}
+
+template <int D>
+void step(Fluid<D>& fluid, double duration) {
+  solve(fluid, duration);
+  fluid.end_window({});
+}
+
+/// Steps as the fluid proposes them until `until` [s]; calls observe() after each.
+template <int D, class Observe>
+void run(Fluid<D>& fluid, double until, Observe&& observe) {
+  StepControl control;
+  const Ticks end = to_ticks(until);
+  while (fluid.state().time < end) {
+    const Ticks now = fluid.state().time;
+    const Ticks ticks = control.next(fluid.propose_step().seconds, now, end);
+    fluid.begin_window(now, ticks);
+    fluid.see_surface({});
+    fluid.solve_pressure({});
+    fluid.end_window({});
+    observe();
+  }
+}
+
+/// Least-squares line p = offset + slope y over the particles below `height`, and the deviations from it.
+struct PressureLine {
+  double slope = 0, offset = 0;
+  double noise = 0;    ///< root mean square deviation [Pa]
+  double largest = 0;  ///< largest deviation [Pa]
+};
+
+template <int D>
+PressureLine fit_pressure(const Fluid<D>& fluid, double height) {
+  const State<D>& state = fluid.state();
+  double n = 0, y = 0, p = 0, yy = 0, yp = 0;
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    const double yi = state.position[i][1];
+    if (yi > height) continue;
+    n += 1, y += yi, p += state.pressure[i], yy += yi * yi, yp += yi * state.pressure[i];
+  }
+  PressureLine line;
+  line.slope = (n * yp - y * p) / (n * yy - y * y);
+  line.offset = (p - line.slope * y) / n;
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    if (state.position[i][1] > height) continue;
+    const double deviation = state.pressure[i] - line.offset - line.slope * state.position[i][1];
+    line.noise += deviation * deviation / n;
+    line.largest = std::max(line.largest, std::abs(deviation));
+  }
+  line.noise = std::sqrt(line.noise);
+  return line;
+}
+
+}  // namespace tern::fluid::testing
