@@ -81,7 +81,8 @@ TEST(StandingWave, KeepsItsPeriodAmplitudeAndVolume) {
 }
 
 // At the first instant lap p = 2 rho omega^2 with p = 0 on the edge: p = -0.1473 rho omega^2 L^2 in the middle (torsion
-// function of the square). Measured -0.1484. Seen to fail: with the same, and with edges of 1.2 in place of 2 |w'|/r.
+// function of the square). Measured -0.1484. Seen to fail: with a tenth of the missing part of a support in c_i, and
+// with edges 1.2 |w'|/r in place of 2 |w'|/r.
 TEST(RotatingSquarePatch, HasTheCentrePressureOfTheTorsionFunction) {
   Case c = scene(2, 0.02, {box({-0.5, -0.5, 0}, {0.5, 0.5, 0})}, {}, 0);
   c.fluid->bodies[0].velocity = {Expression("2*y"), Expression("-2*x"), Expression()};
