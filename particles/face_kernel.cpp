@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include <Eigen/LU>
+
 namespace tern {
 namespace {
 
@@ -23,11 +25,8 @@ double cap_angle(double y, double s) {
   return D == 2 ? 2 * std::acos(y / s) : 2 * std::numbers::pi * (1 - y / s);
 }
 
-/// Coefficients a, b for which (a + b s) f reproduces two target values, given the moments of f and s f.
-std::array<double, 2> fit(double f0, double g0, double target0, double f1, double g1, double target1) {
-  const double determinant = f0 * g1 - f1 * g0;
-  return {(target0 * g1 - target1 * g0) / determinant, (f0 * target1 - f1 * target0) / determinant};
-}
+/// A layer is calibrated if it lies this deep in the support or less; farther out its own sums are too small to fit.
+constexpr double deepest_layer = 0.9;
 
 }  // namespace
 
@@ -38,16 +37,18 @@ FaceKernel<D>::FaceKernel(const Kernel<D>& kernel, double spacing)
   const double volume = std::pow(spacing, D);
   const int reach = static_cast<int>(std::ceil(support_ / spacing));
 
-  // Per layer (0: the one resting on the plane, 1: the next): what the continued lattice behind the plane contributes,
-  // and what the continuum contributes with weight 1 and with weight s.
+  // Per layer (0: the one resting on the plane, 1: the next, ...): what the continued lattice behind the plane contributes,
+  // and what the continuum contributes with weights 1, s, s^2.
   struct Layer {
     double surface = 0, density = 0, moment = 0;
-    std::array<double, 2> surface_plane{}, density_cap{}, moment_cap{};
+    std::array<double, terms> surface_plane{}, density_cap{}, moment_cap{};
   };
-  std::array<Layer, 2> layers;
+  std::array<Layer, terms> layers;
+  int count = 0;
+  while (count < terms && (count + 0.5) * spacing < deepest_layer * support_) ++count;
   const auto w = [&](double s) { return kernel_.value(s); };
   const auto m = [&](double s) { return kernel_.gradient_weight(s) * s * s / reference.gradient_moment; };
-  for (int l = 0; l < 2; ++l) {
+  for (int l = 0; l < count; ++l) {
     Layer& layer = layers[l];
     const double y = (l + 0.5) * spacing;
     for (int k = D == 3 ? -reach : 0; k <= (D == 3 ? reach : 0); ++k)
@@ -59,8 +60,8 @@ FaceKernel<D>::FaceKernel(const Kernel<D>& kernel, double spacing)
           layer.moment += gradient * r * r;
           layer.surface += gradient * -j * spacing;
         }
-    for (int power = 0; power < 2; ++power) {
-      const auto weighted = [&](auto f, double s) { return power == 0 ? f(s) : s * f(s); };
+    for (int power = 0; power < count; ++power) {
+      const auto weighted = [&](auto f, double s) { return std::pow(s, power) * f(s); };
       const double radius = std::sqrt(support_ * support_ - y * y);
       layer.surface_plane[power] = integral(0, radius, [&](double rho) {
         return weighted(w, std::hypot(rho, y)) * (D == 2 ? 2 : 2 * std::numbers::pi * rho);
@@ -73,14 +74,20 @@ FaceKernel<D>::FaceKernel(const Kernel<D>& kernel, double spacing)
     }
   }
   const auto calibrate = [&](auto values, auto moments) {
-    return fit((layers[0].*moments)[0], (layers[0].*moments)[1], layers[0].*values, (layers[1].*moments)[0],
-               (layers[1].*moments)[1], layers[1].*values);
+    Eigen::MatrixXd matrix(count, count);
+    Eigen::VectorXd target(count);
+    for (int l = 0; l < count; ++l) {
+      target[l] = layers[l].*values;
+      for (int power = 0; power < count; ++power) matrix(l, power) = (layers[l].*moments)[power];
+    }
+    const Eigen::VectorXd solution = matrix.fullPivLu().solve(target);
+    Polynomial polynomial{};
+    for (int power = 0; power < count; ++power) polynomial[power] = solution[power];
+    return polynomial;
   };
-  const auto surface = calibrate(&Layer::surface, &Layer::surface_plane);
-  const auto density = calibrate(&Layer::density, &Layer::density_cap);
-  const auto moment = calibrate(&Layer::moment, &Layer::moment_cap);
-  surface_a_ = surface[0];
-  surface_b_ = surface[1];
+  surface_ = calibrate(&Layer::surface, &Layer::surface_plane);
+  const Polynomial density = calibrate(&Layer::density, &Layer::density_cap);
+  const Polynomial moment = calibrate(&Layer::moment, &Layer::moment_cap);
 
   // Tables from the outside in: value at r = integral from r to the support.
   density_.assign(table_size, 0);
@@ -93,8 +100,8 @@ FaceKernel<D>::FaceKernel(const Kernel<D>& kernel, double spacing)
     for (int sub = 0; sub < substeps; ++sub) {
       const double s = k / table_scale_ + (sub + 0.5) * step;
       const double shell = std::pow(s, D - 1) * step;
-      density_[k] += w(s) * (density[0] + density[1] * s) * shell;
-      moment_[k] += m(s) * (moment[0] + moment[1] * s) * shell;
+      density_[k] += w(s) * evaluate(density, s) * shell;
+      moment_[k] += m(s) * evaluate(moment, s) * shell;
     }
   }
 }

@@ -4,10 +4,11 @@
 //   sum_hidden grad w       = - A_k w~(r) n_k                          (Gauss' theorem)
 //   sum_hidden f            =   Omega_k  Int_r^2h f(s) s^(D-1) ds      (cone of solid angle Omega_k behind the patch)
 // with f = w for the particle number density and f = s|w'| (times e e^T) for the correction matrix. The sums on the fluid
-// side run over particles, not over a continuum; multiplying w and f by a + b s/h, with a and b such that the first two
-// layers of a lattice resting on a plane see exactly what a continued lattice would give them, removes the mismatch:
-// on that lattice n = n_ref, tr M = D and sum grad w = 0 hold to round-off.
+// side run over particles, not over a continuum; multiplying w and f by a polynomial in s, chosen such that the layers of a
+// lattice resting on a plane see what a continued lattice would give them, removes the mismatch: on that lattice
+// sum grad w = 0 to 1e-6, and n = n_ref, tr M = D up to the size of the patches (3e-3 with patches of dx/2 in 2D).
 
+#include <array>
 #include <vector>
 
 #include "particles/kernel.hpp"
@@ -25,13 +26,17 @@ class FaceKernel {
   double support() const { return support_; }
 
   /// w~(r) [1/m^D]: sum_hidden grad w = -A w~ n.
-  double surface_weight(double r) const { return kernel_.value(r) * (surface_a_ + surface_b_ * r); }
+  double surface_weight(double r) const { return kernel_.value(r) * evaluate(surface_, r); }
   /// Int_r^2h of the calibrated w s^(D-1) ds [-]; times the solid angle: hidden part of sum V w.
   double hidden_density(double r) const { return interpolate(density_, r); }
   /// Int_r^2h of the calibrated s|w'|/M_xx s^(D-1) ds [-]; times the solid angle: hidden part of tr M.
   double hidden_moment(double r) const { return interpolate(moment_, r); }
 
  private:
+  static constexpr int terms = 3;
+  using Polynomial = std::array<double, terms>;
+  static double evaluate(const Polynomial& p, double s) { return p[0] + s * (p[1] + s * p[2]); }
+
   double interpolate(const std::vector<double>& table, double r) const {
     const double s = r * table_scale_;
     const auto k = static_cast<std::size_t>(s);
@@ -42,7 +47,7 @@ class FaceKernel {
 
   Kernel<D> kernel_;
   double support_, table_scale_;
-  double surface_a_ = 1, surface_b_ = 0;
+  Polynomial surface_{};
   std::vector<double> density_, moment_;
 };
 

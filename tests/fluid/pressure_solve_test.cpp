@@ -114,6 +114,20 @@ Fluid<2> tank_at_rest(double size_of_jitter, std::mt19937& random) {
   return fluid;
 }
 
+// Without density source and for a small step, before r* has fallen towards the floor. Above half height the marks of the
+// walls beyond the water show (noise 6e-4 rho g H at 20 particles a side). Seen to fail: slope 1.0015 with only two of the
+// three layers within the support calibrated.
+TEST(HydrostaticPressure, OnALatticeHasTheSlopeOfTheWeight) {
+  Case c = scene(2, 0.05, {box({0, 0, 0}, {1, 1, 0})}, {tank({0, 0, 0}, {1, 2, 0})});
+  c.fluid->numerics.density_relaxation = 0;
+  Fluid<2> fluid(c);
+  solve(fluid, 1e-4);
+  const PressureLine line = fit_pressure(fluid, 0.5);
+  RecordProperty("slope", std::to_string(line.slope / (-density * gravity)));
+  EXPECT_NEAR(line.slope, -density * gravity, 5e-4 * density * gravity);
+  EXPECT_LT(line.noise, 1e-4 * density * gravity);
+}
+
 // One draw scatters: over 40 draws the slope was 1.001 +- 0.011, the noise 3.4e-3 rho g H. The density source is off:
 // at a step of 1 ms it would ask for more divergence than gravity makes in one step, and settles only as particles
 // move. Seen to fail: with the mirror factor 2 of the wall flux left out, and with the factor 2 of the Laplacian's

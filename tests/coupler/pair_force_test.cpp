@@ -1,0 +1,265 @@
+// What must hold for any state: forces on both sides cancel, and the powers are those of the pairs.
+
+#include <gtest/gtest.h>
+
+#include "coupler/riemann.hpp"
+#include "coupler/velocity_divergence_mitigation.hpp"
+#include "tests/coupler/scenes.hpp"
+
+namespace tern::coupler::testing {
+namespace {
+
+constexpr double dx = 0.01, duration = 2e-4;
+
+template <int D>
+struct RandomInterface {
+  Surface<D> surface;
+  Band<D> band;
+  BandPressure<D> pressure;
+};
+
+/// A bent plate two particles thick in a cloud of fluid particles, everything else at random; pressures positive.
+template <int D>
+RandomInterface<D> random_interface(unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0, 1);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  const auto random_vector = [&](double size) {
+    Vector<D> v;
+    for (int c = 0; c < D; ++c) v[c] = size * normal(random);
+    return v;
+  };
+  RandomInterface<D> r;
+  const double half = (D == 2 ? 10 : 4) * dx;
+  const auto bend = [&](const Vector<D>& x) { return 0.02 * std::sin(20 * x[0]); };
+  for (double side : {1.0, -1.0})
+    for_lattice_plane<D>(half, 0, dx, [&](Vector<D> x) {
+      x[1] = bend(x) + side * dx;
+      Vector<D> n = Vector<D>::Unit(1);
+      n[0] = -0.4 * std::cos(20 * x[0]);
+      add_point<D>(r.surface, x, side * n.normalized(), std::pow(dx, D - 1) * (0.8 + 0.4 * uniform(random)), random_vector(1));
+    });
+  for (double side : {1.0, -1.0})
+    for (int layer = 0; layer < 4; ++layer)
+      for_lattice_plane<D>(half, 0, dx, [&](Vector<D> x) {
+        // From just above the face on, so that some touch it.
+        x[1] = bend(x) + side * (1.05 + 0.95 * layer + 0.3 * uniform(random)) * dx;
+        x[0] += 0.3 * dx * normal(random);
+        add_particle<D>(r.band, x, dx, random_vector(1));
+        r.band.divergence.back() = 20 * normal(random);
+      });
+  for (std::size_t i = 0; i < r.band.id.size(); ++i) {
+    r.pressure.pressure.push_back(5000 * uniform(random) + 3000);  // more than gravity takes off towards the face
+    r.pressure.velocity.push_back(r.band.velocity[i] + random_vector(0.3));
+  }
+  return r;
+}
+
+template <int D>
+Case everything_on() {
+  Case c = scene(D, dx);
+  c.gravity = constant(3, -9.81);
+  c.coupling.scheme = InterfaceScheme::riemann;
+  c.coupling.vem_coefficient = 1.0;
+  return c;
+}
+
+template <int D>
+Eigen::Vector3d moment(const Vector<D>& x, const Vector<D>& f) {
+  Eigen::Vector3d x3 = Eigen::Vector3d::Zero(), f3 = x3;
+  x3.head<D>() = x;
+  f3.head<D>() = f;
+  return x3.cross(f3);
+}
+
+template <int D>
+void check_balance(unsigned seed) {
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  const auto r = random_interface<D>(seed);
+  CouplingStep<D> step(everything_on<D>(), properties(r.surface.position.size()));
+  const auto first = step.dissipative_load(0, duration, r.surface, r.band);
+  const auto second = step.interface_force(r.pressure);
+  ASSERT_GT(step.audit().contacts, 0);
+  ASSERT_GT(step.audit().riemann_dissipation, 0);
+  ASSERT_NE(step.audit().mitigation_dissipation, 0);
+
+  Vector<D> force = Vector<D>::Zero();
+  Eigen::Vector3d turning = Eigen::Vector3d::Zero();
+  double size = 0, on_surface = 0, work = 0;
+  for (std::size_t i = 0; i < r.band.id.size(); ++i) {
+    const Vector<D> f = first.force[i] + second.force[i];
+    force += f;
+    turning += moment<D>(r.band.position[i], f);
+    size += f.norm();
+  }
+  // All pressures are positive, so all pair forces of a point push the same way and |sum| = sum ||. The moment of a pair
+  // is its force times the offset of its ends along the face.
+  InterfacePairs<D> pairs(1.5 * dx, dx);
+  pairs.find(r.band, r.surface);
+  std::vector<double> offset(r.surface.position.size(), 0);
+  for (const auto& pair : pairs.pairs()) {
+    const Vector<D> d = r.surface.position[pair.point] - r.band.position[pair.particle];
+    const Vector<D>& n = r.surface.normal[pair.point];
+    offset[pair.point] = std::max(offset[pair.point], (d - d.dot(n) * n).norm());
+  }
+  double bound = 0;
+  for (std::size_t k = 0; k < r.surface.position.size(); ++k) {
+    const Vector<D>& f = step.surface_load().force[k];
+    EXPECT_LE(f.dot(r.surface.normal[k]), 0) << "pushes into the body at point " << k;
+    EXPECT_NEAR((f - f.dot(r.surface.normal[k]) * r.surface.normal[k]).norm(), 0, 1e-12 * f.norm());
+    force += f;
+    turning += moment<D>(r.surface.position[k], f);
+    on_surface += f.norm();
+    work -= duration * f.dot(r.surface.velocity[k]);
+    bound += f.norm() * offset[k];
+  }
+  EXPECT_LT(force.norm() / (size + on_surface), 1e-13);
+  EXPECT_LT(step.audit().force_error, 1e-13);
+  EXPECT_LT(turning.norm(), bound);
+  EXPECT_NEAR(step.audit().work_on_fluid, work, 1e-12 * std::abs(work));
+  std::printf("[ %dD seed %u: force %.1e, moment %.1e h sum|f| (bound %.2f), %d contacts, %d pairs ]\n", D, seed,
+              force.norm() / (size + on_surface), turning.norm() / (1.5 * dx * on_surface), bound / (1.5 * dx * on_surface),
+              step.audit().contacts, step.audit().pairs);
+}
+
+// Seen to fail: with 1 - 1e-9 of the force on one side; with the force put on another point than the pair's; with a Riemann
+// pressure that pulls when the sides part.
+TEST(PairForces, CancelInAnyState) {
+  for (unsigned seed : {1u, 2u, 3u}) {
+    check_balance<2>(seed);
+    check_balance<3>(seed);
+  }
+}
+
+/// A face at rest and fluid moving onto it at `approach`; the dissipative pressure that arrives on the face [Pa].
+double riemann_on_a_wall(double limiter, double approach, double drift) {
+  Case c = scene(2, dx);
+  c.coupling.scheme = InterfaceScheme::riemann;
+  c.coupling.riemann_limiter = limiter;
+  auto surface = flat_plate<2>(12 * dx, 4 * dx, 0.5 * dx);
+  auto band = fluid_layers<2>(12 * dx, 4, dx);
+  // Half of the approach by either side; a common drift along the face raises |u|max and with it c0 only.
+  for (auto& u : band.velocity) u = {drift, -0.5 * approach};
+  for (auto& u : surface.velocity) u = {drift, 0.5 * approach};
+  CouplingStep<2> step(c, properties(surface.position.size()));
+  step.dissipative_load(0, duration, surface, band);
+  return -mean_traction<2>(surface, step.surface_load(), 6 * dx, 1)[1];
+}
+
+// Seen to fail: with the approach of the wrong sign; with the fluid's density for the mean; with the limiter not divided by c0.
+TEST(RiemannDissipation, IsHalfEtaRhoTimesTheApproachSquaredWhateverTheSoundSpeed) {
+  // Within what the face kernel transfers of a pressure on this lattice.
+  const double expected = 0.5 * 3 * 1100 * 0.8 * 0.8;
+  for (double drift : {0.0, 1.0, 7.0})
+    EXPECT_NEAR(riemann_on_a_wall(3, 0.8, drift), expected, 2e-3 * expected) << "drift " << drift;
+  EXPECT_NEAR(riemann_on_a_wall(3, 0.8, 7), riemann_on_a_wall(3, 0.8, 0), 1e-9 * expected);
+  EXPECT_NEAR(riemann_on_a_wall(3, 0.4, 1), 0.25 * riemann_on_a_wall(3, 0.8, 1), 1e-9 * expected);
+}
+
+// Seen to fail: without the check of the sign of the approach.
+TEST(RiemannDissipation, IsNothingWhenTheSidesPart) {
+  EXPECT_EQ(riemann_on_a_wall(3, -0.8, 1.0), 0);
+  EXPECT_EQ(riemann_on_a_wall(3, 0, 1.0), 0);
+  EXPECT_EQ(riemann_on_a_wall(3, 0, 0), 0);
+}
+
+// Seen to fail: without the cap.
+TEST(RiemannDissipation, IsCappedWhereTheApproachExceedsTheSoundSpeedOverEta) {
+  // Alone, the fastest speed is half the approach: c0 = 5 du, and eta = 20 puts du at 4 times c0/eta.
+  const double approach = 0.8, sound_speed = 5 * approach;
+  const double expected = 0.5 * 1100 * sound_speed * approach;
+  EXPECT_NEAR(riemann_on_a_wall(20, approach, 0), expected, 2e-3 * expected);
+  EXPECT_EQ(riemann_pressure(3, 1000, 30, 10), 0.5 * 1000 * 30 * 10.0);
+  EXPECT_EQ(riemann_pressure(3, 1000, 30, 100), 0.5 * 1000 * 30 * 100.0);
+  EXPECT_EQ(riemann_pressure(3, 1000, 30, -1), 0);
+}
+
+// Seen to fail: with half the account; with 1 - 1e-9 of the force on one side.
+TEST(RiemannDissipation, IsThePowerThePairsTakeFromBothSides) {
+  for (unsigned seed : {4u, 5u}) {
+    const auto r = random_interface<2>(seed);
+    Case c = everything_on<2>();
+    c.coupling.vem_coefficient.reset();
+    CouplingStep<2> step(c, properties(r.surface.position.size()));
+    const auto load = step.dissipative_load(0, duration, r.surface, r.band);
+    double power = 0;
+    for (std::size_t i = 0; i < r.band.id.size(); ++i) power += load.force[i].dot(r.band.velocity[i]);
+    for (std::size_t k = 0; k < r.surface.position.size(); ++k)
+      power += step.surface_load().force[k].dot(r.surface.velocity[k]);
+    EXPECT_GT(step.audit().riemann_dissipation, 0);
+    EXPECT_NEAR(step.audit().riemann_dissipation, -power * duration, 1e-12 * std::abs(power * duration)) << "seed " << seed;
+  }
+}
+
+/// Coupling with the VEM term alone.
+template <int D>
+Case mitigation_only(double coefficient) {
+  Case c = scene(D, dx);
+  c.coupling.vem_coefficient = coefficient;
+  return c;
+}
+
+template <int D>
+double power_of(const Surface<D>& surface, const Band<D>& band, const SurfaceLoad<D>& on_surface, const DissipativeLoad<D>& on_band) {
+  double power = 0;
+  for (std::size_t i = 0; i < band.id.size(); ++i) power += on_band.force[i].dot(band.velocity[i]);
+  for (std::size_t k = 0; k < surface.position.size(); ++k) power += on_surface.force[k].dot(surface.velocity[k]);
+  return power;
+}
+
+template <int D>
+void check_mitigation(unsigned seed) {
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  auto r = random_interface<D>(seed);
+  InterfacePairs<D> pairs(1.5 * dx, dx);
+  pairs.find(r.band, r.surface);
+  // The divergence that the interface itself makes: then the term must dissipate.
+  std::fill(r.band.divergence.begin(), r.band.divergence.end(), 0.0);
+  for (const auto& pair : pairs.pairs())
+    r.band.divergence[pair.particle] +=
+        pair.b.dot(r.surface.velocity[pair.point] - r.band.velocity[pair.particle]) / r.band.volume[pair.particle];
+  double fastest = 0;
+  std::vector<char> seen(r.band.id.size(), 0);
+  for (const auto& pair : pairs.pairs()) seen[pair.particle] = 1;
+  for (std::size_t i = 0; i < seen.size(); ++i)
+    if (seen[i]) fastest = std::max(fastest, r.band.velocity[i].norm());
+
+  CouplingStep<D> step(mitigation_only<D>(5), properties(r.surface.position.size()));
+  const auto load = step.dissipative_load(0, duration, r.surface, r.band);
+  // p_i V_i div_i with p_i = -rho C h |u|max div_i where the divergence is negative.
+  double expected = 0;
+  for (std::size_t i = 0; i < r.band.id.size(); ++i)
+    if (r.band.divergence[i] < 0)
+      expected -= 1000 * 5 * 1.5 * dx * fastest * r.band.divergence[i] * r.band.divergence[i] * r.band.volume[i];
+  ASSERT_LT(expected, 0);
+  EXPECT_NEAR(power_of(r.surface, r.band, step.surface_load(), load), expected, 1e-12 * std::abs(expected));
+  EXPECT_NEAR(step.audit().mitigation_dissipation, -expected * duration, 1e-12 * std::abs(expected) * duration);
+  Vector<D> sum = Vector<D>::Zero();
+  double size = 0;
+  for (const auto& f : load.force) sum += f, size += f.norm();
+  for (const auto& f : step.surface_load().force) sum += f, size += f.norm();
+  EXPECT_LT(sum.norm() / size, 1e-13);
+  for (std::size_t k = 0; k < r.surface.position.size(); ++k)
+    EXPECT_LE(step.surface_load().force[k].dot(r.surface.normal[k]), 0) << "pushes apart only";
+}
+
+// Seen to fail: with the velocity of the point left out of the account; with negative pressures let through.
+TEST(VelocityDivergenceMitigation, TakesTheSquareOfTheDivergenceFromThePairs) {
+  check_mitigation<2>(6);
+  check_mitigation<3>(7);
+}
+
+// Seen to fail: with negative pressures let through.
+TEST(VelocityDivergenceMitigation, IsNothingWhereTheFluidDoesNotConverge) {
+  auto r = random_interface<2>(8);
+  for (auto& d : r.band.divergence) d = std::abs(d);
+  r.band.divergence[3] = 0;
+  CouplingStep<2> step(mitigation_only<2>(5), properties(r.surface.position.size()));
+  for (const auto& f : step.dissipative_load(0, duration, r.surface, r.band).force) EXPECT_EQ(f.norm(), 0);
+  EXPECT_EQ(step.audit().mitigation_dissipation, 0);
+  EXPECT_EQ(mitigation_pressure(5, 1000, 0.015, 2, 0.1), 0);
+  EXPECT_GT(mitigation_pressure(5, 1000, 0.015, 2, -0.1), 0);
+}
+
+}  // namespace
+}  // namespace tern::coupler::testing

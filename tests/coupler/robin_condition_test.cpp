@@ -1,0 +1,135 @@
+// What the fluid is told about how the surface yields, and the contact of single particles.
+
+#include <gtest/gtest.h>
+
+#include "tests/coupler/scenes.hpp"
+
+namespace tern::coupler::testing {
+namespace {
+
+constexpr double dx = 0.01;
+
+SurfaceProperties five_points() {
+  SurfaceProperties p = properties(5);
+  p.section_mass = {4.0, 4.0, 4.0, 0.5, 4.0};
+  p.impedance = {1e6, 1e3, 1e2, 1e6, 2e3};  // times 1e-3 s: 1000, 1, 0.1, 1000, 2 kg/m^2
+  p.least_mass = {1.0, 0.2, 0.8, 1.0, 2.5};
+  return p;
+}
+
+Surface<2> row(std::size_t n) {
+  Surface<2> surface;
+  for (std::size_t k = 0; k < n; ++k)
+    add_point<2>(surface, {0.1 * static_cast<double>(k), 0.0}, {0.0, 1.0}, 0.5 * dx);
+  return surface;
+}
+
+// Seen to fail: with the floor applied before the minimum; with the factor left out.
+TEST(RobinMass, IsTheSectionOrTheLayerAWaveReachesAndAtLeastAParticle) {
+  for (double factor : {1.0, 0.5}) {
+    Case c = scene(2, dx);
+    c.coupling.robin_mass_factor = factor;
+    CouplingStep<2> step(c, five_points());
+    const auto load = step.dissipative_load(0, 1e-3, row(5), {});
+    const std::vector<double> expected = {4.0, 1.0, 0.8, 1.0, 2.5};
+    ASSERT_EQ(load.robin_mass.size(), 5u);
+    for (int k = 0; k < 5; ++k) EXPECT_DOUBLE_EQ(load.robin_mass[k], factor * expected[k]) << k;
+  }
+}
+
+TEST(RobinMass, IsNotGivenToAnExplicitCoupling) {
+  Case c = scene(2, dx);
+  c.coupling.algorithm = CouplingAlgorithm::cm0;
+  CouplingStep<2> step(c, five_points());
+  const auto load = step.dissipative_load(0, 1e-3, row(5), {});
+  for (double mass : load.robin_mass) EXPECT_EQ(mass, 0) << "a point without mass does not yield";
+  for (double pressure : load.reference_pressure) EXPECT_EQ(pressure, 0);
+}
+
+// Seen to fail: with the new dissipative part added instead of subtracted; with the load of this window for the last one.
+TEST(RobinReferencePressure, IsWhatTheLastLoadCarriedLessTheNewDissipativePart) {
+  Case c = scene(2, dx);
+  c.coupling.scheme = InterfaceScheme::riemann;
+  auto surface = flat_plate<2>(12 * dx, 4 * dx, 0.5 * dx);
+  auto band = fluid_layers<2>(12 * dx, 4, dx);
+  CouplingStep<2> step(c, properties(surface.position.size()));
+  for (double p : step.dissipative_load(0, 1e-3, surface, band).reference_pressure) EXPECT_EQ(p, 0) << "nothing carried yet";
+  step.interface_force(pressure_field<2>(band, [](const Vector<2>&) { return 1000.0; }));
+  const auto carried = step.surface_load();
+
+  for (auto& u : band.velocity) u = {0.0, -0.4};
+  // In between the surface has moved and stretched.
+  for (auto& n : surface.normal) n = Vector<2>(Vector<2>(0.1, n[1])).normalized();
+  for (auto& a : surface.area) a *= 1.1;
+  const auto load = step.dissipative_load(1e-3, 1e-3, surface, band);
+  const auto& dissipative = step.surface_load();
+  double largest = 0;
+  for (std::size_t k = 0; k < surface.position.size(); ++k) {
+    const double old_pressure = -carried.force[k].dot(surface.normal[k]) / surface.area[k];
+    const double new_part = -dissipative.force[k].dot(surface.normal[k]) / surface.area[k];
+    EXPECT_NEAR(load.reference_pressure[k], old_pressure - new_part, 1e-9) << k;
+    largest = std::max(largest, new_part);
+  }
+  EXPECT_GT(largest, 100) << "the dissipative part takes part in the test";
+}
+
+/// One particle `height` above a wide face, moving at `velocity` after the pressure solve; returns its velocity after contact.
+Vector<2> after_contact(double height, const Vector<2>& velocity, const Vector<2>& face_velocity, double pressure = 0,
+                        WindowAudit* audit = nullptr) {
+  auto surface = flat_plate<2>(12 * dx, 4 * dx, 0.5 * dx);
+  for (auto& u : surface.velocity) u = face_velocity;
+  Band<2> band;
+  add_particle<2>(band, {0.0025, height}, dx, velocity);
+  CouplingStep<2> step(scene(2, dx), properties(surface.position.size()));
+  step.dissipative_load(0, 1e-3, surface, band);
+  const auto force = step.interface_force(pressure_field<2>(band, [&](const Vector<2>&) { return pressure; }));
+  if (audit) *audit = step.audit();
+  return velocity + 1e-3 / band.mass[0] * force.force[0];
+}
+
+// Seen to fail: with the approach not measured relative to the face; with the impulse of the pressure left out of it.
+TEST(Contact, TakesTheApproachOfAParticleAtTheFaceAndNothingElse) {
+  WindowAudit audit;
+  const Vector<2> stopped = after_contact(0.2 * dx, {0.7, -1.5}, {0.0, -0.5}, 0, &audit);
+  EXPECT_NEAR(stopped[0], 0.7, 1e-14);
+  EXPECT_NEAR(stopped[1], -0.5, 1e-14);
+  EXPECT_NEAR(audit.contact_dissipation, 0.5 * 1000 * dx * dx * 1.0, 1e-12);
+  // Pressure has taken a part of the approach before.
+  EXPECT_NEAR(after_contact(0.2 * dx, {0.7, -1.5}, {0.0, -0.5}, 2000, &audit)[1], -0.5, 1e-14);
+  EXPECT_LT(audit.contact_dissipation, 0.49 * 1000 * dx * dx);
+  EXPECT_EQ(after_contact(0.3 * dx, {0.7, -1.5}, {0.0, -0.5}), Vector<2>(0.7, -1.5)) << "beyond the contact distance";
+  EXPECT_EQ(after_contact(0.2 * dx, {0.7, -0.4}, {0.0, -0.5}), Vector<2>(0.7, -0.4)) << "on its way off";
+}
+
+TEST(TotalLoad, IsTheSumOverTheBodyAsked) {
+  auto surface = flat_plate<2>(12 * dx, 4 * dx, 0.5 * dx);
+  const auto band = fluid_layers<2>(12 * dx, 4, dx);
+  SurfaceProperties p = properties(surface.position.size());
+  Vector<2> expected[2] = {Vector<2>::Zero(), Vector<2>::Zero()};
+  for (std::size_t k = 0; k < p.body.size(); ++k) p.body[k] = surface.position[k][0] > 0.03 ? 1 : 0;
+  Case c = scene(2, dx);
+  c.structure->bodies.push_back(c.structure->bodies[0]);
+  CouplingStep<2> step(c, p);
+  step.dissipative_load(0, 1e-3, surface, band);
+  step.interface_force(pressure_field<2>(band, [](const Vector<2>& x) { return 1000 + 1e4 * x[0]; }));
+  for (std::size_t k = 0; k < p.body.size(); ++k) expected[p.body[k]] += step.surface_load().force[k];
+  EXPECT_EQ(step.total_load(0), expected[0]);
+  EXPECT_EQ(step.total_load(1), expected[1]);
+  EXPECT_NE(expected[0], expected[1]);
+}
+
+TEST(CouplingStep, NamesTheSurfacePointWhoseLoadIsNotFinite) {
+  auto surface = flat_plate<2>(12 * dx, 4 * dx, 0.5 * dx);
+  const auto band = fluid_layers<2>(12 * dx, 4, dx);
+  CouplingStep<2> step(scene(2, dx), properties(surface.position.size()));
+  step.dissipative_load(0.25, 1e-3, surface, band);
+  try {
+    step.interface_force(pressure_field<2>(band, [](const Vector<2>&) { return std::nan(""); }));
+    FAIL() << "accepted a pressure that is not a number";
+  } catch (const std::exception& error) {
+    EXPECT_NE(std::string(error.what()).find("t = 0.25 s"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace tern::coupler::testing
