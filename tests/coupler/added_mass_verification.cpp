@@ -205,6 +205,7 @@ TEST(AddedMass, ExplicitCouplingHoldsForAHeavyPistonAndRunsAwayForALightOne) {
 }
 
 // One particle of fluid is smeared over the face, so the threshold need not be M = 1 to the last per cent.
+// Seen to fail: with the Robin condition set for CM0 too.
 TEST(AddedMass, ExplicitCouplingTurnsUnstableNearEqualMasses) {
   double onset = 0.5;
   while (onset < 2 && !grows(pushed(onset, CouplingAlgorithm::cm0, 1e-9))) onset += 0.05;
@@ -213,7 +214,7 @@ TEST(AddedMass, ExplicitCouplingTurnsUnstableNearEqualMasses) {
   std::printf("[ onset of CM0 at M = %.2f ]\n", onset);
 }
 
-// Seen to fail: with the reference pressure left at zero; with half of the Robin term missing in the pressure equation.
+// Seen to fail: with the reference pressure left at zero.
 TEST(AddedMass, APushedPistonAndItsWaterMoveOnTogetherAtTheSharedMomentum) {
   constexpr double push = 0.1;
   for (auto scheme : {InterfaceScheme::riemann, InterfaceScheme::pressure})
@@ -234,7 +235,8 @@ TEST(AddedMass, APushedPistonAndItsWaterMoveOnTogetherAtTheSharedMomentum) {
 
 // Lumped model of a window, loads as impulses: the fluid solves P' (1/m_a + 1/m_p) = e + P (1/m_p - 1/m_s) for the mismatch e
 // of the velocities, the piston then leaves e' = e - P' (1/m_s + 1/m_a). m_p = m_s leaves none; an eigenvalue passes -1 at
-// m_p/m_s = 4/(3 - m_s/m_a), which is 4/3 for a light piston.
+// m_p/m_s = 4/(3 - m_s/m_a), which is 4/3 for a light piston. Measured: 1.37 at M 100, 1.41 at 20, 1.5 at 5, 1.75 at 2.
+// Seen to fail: with the factor left out; with the reference pressure left at zero.
 TEST(AddedMass, BearsARobinMassUpToFourThirdsOfTheMassOfALightPiston) {
   constexpr double push = 1e-9;
   for (double m : {2.0, 20.0, 100.0}) {
@@ -255,7 +257,8 @@ double static_load(int across) {
   return history.failed ? 0 : mean(history.pressure, 300) / (9.81 * column.added_mass());
 }
 
-// Corners lose load to the walls beside them; more is not lost.
+// Corners lose load to the walls beside them; more is not lost. Measured: 0.272 and 0.279 dx per corner.
+// Seen to fail: with the weight between particle and face subtracted from the pressure instead of added.
 TEST(AddedMass, TheLoadAtRestIsTheWeightOfTheWaterLessTheCorners) {
   EXPECT_NEAR(corner_loss(), 0.278, 1e-3);
   for (int across : {10, 20}) {
@@ -266,7 +269,7 @@ TEST(AddedMass, TheLoadAtRestIsTheWeightOfTheWaterLessTheCorners) {
 }
 
 // What the walls bear of the load at rest they may bear of the added mass too: the exact period and the one without the
-// corners' share are the bounds, each with 1 %.
+// corners' share are the bounds, each with 1 %. Measured: 0.988 to 0.998 of the exact period.
 TEST(AddedMass, ShowsInThePeriodOfAPistonOnASpring) {
   struct Sample { int across; double mass_ratio; };
   for (const auto& [across, m] : {Sample{10, 0.5}, {10, 5}, {10, 20}, {20, 5}}) {

@@ -1,5 +1,5 @@
 // Where the parts of a run live must not change a bit of its result: one process or three, one thread or two, first run or
-// second.
+// second. Seen to fail: with this file compiled against another face kernel than the executables.
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

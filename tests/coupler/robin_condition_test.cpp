@@ -37,6 +37,7 @@ TEST(RobinMass, IsTheSectionOrTheLayerAWaveReachesAndAtLeastAParticle) {
   }
 }
 
+// Seen to fail: with the condition set for CM0 too.
 TEST(RobinMass, IsNotGivenToAnExplicitCoupling) {
   Case c = scene(2, dx);
   c.coupling.algorithm = CouplingAlgorithm::cm0;
@@ -46,7 +47,7 @@ TEST(RobinMass, IsNotGivenToAnExplicitCoupling) {
   for (double pressure : load.reference_pressure) EXPECT_EQ(pressure, 0);
 }
 
-// Seen to fail: with the new dissipative part added instead of subtracted; with the load of this window for the last one.
+// Seen to fail: with the new dissipative part added instead of subtracted; with nothing carried.
 TEST(RobinReferencePressure, IsWhatTheLastLoadCarriedLessTheNewDissipativePart) {
   Case c = scene(2, dx);
   c.coupling.scheme = InterfaceScheme::riemann;
@@ -101,6 +102,7 @@ TEST(Contact, TakesTheApproachOfAParticleAtTheFaceAndNothingElse) {
   EXPECT_EQ(after_contact(0.2 * dx, {0.7, -0.4}, {0.0, -0.5}), Vector<2>(0.7, -0.4)) << "on its way off";
 }
 
+// Seen to fail: with the points of all bodies summed.
 TEST(TotalLoad, IsTheSumOverTheBodyAsked) {
   auto surface = flat_plate<2>(12 * dx, 4 * dx, 0.5 * dx);
   const auto band = fluid_layers<2>(12 * dx, 4, dx);
