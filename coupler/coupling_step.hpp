@@ -15,7 +15,9 @@ struct WindowAudit {
   double force_error = 0;        ///< |sum of all forces| / sum of |force|
   double moment_error = 0;       ///< the same for moments about the origin, relative to sum |x| |force|
   double work_on_fluid = 0;      ///< by the surface moving at its trial velocity [J/m^(3-D)]
-  double riemann_dissipation = 0, mitigation_dissipation = 0, contact_dissipation = 0;  ///< >= 0 [J/m^(3-D)]
+  double riemann_dissipation = 0, contact_dissipation = 0;  ///< >= 0 [J/m^(3-D)]
+  /// [J/m^(3-D)]; negative where the fluid alone squeezes a particle while the face recedes.
+  double mitigation_dissipation = 0;
   int band = 0, pairs = 0, contacts = 0;
 };
 

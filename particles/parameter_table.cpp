@@ -129,7 +129,8 @@ const std::vector<Parameter>& parameters() {
       {"coupling", "riemann_limiter", Type::number, "-", "3.0", not_negative, {},
        "Limiter eta of the Riemann dissipation, beta = min(eta max(du, 0)/c0, 1)."},
       {"coupling", "robin_mass_factor", Type::number, "-", "1.0", between(0, 2), {},
-       "Mass with which the interface yields in the pressure solve over the mass behind it, m_p/m_s; stable below 2."},
+       "Mass with which the interface yields in the pressure solve over the mass behind it, m_p/m_s; a light body needs "
+       "less than 4/3."},
       {"coupling.vem", "coefficient", Type::number, "-", "required", above_to(0, 10), {},
        "Coefficient C; 1 is advised, 5 over-predicts impact loads."},
 
