@@ -12,7 +12,7 @@ SolveResult conjugate_gradient(const EdgeMatrix& matrix, const Apply& preconditi
   for (auto* v : {&work.residual, &work.preconditioned, &work.direction, &work.product}) v->assign(matrix.padded_rows(), 0);
   auto& [r, z, d, q] = work;
   const auto dot = [n](const std::vector<double>& x, const std::vector<double>& y) {
-    return ordered_reduce(n, 0.0, [&](std::ptrdiff_t i) { return x[i] * y[i]; });
+    return ordered_dot(std::span(x).first(n), std::span(y).first(n));
   };
 
   SolveResult result;
@@ -23,6 +23,7 @@ SolveResult conjugate_gradient(const EdgeMatrix& matrix, const Apply& preconditi
     return result;
   }
   matrix.multiply(p, q);
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (std::ptrdiff_t i = 0; i < n; ++i) r[i] = b[i] - q[i];
   result.residual = std::sqrt(dot(r, r)) / norm_b;
   double rho = 0;

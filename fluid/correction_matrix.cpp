@@ -1,26 +1,16 @@
 // Moment matrix and its inverse (Randles & Libersky 1996; Bonet & Lok 1999):
-//   M_i = sum_j V_j grad w_ij (r_j - r_i)^T over fluid and hidden side,  C_i = M_i^-1.
-// M is symmetric and positive semi-definite, so its smallest eigenvalue tells whether C may be used.
+//   M_i = sum_j V_j grad w_ij (r_j - r_i)^T over fluid and hidden side,  C_i = (M_i - T_i)^-1
+// M is symmetric and positive semi-definite, so its smallest eigenvalue tells whether C may be used. T, the part of hidden
+// sides along their faces, is left to the fluid: see pressure_gradient.cpp. C^F is the inverse over fluid neighbours alone.
 
-#include <Eigen/Eigenvalues>
-
+#include "fluid/eigenvalue.hpp"
 #include "fluid/fluid.hpp"
 #include "particles/parallel.hpp"
 
 namespace tern::fluid {
 namespace {
 
-template <int D>
-double smallest_eigenvalue(const Matrix<D>& m) {
-  if constexpr (D == 2) {
-    const double mean = 0.5 * (m(0, 0) + m(1, 1)), half = 0.5 * (m(0, 0) - m(1, 1));
-    return mean - std::sqrt(half * half + m(0, 1) * m(0, 1));
-  } else {
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-    solver.computeDirect(Eigen::Matrix3d(m), Eigen::EigenvaluesOnly);
-    return solver.eigenvalues()[0];
-  }
-}
+constexpr double least_eigenvalue = 0.2;  ///< below, the inverse is not trusted
 
 }  // namespace
 
@@ -28,6 +18,8 @@ template <int D>
 void Fluid<D>::correct_moments() {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
   correction_.resize(n);
+  fluid_correction_.resize(n);
+  has_gradient_.resize(n);
   trace_.resize(n);
   smallest_eigenvalue_.resize(n);
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
@@ -35,7 +27,15 @@ void Fluid<D>::correct_moments() {
     const Matrix<D> m = neighbours_.moment[i] + boundary_.moment[i];
     trace_[i] = m.trace() / D;
     smallest_eigenvalue_[i] = smallest_eigenvalue<D>(m);
-    correction_[i] = smallest_eigenvalue_[i] >= 0.2 ? Matrix<D>(m.inverse()) : Matrix<D>::Identity();
+    has_gradient_[i] = smallest_eigenvalue<D>(neighbours_.moment[i]) >= least_eigenvalue;
+    fluid_correction_[i] = has_gradient_[i] ? Matrix<D>(neighbours_.moment[i].inverse()) : Matrix<D>::Zero();
+    if (wall_rows_.count[i] == 0 && surface_rows_.count[i] == 0) {
+      correction_[i] = has_gradient_[i] ? fluid_correction_[i] : Matrix<D>::Identity();
+      continue;
+    }
+    const Matrix<D> across = m - boundary_.tangential[i];
+    const bool trusted = smallest_eigenvalue<D>(0.5 * (across + across.transpose())) >= least_eigenvalue;
+    correction_[i] = trusted ? Matrix<D>(across.inverse()) : Matrix<D>::Identity();
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "particles/parallel.hpp"
@@ -47,17 +48,20 @@ class EdgeMatrix {
     const int s = i / slice, lane = i % slice;
     const std::size_t first = start_[s] + lane;
     const int length = static_cast<int>((start_[s + 1] - start_[s]) / slice);
-    double diagonal = constant;
-    int k = 0;
-    for (; k < n; ++k) {
+    int* __restrict to_column = column_.data() + first;
+    float* __restrict to_edge = edge_.data() + first;
+    double even = constant, odd = 0;  // two sums, so that one need not wait for the other
+    for (int k = 0; k < n; ++k, to_column += slice, to_edge += slice) {
       const auto [column, weight] = edge(k);
-      column_[first + static_cast<std::size_t>(k) * slice] = column;
-      edge_[first + static_cast<std::size_t>(k) * slice] = weight;
-      diagonal += weight;
+      *to_column = column;
+      *to_edge = weight;
+      even += weight;
+      std::swap(even, odd);
     }
-    for (; k < length; ++k) {
-      column_[first + static_cast<std::size_t>(k) * slice] = i;
-      edge_[first + static_cast<std::size_t>(k) * slice] = 0;
+    const double diagonal = even + odd;
+    for (int k = n; k < length; ++k, to_column += slice, to_edge += slice) {
+      *to_column = i;
+      *to_edge = 0;
     }
     constant_[i] = constant;
     diagonal_[i] = static_cast<float>(diagonal);
@@ -67,6 +71,14 @@ class EdgeMatrix {
   void pad() {
     const int slices = static_cast<int>(start_.size()) - 1;
     for (int i = rows_; i < slices * slice; ++i) set_row_empty(i);
+  }
+
+  /// Calls visit(j, a_ij) for the edges of row i that are not padding.
+  template <class Visit>
+  void for_edges(int i, Visit&& visit) const {
+    const int s = i / slice;
+    for (std::size_t k = start_[s] + i % slice; k < start_[s + 1]; k += slice)
+      if (edge_[k] != 0) visit(column_[k], edge_[k]);
   }
 
   /// Length vectors must have: a whole number of slices.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fluid/probe.hpp"
 #include "particles/error.hpp"
 #include "particles/parallel.hpp"
 
@@ -12,7 +13,11 @@ namespace tern::fluid {
 
 template <int D>
 Fluid<D>::Fluid(const Case& scene)
-    : constants_(scene.fluid.value()), gravity_expression_(scene.gravity), walls_(scene, scene.fluid->spacing) {
+    : constants_(scene.fluid.value()),
+      gravity_expression_(scene.gravity),
+      period_(scene),
+      walls_(scene, scene.fluid->spacing, constants_.faces.support()),
+      multigrid_(period_) {
   for (int c = 0; c < D; ++c) {
     domain_min_[c] = scene.domain_min[c];
     domain_max_[c] = scene.domain_max[c];
@@ -40,7 +45,7 @@ Fluid<D>::Fluid(const Case& scene)
   for (const auto& x : state.position) mean += x / static_cast<double>(state.size());
   const Vector<D> g = gravity_at(0, mean);
   gravity_size_ = g.norm();
-  if (gravity_size_ > 0) {
+  if (gravity_size_ > 0 && uniform_gravity_) {
     double low = 1e300, high = -1e300;
     for (const auto& x : state.position) {
       const double height = -x.dot(g) / gravity_size_;
@@ -48,10 +53,20 @@ Fluid<D>::Fluid(const Case& scene)
     }
     speed_floor_ = 0.5 * std::sqrt(gravity_size_ * (high - low + constants_.spacing));
   }
+  if (!uniform_gravity_) {
+    // Of a field that varies (about a centre, it vanishes in the middle) the strongest place and the widest extent count.
+    Vector<D> low = state.position[0], high = low;
+    for (const auto& x : state.position) {
+      gravity_size_ = std::max(gravity_size_, gravity_at(0, x).norm());
+      low = low.cwiseMin(x), high = high.cwiseMax(x);
+    }
+    speed_floor_ = 0.5 * std::sqrt(gravity_size_ * ((high - low).maxCoeff() + constants_.spacing));
+  }
   const double reference = std::max(2 * speed_floor_, fastest);
   speed_limit_ = 1000 * (reference > 0 ? reference : 1.0);
   set_state(std::move(state));
   wall_finder_.fill(walls_.faces(), constants_.faces.support());
+  space_before_walls<D>(constants_, walls_.faces(), wall_finder_, space_before_walls_);
 }
 
 template <int D>
@@ -95,6 +110,15 @@ Vector<D> Fluid<D>::momentum() const {
 }
 
 template <int D>
+Vector<3> Fluid<D>::angular_momentum() const {
+  return ordered_reduce(static_cast<std::ptrdiff_t>(state_.size()), Vector<3>(Vector<3>::Zero()), [&](std::ptrdiff_t i) {
+    Vector<3> x = Vector<3>::Zero(), u = Vector<3>::Zero();
+    for (int c = 0; c < D; ++c) x[c] = state_.position[i][c], u[c] = state_.velocity[i][c];
+    return Vector<3>(constants_.mass * x.cross(u));
+  });
+}
+
+template <int D>
 double Fluid<D>::volume_drift() const {
   double sum = 0;
   std::size_t count = 0;
@@ -113,39 +137,12 @@ std::size_t Fluid<D>::spray_particles() const {
 
 template <int D>
 std::optional<double> Fluid<D>::pressure_at(const Vector<D>& x) const {
-  // Weighted linear fit over the fluid around x: exact for a hydrostatic field up to the wall itself.
-  constexpr int unknowns = D + 1;
-  Eigen::Matrix<double, unknowns, unknowns> a = Eigen::Matrix<double, unknowns, unknowns>::Zero();
-  Eigen::Matrix<double, unknowns, 1> b = Eigen::Matrix<double, unknowns, 1>::Zero();
-  double filled = 0;
-  for (std::size_t i = 0; i < state_.size(); ++i) {
-    const Vector<D> d = (state_.position[i] - x) / constants_.spacing;
-    const double r = d.norm() * constants_.spacing;
-    if (r >= constants_.kernel.support()) continue;
-    const double w = constants_.kernel.value(r) * constants_.volume;
-    Eigen::Matrix<double, unknowns, 1> basis;
-    basis << 1, d;
-    a += w * basis * basis.transpose();
-    b += w * state_.pressure[i] * basis;
-    filled += w;
-  }
-  if (filled < 0.35) return std::nullopt;
-  const Eigen::FullPivLU<Eigen::Matrix<double, unknowns, unknowns>> solver(a);
-  return solver.isInvertible() ? std::optional<double>(solver.solve(b)[0]) : std::nullopt;
+  return Probe<D>(*this).pressure(x);
 }
 
 template <int D>
 std::optional<double> Fluid<D>::elevation_at(const Vector<D>& x) const {
-  std::optional<double> highest;
-  for (std::size_t i = 0; i < state_.size(); ++i) {
-    if (flag_[i] == Flag::spray) continue;
-    Vector<D> d = state_.position[i] - x;
-    d[1] = 0;
-    if (d.norm() > constants_.spacing) continue;
-    const double top = state_.position[i][1] + 0.5 * constants_.spacing;
-    if (!highest || top > *highest) highest = top;
-  }
-  return highest;
+  return Probe<D>(*this).elevation(x);
 }
 
 template <int D>

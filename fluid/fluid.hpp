@@ -8,8 +8,11 @@
 
 #include "fluid/boundary.hpp"
 #include "fluid/conjugate_gradient.hpp"
+#include "fluid/motion.hpp"
 #include "fluid/multigrid.hpp"
 #include "fluid/neighbours.hpp"
+#include "fluid/period.hpp"
+#include "fluid/sealed.hpp"
 #include "fluid/state.hpp"
 #include "fluid/walls.hpp"
 #include "particles/interface.hpp"
@@ -37,9 +40,9 @@ class Fluid {
 
   // One window, in this order. Without a structure: empty surface and loads.
 
-  /// Predicts over the window and finds neighbours; walls stand where they are at its end.
+  /// Predicts over the window and finds neighbours at its middle.
   void begin_window(Ticks begin, Ticks duration);
-  /// The structure's surface at the end of the window; returns the particles that see it.
+  /// The structure's surface at the middle of the window; returns the particles that see it.
   Band<D> see_surface(const Surface<D>& surface);
   /// Applies the forces already known and solves the pressure Poisson equation.
   BandPressure<D> solve_pressure(const DissipativeLoad<D>& load);
@@ -54,9 +57,13 @@ class Fluid {
   const State<D>& state() const { return state_; }
   const std::vector<Flag>& flags() const { return flag_; }
   const SolveResult& last_solve() const { return solve_; }
+  /// Whether the state has a pressure: not before the first solve.
+  bool has_pressure() const { return !pressure_.empty(); }
   const StepTiming& timing() const { return timing_; }
   Energies energies() const;
   Vector<D> momentum() const;
+  /// About the origin; 2D: only the last entry is not 0 [kg m^2/s /m^(3-D)].
+  Vector<3> angular_momentum() const;
   /// (current volume of the fluid)/(initial) - 1, from the mean particle number density of interior particles.
   double volume_drift() const;
   std::size_t removed() const { return removed_; }  ///< left the domain
@@ -66,11 +73,20 @@ class Fluid {
   std::size_t spray_particles() const;
   /// Pressure at a point, first order; nothing where fewer than half a kernel of fluid is around [Pa].
   std::optional<double> pressure_at(const Vector<D>& x) const;
-  /// Highest particle centre plus dx/2 within dx of the vertical through x; nothing where there is none [m].
+  /// Height of the free surface on the vertical through x (probe.hpp); nothing where there is no fluid [m].
   std::optional<double> elevation_at(const Vector<D>& x) const;
   /// Largest x of particles that are not spray, plus dx/2 [m].
   double front() const;
+  const Walls<D>& walls() const { return walls_; }
+  const Period<D>& period() const { return period_; }
+  /// Faces of walls and of the structure as of the last window, each with its finder.
+  std::array<std::pair<const Faces<D>*, const FaceFinder<D>*>, 2> faces() const {
+    return {{{&walls_.faces(), &wall_finder_}, {&surface_, &surface_finder_}}};
+  }
+  Vector<D> gravity_at(double t, const Vector<D>& x) const;  ///< [m/s^2]
   int fallback_solves() const { return fallback_solves_; }
+  /// What the pressure equation cannot obey, from the fluid that is enclosed by walls.
+  const SealedAccount& sealed() const { return sealed_account_; }
   /// Matrix, right-hand side and solution of the last pressure solve, for the tests.
   const EdgeMatrix& pressure_matrix() const { return matrix_; }
   const std::vector<double>& pressure_source() const { return source_; }
@@ -81,12 +97,16 @@ class Fluid {
  private:
   // time_step.cpp calls these in order; each is in the file of its name.
   void predict();
+  void wrap_into_period();
   void sort_by_cell();
   void correct_moments();                              // correction_matrix.cpp
   void mark_free_surface();                            // free_surface.cpp
+  void apply_viscosity();                              // viscosity.cpp
+  void damp_velocity_noise();                          // velocity_noise.cpp
   void compute_divergence();                           // divergence.cpp
   void compute_density_source();                       // density_source.cpp
   void assemble_pressure_poisson(const DissipativeLoad<D>& load);  // pressure_poisson.cpp
+  void make_sealed_fluid_compatible();                 // sealed.cpp
   void solve_pressure_poisson();                       // pressure_poisson.cpp
   void apply_pressure_gradient();                      // pressure_gradient.cpp
   void settle_wall_contacts();                         // wall_contact.cpp
@@ -96,15 +116,16 @@ class Fluid {
   void remove_escaped();
   void check_finite() const;
   double density_time_scale() const;
-  Vector<D> gravity_at(double t, const Vector<D>& x) const;
 
   Constants<D> constants_;
   std::array<Expression, 3> gravity_expression_;
   bool uniform_gravity_;
   Vector<D> domain_min_, domain_max_;
+  Period<D> period_;
   double gravity_size_ = 0, speed_floor_ = 0, speed_limit_ = 0;
   Walls<D> walls_;
   FaceFinder<D> wall_finder_, surface_finder_;
+  std::vector<double> space_before_walls_;  ///< per patch, see boundary.hpp
   Faces<D> surface_;
   State<D> state_;
   double begin_s_ = 0, duration_s_ = 0;
@@ -113,25 +134,33 @@ class Fluid {
   double potential_ = 0;
   int fallback_solves_ = 0;
   SolveResult solve_;
+  SealedAccount sealed_account_;
+  bool enclosed_ = false;  ///< all fluid is sealed between fixed walls: it has no free surface and cannot get one
   StepTiming timing_;
 
   // Rebuilt every step.
   CellGrid<D> grid_;
   CellContents contents_;
-  std::vector<Vector<D>> predicted_position_, predicted_velocity_, gravity_;
+  std::vector<Vector<D>> predicted_position_, predicted_velocity_, gravity_;  ///< position: at the middle of the window
   Neighbours<D> neighbours_;
   FaceRows wall_rows_, surface_rows_;
   BoundarySums<D> boundary_;
-  std::vector<Matrix<D>> correction_;      ///< C = M^-1, identity for spray
+  std::vector<Matrix<D>> correction_;      ///< C = (M - T)^-1, identity for spray
+  std::vector<Matrix<D>> fluid_correction_;  ///< C^F = (M^F)^-1 over fluid neighbours alone; 0 where these are too few
+  std::vector<std::uint8_t> has_gradient_;   ///< C^F is not 0
   std::vector<double> trace_;              ///< tr M / D in [0, 1]
   std::vector<double> smallest_eigenvalue_;
   std::vector<Flag> flag_;
   std::vector<std::uint8_t> active_;       ///< unknown of the pressure equation
+  std::vector<std::uint8_t> near_surface_, near_spray_;  ///< a neighbour is not interior; is no unknown
   std::vector<std::uint8_t> sum_form_;     ///< pressure gradient in sum form
+  std::vector<Motion<D>> motion_;          ///< predicted
+  std::vector<std::array<Packed<D>, D>> half_gradient_;  ///< half the velocity gradient, by column; zero where there is none
   std::vector<double> divergence_, density_source_;
   EdgeMatrix matrix_;
   std::vector<double> source_, pressure_;
   Multigrid<D> multigrid_;
+  SealedPools pools_;
   ConjugateGradientWork work_;
   std::vector<int> band_;                  ///< particle of each band entry
   // Scratch of the sorting.

@@ -24,20 +24,27 @@ void Fluid<D>::mark_free_surface() {
     const bool at_structure = surface_rows_.count[i] > 0;
     const bool spray =
         neighbours_.count[i] == 0 || (smallest_eigenvalue_[i] < spray_eigenvalue && !at_structure);
-    if (trace_[i] < mark_below) state_.free_surface[i] = 1;
+    if (trace_[i] < mark_below && !enclosed_) state_.free_surface[i] = 1;
     if (trace_[i] > unmark_above) state_.free_surface[i] = 0;
     flag_[i] = spray ? Flag::spray : state_.free_surface[i] ? Flag::free_surface : Flag::interior;
     active_[i] = !spray;
   }
-  const bool always = constants_.numerics.gradient == GradientForm::sum;
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  // From the few marked particles to their neighbours, rather than asking all neighbours of every particle.
+  near_surface_.assign(n, 0);
+  near_spray_.assign(n, 0);
   for (std::ptrdiff_t i = 0; i < n; ++i) {
-    // At the structure the coupler supplies the other half of a pair force, so this half must be in sum form too.
-    bool sum = always || surface_rows_.count[i] > 0 || flag_[i] != Flag::interior || smallest_eigenvalue_[i] < sum_form_eigenvalue;
-    for (int k = neighbours_.begin[i]; !sum && k < neighbours_.begin[i] + neighbours_.count[i]; ++k)
-      sum = flag_[neighbours_.column[k]] != Flag::interior;
-    sum_form_[i] = sum;
+    if (flag_[i] == Flag::interior) continue;
+    for (int k = neighbours_.begin[i]; k < neighbours_.begin[i] + neighbours_.count[i]; ++k) {
+      near_surface_[neighbours_.column[k]] = 1;
+      if (!active_[i]) near_spray_[neighbours_.column[k]] = 1;
+    }
   }
+  const bool always = constants_.numerics.gradient == GradientForm::sum;
+  // At the structure the coupler supplies the other half of a pair force, so this half must be in sum form too.
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i)
+    sum_form_[i] = always || surface_rows_.count[i] > 0 || flag_[i] != Flag::interior || near_surface_[i] ||
+                   smallest_eigenvalue_[i] < sum_form_eigenvalue;
 }
 
 template void Fluid<2>::mark_free_surface();

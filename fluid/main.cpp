@@ -33,7 +33,8 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report)
   long step = 0;
   const auto write_output = [&](bool frame) {
     ScopedTimer timer(output_s);
-    recorder.account(fluid.state().time, gauge_values(fluid, scene), energy_values(fluid));
+    if (const Ticks now = fluid.state().time; recorder.due(now))
+      recorder.account(now, gauge_values(fluid, scene), energy_values(fluid));
     if (frame) write_frame(fluid, frames, step);
     measures.report(fluid, report);
     report.update();
@@ -75,7 +76,17 @@ void run_coupled(const CommandLine& command, const Case& scene, RunReport& repor
     fluid::Fluid<D> fluid(scene);
     fluid::Measures<D> measures;
     FrameWriter frames(command.out, "fluid");
-    const auto account = [&] { return proto::account(energy_values(fluid), gauge_values(fluid, scene)); };
+    // The coupler's recorder writes rows on the same schedule and ignores the gauges of other instants: there the last
+    // values go with the message once more.
+    RowSchedule rows(scene.output.gauge_interval);
+    GaugeValues gauges;
+    const auto account = [&] {
+      if (const Ticks now = fluid.state().time; rows.due(now)) {
+        gauges = gauge_values(fluid, scene);
+        rows.written(now);
+      }
+      return proto::account(energy_values(fluid), gauges);
+    };
 
     wire::Hello hello;
     hello.set_case_hash(scene.hash);

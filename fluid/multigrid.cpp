@@ -16,6 +16,21 @@ int flat_index(const std::array<int, D>& coordinate, const std::array<int, D>& s
   return index;
 }
 
+/// Cells of a period of `length`: m 2^k with m = 4 .. 7, nearest to `width` on a logarithmic scale.
+int cells_of_period(double length, double width) {
+  int best = 4;
+  const auto distance = [&](int n) { return std::abs(std::log(n * width / length)); };
+  for (int factor = 1; factor * width < length; factor *= 2)
+    for (int m = 4; m < 8; ++m)
+      if (distance(m * factor) < distance(best)) best = m * factor;
+  return best;
+}
+
+int wrapped(int index, int size, bool periodic) {
+  if (!periodic) return index;
+  return index < 0 ? index + size : index >= size ? index - size : index;
+}
+
 /// Offset in {-1, 0, 1}^D of stencil entry s.
 template <int D>
 std::array<int, D> stencil_offset(int s) {
@@ -65,17 +80,25 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
                                 const std::vector<std::uint8_t>& active, double spacing, double gradient_scale) {
   Level& level = levels_[0];
   const int n = matrix.rows();
-  const double width = 2 * spacing, inverse_width = 1 / width;
   Vector<D> low = Vector<D>::Constant(1e300), high = Vector<D>::Constant(-1e300);
   for (int i = 0; i < n; ++i)
     if (active[i]) low = low.cwiseMin(position[i]), high = high.cwiseMax(position[i]);
   if (low[0] > high[0]) low = high = Vector<D>::Zero();
-  const Vector<D> origin = low.array() - 0.37 * width;  // off the lattice, so that no particle sits on a grid line at rest
+  Vector<D> origin, inverse_width;
   std::array<int, D> cells;
   int count = 1;
   for (int c = 0; c < D; ++c) {
-    cells[c] = static_cast<int>((high[c] - origin[c]) * inverse_width) + 1;
-    level.size[c] = cells[c] + 1;
+    level.periodic[c] = period_.repeats(c);
+    double width = 2 * spacing;
+    if (level.periodic[c]) {
+      cells[c] = cells_of_period(period_.length(c), width);
+      width = period_.length(c) / cells[c];
+      low[c] = period_.begin(c);
+    }
+    origin[c] = low[c] - 0.37 * width;  // off the lattice, so that no particle sits on a grid line at rest
+    inverse_width[c] = 1 / width;
+    if (!level.periodic[c]) cells[c] = static_cast<int>((high[c] - origin[c]) * inverse_width[c]) + 1;
+    level.size[c] = level.periodic[c] ? cells[c] : cells[c] + 1;
     count *= cells[c];
   }
 
@@ -87,7 +110,10 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
   for (int i = 0; i < n; ++i) {
     if (!active[i]) continue;
     std::array<int, D> cell;
-    for (int c = 0; c < D; ++c) cell[c] = static_cast<int>((position[i][c] - origin[c]) * inverse_width);
+    for (int c = 0; c < D; ++c) {
+      cell[c] = static_cast<int>((position[i][c] - origin[c]) * inverse_width[c]);
+      if (level.periodic[c]) cell[c] %= cells[c];
+    }
     ++population[cell_of[i] = flat_index<D>(cell, cells)];
   }
   int nodes_in_map = 1;
@@ -103,7 +129,7 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
     for (int c = 0, rest = flat; c < D; ++c, rest /= cells[c - 1]) cell[c] = rest % cells[c];
     for (int corner = 0; corner < corners; ++corner) {
       std::array<int, D> node = cell;
-      for (int c = 0; c < D; ++c) node[c] += (corner >> c) & 1;
+      for (int c = 0; c < D; ++c) node[c] = wrapped(node[c] + ((corner >> c) & 1), level.size[c], level.periodic[c]);
       level.map[flat_index<D>(node, level.size)] = 0;
     }
     compact[flat] = static_cast<int>(cell_start_.size());
@@ -132,7 +158,7 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
     for (int corner = 0; corner < corners; ++corner) {
       std::array<int, D> node = cell;
       for (int c = 0; c < D; ++c) node[c] += (corner >> c) & 1;
-      const int number = level.map[flat_index<D>(node, level.size)];
+      const int number = node_at(level, node);
       cell_node_[compact[flat]][corner] = number;
       node_cell_[number][corner] = compact[flat];
     }
@@ -146,15 +172,17 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
   // Element matrices cell by cell, then rows by gathering from the cells around each node.
   auto& element = element_;
   element.resize(used);
-  const double scale = gradient_scale * inverse_width * inverse_width;
+  const Vector<D> scale = gradient_scale * inverse_width.cwiseAbs2();
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (int cell = 0; cell < used; ++cell) {
-    const auto& base = level.coordinate[cell_node_[cell][0]];
     double sum[corners * corners] = {};
     for (int entry = cell_start_[cell]; entry < cell_start_[cell + 1]; ++entry) {
       const int i = cell_particle_[entry];
       double f[D];
-      for (int c = 0; c < D; ++c) f[c] = (position[i][c] - origin[c]) * inverse_width - base[c];
+      for (int c = 0; c < D; ++c) {
+        const double at = (position[i][c] - origin[c]) * inverse_width[c];
+        f[c] = at - static_cast<int>(at);
+      }
       double phi[corners], gradient[corners][D];
       for (int corner = 0; corner < corners; ++corner) {
         phi[corner] = 1;
@@ -168,13 +196,15 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
       }
       const double constant = matrix.constant()[i];
       for (int a = 0; a < corners; ++a)
-        for (int b = 0; b < corners; ++b) {
+        for (int b = a; b < corners; ++b) {
           double product = 0;
-          for (int c = 0; c < D; ++c) product += gradient[a][c] * gradient[b][c];
-          sum[a * corners + b] += scale * product + constant * phi[a] * phi[b];
+          for (int c = 0; c < D; ++c) product += scale[c] * gradient[a][c] * gradient[b][c];
+          sum[a * corners + b] += product + constant * phi[a] * phi[b];
         }
     }
-    for (int k = 0; k < corners * corners; ++k) element[cell][k] = static_cast<float>(sum[k]);
+    for (int a = 0; a < corners; ++a)
+      for (int b = 0; b < corners; ++b)
+        element[cell][a * corners + b] = static_cast<float>(sum[std::min(a, b) * corners + std::max(a, b)]);
   }
   level.row.assign(level.nodes(), {});
   for (std::size_t node = 0; node < level.nodes(); ++node)
@@ -191,22 +221,30 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
 }
 
 template <int D>
+int Multigrid<D>::node_at(const Level& level, std::array<int, D> at) {
+  for (int c = 0; c < D; ++c) {
+    at[c] = wrapped(at[c], level.size[c], level.periodic[c]);
+    if (at[c] < 0 || at[c] >= level.size[c]) return -1;
+  }
+  return level.map[flat_index<D>(at, level.size)];
+}
+
+template <int D>
 void Multigrid<D>::connect(Level& level) {
   level.neighbour.resize(level.nodes());
   for (auto& nodes : level.color) nodes.clear();
   for (std::size_t node = 0; node < level.nodes(); ++node) {
     const auto& at = level.coordinate[node];
     int color = 0;
-    for (int c = 0; c < D; ++c) color |= (at[c] & 1) << c;
+    for (int c = D - 1; c >= 0; --c) {
+      const bool last_of_odd = level.periodic[c] && level.size[c] % 2 == 1 && level.size[c] > 1 && at[c] == level.size[c] - 1;
+      color = color * 3 + (last_of_odd ? 2 : at[c] & 1);
+    }
     level.color[color].push_back(static_cast<int>(node));
     for (int s = 0; s < stencil; ++s) {
       auto other = stencil_offset<D>(s);
-      bool inside = true;
-      for (int c = 0; c < D; ++c) {
-        other[c] += at[c];
-        inside = inside && other[c] >= 0 && other[c] < level.size[c];
-      }
-      const int number = inside ? level.map[flat_index<D>(other, level.size)] : -1;
+      for (int c = 0; c < D; ++c) other[c] += at[c];
+      const int number = node_at(level, other);
       level.neighbour[node][s] = number < 0 ? static_cast<int>(node) : number;
     }
   }
@@ -227,7 +265,12 @@ void Multigrid<D>::finish(Level& level) {
 template <int D>
 void Multigrid<D>::build_next(const Level& fine, Level& coarse) {
   // Nodes with even coordinates; a fine node between them has the 2, 4 or 8 around it as parents, all of them active.
-  for (int c = 0; c < D; ++c) coarse.size[c] = (fine.size[c] + 2) / 2;
+  std::array<bool, D> halved;
+  for (int c = 0; c < D; ++c) {
+    coarse.periodic[c] = fine.periodic[c];
+    halved[c] = !fine.periodic[c] || (fine.size[c] % 2 == 0 && fine.size[c] > 2);
+    coarse.size[c] = fine.periodic[c] ? (halved[c] ? fine.size[c] / 2 : fine.size[c]) : (fine.size[c] + 2) / 2;
+  }
   int nodes_in_map = 1;
   for (int c = 0; c < D; ++c) nodes_in_map *= coarse.size[c];
   coarse.map.assign(nodes_in_map, -1);
@@ -235,12 +278,12 @@ void Multigrid<D>::build_next(const Level& fine, Level& coarse) {
   auto& parents = const_cast<Level&>(fine);
   parents.parent.resize(fine.nodes());
   parents.parent_weight.resize(fine.nodes());
-  const auto parent_of = [](const std::array<int, D>& at, int corner, std::array<int, D>& parent) {
+  const auto parent_of = [&](const std::array<int, D>& at, int corner, std::array<int, D>& parent) {
     float weight = 1;
     for (int c = 0; c < D; ++c) {
-      const bool odd = at[c] & 1, upper = (corner >> c) & 1;
+      const bool odd = halved[c] && at[c] & 1, upper = (corner >> c) & 1;
       if (!odd && upper) return 0.0f;
-      parent[c] = at[c] / 2 + (upper ? 1 : 0);
+      parent[c] = halved[c] ? wrapped(at[c] / 2 + (upper ? 1 : 0), coarse.size[c], coarse.periodic[c]) : at[c];
       if (odd) weight *= 0.5f;
     }
     return weight;
@@ -266,32 +309,51 @@ void Multigrid<D>::build_next(const Level& fine, Level& coarse) {
     }
   connect(coarse);
 
-  // Galerkin product P^T A P.
-  coarse.row.assign(coarse.nodes(), {});
-  for (std::size_t a = 0; a < fine.nodes(); ++a)
-    for (int s = 0; s < stencil; ++s) {
-      const float value = fine.row[a][s];
-      if (value == 0) continue;
-      const int b = fine.neighbour[a][s];
-      for (int ca = 0; ca < corners; ++ca) {
-        const int pa = fine.parent[a][ca];
-        if (pa < 0) continue;
-        const float weighted = value * fine.parent_weight[a][ca];
+  // Galerkin product P^T A P. Which entries of the fine row go where depends on the parities of the node alone.
+  struct Term {
+    std::uint8_t fine, parent, coarse;  // stencil entry of the fine row; corner of the parent; its stencil entry
+    float weight;
+  };
+  std::array<std::array<Term, stencil * corners * corners>, corners> terms;
+  std::array<int, corners> count{};
+  for (int parity = 0; parity < corners; ++parity)
+    for (int s = 0; s < stencil; ++s)
+      for (int ca = 0; ca < corners; ++ca)
         for (int cb = 0; cb < corners; ++cb) {
-          const int pb = fine.parent[b][cb];
-          if (pb < 0) continue;
-          std::array<int, D> offset;
-          for (int c = 0; c < D; ++c) offset[c] = coarse.coordinate[pb][c] - coarse.coordinate[pa][c];
-          coarse.row[pa][stencil_entry<D>(offset)] += weighted * fine.parent_weight[b][cb];
+          const auto step = stencil_offset<D>(s);
+          std::array<int, D> entry;
+          float weight = 1;
+          for (int c = 0; c < D; ++c) {
+            // From the even node below a: places of a and of its neighbour b, and of one parent of each.
+            const int a = parity >> c & 1, b = a + step[c], upper_a = ca >> c & 1, upper_b = cb >> c & 1;
+            if (!halved[c]) {
+              if (a || upper_a || upper_b) weight = 0;
+              entry[c] = step[c];
+              continue;
+            }
+            const bool odd_b = b & 1;
+            if ((upper_a && !a) || (upper_b && !odd_b)) weight = 0;
+            weight *= (a ? 0.5f : 1.0f) * (odd_b ? 0.5f : 1.0f);
+            entry[c] = (b - odd_b) / 2 + upper_b - upper_a;
+          }
+          if (weight == 0) continue;
+          terms[parity][count[parity]++] = {static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(ca),
+                                            static_cast<std::uint8_t>(stencil_entry<D>(entry)), weight};
         }
-      }
+  coarse.row.assign(coarse.nodes(), {});
+  for (std::size_t a = 0; a < fine.nodes(); ++a) {
+    int parity = 0;
+    for (int c = 0; c < D; ++c) parity |= (halved[c] && (fine.coordinate[a][c] & 1)) << c;
+    for (int k = 0; k < count[parity]; ++k) {
+      const Term& term = terms[parity][k];
+      coarse.row[fine.parent[a][term.parent]][term.coarse] += term.weight * fine.row[a][term.fine];
     }
+  }
   finish(coarse);
 }
 
 template <int D>
 void Multigrid<D>::smooth(Level& level, bool forward) {
-  constexpr int colors = 1 << D;
   for (int k = 0; k < colors; ++k) {
     const auto& nodes = level.color[forward ? k : colors - 1 - k];
     const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(nodes.size());

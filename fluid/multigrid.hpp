@@ -12,13 +12,20 @@
 #include <Eigen/Cholesky>
 
 #include "fluid/edge_matrix.hpp"
+#include "fluid/period.hpp"
 #include "particles/vector.hpp"
 
 namespace tern::fluid {
 
+//
+// In a periodic direction the grid closes on itself: m 2^k cells per period, m = 4 .. 7, as near to H = 2 dx as that allows;
+// it is coarsened while the number of cells is even.
+
 template <int D>
 class Multigrid {
  public:
+  explicit Multigrid(const Period<D>& period) : period_(period) {}
+
   /// Rebuilds the hierarchy for the matrix A of particles at x; `active[i]` = 0 for rows that are no unknowns.
   /// `gradient_scale`: V times the ratio of A to a Laplacian of unit coefficient. Matrix and arrays must outlive use.
   void build(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position, const std::vector<std::uint8_t>& active,
@@ -27,26 +34,28 @@ class Multigrid {
   /// z = B r, symmetric positive definite: one V(1,1) cycle from zero. Both of padded length.
   void apply(const std::vector<double>& r, std::vector<double>& z);
 
-  int levels() const { return static_cast<int>(levels_.size()); }
-
  private:
   static constexpr int corners = 1 << D;                 ///< nodes of a grid cell
   static constexpr int stencil = D == 2 ? 9 : 27;
+  static constexpr int colors = stencil;                 ///< parity by direction; a third for the last of an odd period
 
   struct Level {
     std::array<int, D> size{};                        ///< nodes per direction of the index map
+    std::array<bool, D> periodic{};                   ///< directions in which the node after the last is the first
     std::vector<int> map;                             ///< node number or -1
     std::vector<std::array<int, D>> coordinate;
     std::vector<std::array<int, stencil>> neighbour;  ///< node number, or the node itself where there is none
     std::vector<std::array<float, stencil>> row;      ///< matrix entries, 0 where there is no node
     std::vector<float> inverse_diagonal;
-    std::array<std::vector<int>, 1 << D> color;       ///< nodes by parity of their coordinates
+    std::array<std::vector<int>, colors> color;       ///< nodes of one colour are not neighbours of each other
     std::vector<std::array<int, corners>> parent;     ///< of this level's nodes in the next; -1 where none
     std::vector<std::array<float, corners>> parent_weight;
     std::vector<float> x, b, residual;
     std::size_t nodes() const { return coordinate.size(); }
   };
 
+  /// Number of the node at a place of the index map, wrapped where the level is periodic; -1 where there is none.
+  static int node_at(const Level& level, std::array<int, D> at);
   void build_finest(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position, const std::vector<std::uint8_t>& active,
                     double spacing, double gradient_scale);
   void build_next(const Level& fine, Level& coarse);
@@ -56,6 +65,7 @@ class Multigrid {
   void smooth(Level& level, bool forward);
   void compute_residual(Level& level);
 
+  Period<D> period_;
   const EdgeMatrix* matrix_ = nullptr;
   std::vector<Level> levels_;
   Eigen::LLT<Eigen::MatrixXd> coarsest_;

@@ -1,8 +1,10 @@
 #include "fluid/neighbours.hpp"
 
-#include <array>
-#include <numeric>
+#include <bit>
 
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
 #include <omp.h>
 
 #include "particles/parallel.hpp"
@@ -13,59 +15,65 @@ namespace {
 /// Entries a row may have at most per unit of expected neighbours; denser clumps make the arrays grow.
 constexpr int initial_row_length(int dimension) { return dimension == 2 ? 34 : 130; }
 
-/// One row while it is built: r_j - r_i of the candidates of a row of cells, and of the neighbours kept so far.
-template <int D>
-struct RowScratch {
-  std::vector<double> distance2;
-  std::array<std::vector<double>, D> candidate, offset;
+constexpr int lanes = 8;     ///< candidates tested at a time; columns are written as many at a time
+constexpr int row_unit = 4;  ///< rows are filled up to a whole number of it with the particle itself at weight 0
 
-  void reserve(std::size_t n) {
-    if (distance2.size() >= n) return;
-    distance2.resize(2 * n);
-    for (auto& axis : candidate) axis.resize(2 * n);
-    for (auto& axis : offset) axis.resize(2 * n);
-  }
-};
+#ifdef __AVX2__
+/// Row m: the places of the bits set in m, in ascending order; what follows them is of no account.
+constexpr auto set_bits = [] {
+  std::array<std::array<std::uint8_t, lanes>, 1 << lanes> table{};
+  for (unsigned mask = 0; mask < table.size(); ++mask)
+    for (unsigned bit = 0, found = 0; bit < lanes; ++bit)
+      if (mask >> bit & 1) table[mask][found++] = static_cast<std::uint8_t>(bit);
+  return table;
+}();
+#endif
 
-/// Appends to row i, which holds `found` neighbours so far, those of the particles first .. first + candidates - 1 that are
-/// nearer than the support; returns the new number. Distances many at a time, then a selection without branches.
+/// Appends to `column`, which holds `found` neighbours of particle i so far, those of the particles first .. last - 1 that
+/// are nearer than the square root of `limit2` to x; returns the new number. Single precision: `limit2` allows for its
+/// errors, and a pair is kept from both ends or from none. May write up to `lanes` entries more than it keeps.
 template <int D>
-int keep_near(const std::array<std::vector<double>, D>& coordinate, int first, int candidates, int i, double support2,
-              int found, int* __restrict column, RowScratch<D>& scratch) {
-  double* __restrict distance2 = scratch.distance2.data();
-  double *__restrict dx = scratch.candidate[0].data(), *__restrict dy = scratch.candidate[1].data();
-  double *__restrict keep_x = scratch.offset[0].data(), *__restrict keep_y = scratch.offset[1].data();
-  [[maybe_unused]] double *__restrict dz = scratch.candidate[D - 1].data(), *__restrict keep_z = scratch.offset[D - 1].data();
-  const double *x = coordinate[0].data() + first, *y = coordinate[1].data() + first, *z = coordinate[D - 1].data() + first;
-  const double xi = coordinate[0][i], yi = coordinate[1][i], zi = coordinate[D - 1][i];
-#pragma omp simd
-  for (int k = 0; k < candidates; ++k) {
-    dx[k] = x[k] - xi;
-    dy[k] = y[k] - yi;
-    distance2[k] = dx[k] * dx[k] + dy[k] * dy[k];
-  }
-  if constexpr (D == 3) {
-#pragma omp simd
-    for (int k = 0; k < candidates; ++k) {
-      dz[k] = z[k] - zi;
-      distance2[k] += dz[k] * dz[k];
+int keep_near(const std::array<std::vector<float>, D>& coordinate, int first, int last, int i, const std::array<float, D>& x,
+              const std::array<float, D>& shift, float limit2, int found, int* column) {
+#ifdef __AVX2__
+  __m256 centre[D], away[D];
+  for (int c = 0; c < D; ++c) centre[c] = _mm256_set1_ps(x[c]), away[c] = _mm256_set1_ps(shift[c]);
+  const __m256 limit = _mm256_set1_ps(limit2);
+  for (int k = first; k < last; k += lanes) {
+    __m256 distance2 = _mm256_setzero_ps();
+    for (int c = 0; c < D; ++c) {
+      const __m256 d = _mm256_sub_ps(_mm256_sub_ps(_mm256_loadu_ps(coordinate[c].data() + k), centre[c]), away[c]);
+      distance2 = _mm256_fmadd_ps(d, d, distance2);
     }
+    unsigned near = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(distance2, limit, _CMP_LT_OQ)));
+    if (last - k < lanes) near &= (1u << (last - k)) - 1;
+    if (static_cast<unsigned>(i - k) < lanes) near &= ~(1u << (i - k));
+    const __m128i places = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(set_bits[near].data()));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(column + found),
+                        _mm256_add_epi32(_mm256_set1_epi32(k), _mm256_cvtepu8_epi32(places)));
+    found += std::popcount(near);
   }
-  const int own = i - first;
-  for (int k = 0; k < candidates; ++k) {
-    column[found] = first + k;
-    keep_x[found] = dx[k];
-    keep_y[found] = dy[k];
-    if constexpr (D == 3) keep_z[found] = dz[k];
-    found += (distance2[k] < support2) & (k != own);
+#else
+  for (int k = first; k < last; ++k) {
+    float distance2 = 0;
+    for (int c = 0; c < D; ++c) {
+      const float d = coordinate[c][k] - x[c] - shift[c];
+      distance2 += d * d;
+    }
+    column[found] = k;
+    found += (distance2 < limit2) & (k != i);
   }
+#endif
   return found;
 }
 
-/// Sums row i over its neighbours at `offset` and writes the weights.
+/// Entries a row of n neighbours takes.
+constexpr int filled_up(int n) { return (n + row_unit - 1) & -row_unit; }
+
+/// Sums row i over its neighbours at `offset`, by axis, and writes the weights; to the end of what fills up the row.
 template <int D>
 void sum_row(const Constants<D>& constants, const std::array<std::vector<double>, D>& offset, int i, Neighbours<D>& result) {
-  const int n = result.count[i];
+  const int n = filled_up(result.count[i]);
   double* weight = result.weight.data() + result.begin[i];
   const double inverse_h = 1 / constants.kernel.smoothing_length();
   const double value_scale = constants.kernel.value(0) * constants.volume;
@@ -80,7 +88,7 @@ void sum_row(const Constants<D>& constants, const std::array<std::vector<double>
     for (int k = 0; k < n; ++k) {
       const double dx = x[k], dy = y[k];
       const double q = std::sqrt(dx * dx + dy * dy) * inverse_h;
-      const double s = 1 - 0.5 * q, s3 = s * s * s;
+      const double s = std::max(0.0, 1 - 0.5 * q), s3 = s * s * s;
       const double w = value_scale * s3 * s * (2 * q + 1), a = gradient_scale * s3;
       weight[k] = a;
       const double ratio = w * lattice_value, ratio2 = ratio * ratio, extra = 1 + 0.2 * ratio2 * ratio2;
@@ -99,7 +107,7 @@ void sum_row(const Constants<D>& constants, const std::array<std::vector<double>
     for (int k = 0; k < n; ++k) {
       const double dx = x[k], dy = y[k], dz = z[k];
       const double q = std::sqrt(dx * dx + dy * dy + dz * dz) * inverse_h;
-      const double s = 1 - 0.5 * q, s3 = s * s * s;
+      const double s = std::max(0.0, 1 - 0.5 * q), s3 = s * s * s;
       const double w = value_scale * s3 * s * (2 * q + 1), a = gradient_scale * s3;
       weight[k] = a;
       const double ratio = w * lattice_value, ratio2 = ratio * ratio, extra = 1 + 0.2 * ratio2 * ratio2;
@@ -116,16 +124,30 @@ void sum_row(const Constants<D>& constants, const std::array<std::vector<double>
   result.number_density[i] = density;
 }
 
+/// Makes a row of the first n entries from begin[i] on: fills it up, finds the vectors from i to the nearest images of its
+/// neighbours (those of what fills up the row lie outside the support), and sums.
+template <bool periodic, int D>
+void complete_row(const Constants<D>& constants, const Period<D>& period, const std::vector<Vector<D>>& position, int i, int n,
+                  std::array<std::vector<double>, D>& offset, Neighbours<D>& result) {
+  int* column = result.column.data() + result.begin[i];
+  const int filled = filled_up(n);
+  for (int k = n; k < filled; ++k) column[k] = i;
+  result.count[i] = n;
+  const Vector<D> x = position[i];
+  for (int c = 0; c < D; ++c) {
+    if (offset[c].size() < static_cast<std::size_t>(filled)) offset[c].resize(2 * filled);
+    double* values = offset[c].data();
+    for (int k = 0; k < n; ++k) values[k] = period.template between<periodic>(x[c], position[column[k]][c], c);
+    for (int k = n; k < filled; ++k) values[k] = 2 * constants.kernel.support();
+  }
+  sum_row<D>(constants, offset, i, result);
+}
+
 }  // namespace
 
 template <int D>
-std::size_t Neighbours<D>::pairs() const {
-  return std::accumulate(count.begin(), count.end(), std::size_t{0});
-}
-
-template <int D>
-void find_neighbours(const Constants<D>& constants, const CellGrid<D>& grid, const CellContents& contents,
-                     const std::vector<Vector<D>>& position, Neighbours<D>& result) {
+void find_neighbours(const Constants<D>& constants, const Period<D>& period, const CellGrid<D>& grid,
+                     const CellContents& contents, const std::vector<Vector<D>>& position, Neighbours<D>& result) {
   const int n = static_cast<int>(position.size());
   const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
   for (auto* v : {&result.begin, &result.count}) v->resize(n);
@@ -133,14 +155,24 @@ void find_neighbours(const Constants<D>& constants, const CellGrid<D>& grid, con
   result.moment.resize(n);
   result.kernel_gradient.resize(n);
   result.concentration_gradient.resize(n);
+  result.row_offset.resize(threads);
 
-  const double support2 = constants.kernel.support() * constants.kernel.support();
-  // One array per axis: the candidates of a row of cells are contiguous, so their distances are computed many at a time.
-  std::array<std::vector<double>, D>& coordinate = result.coordinate;
-  for (int c = 0; c < D; ++c) {
-    coordinate[c].resize(n);
-    for (int i = 0; i < n; ++i) coordinate[c][i] = position[i][c];
-  }
+  // Single precision, one array per axis, from the corner of the grid: the candidates of a row of cells are contiguous, so
+  // their distances are computed many at a time.
+  std::array<std::vector<float>, D>& coordinate = result.coordinate;
+  for (auto& values : coordinate) values.resize(n + lanes);
+#pragma omp parallel for schedule(static) num_threads(threads)
+  for (int i = 0; i < n; ++i)
+    for (int c = 0; c < D; ++c) coordinate[c][i] = static_cast<float>(position[i][c] - grid.origin()[c]);
+  double extent = grid.extent();
+  for (int c = 0; c < D; ++c) extent = std::max(extent, period.length(c));
+  // Each coordinate and shift is off by half a unit in the last place of the extent at most: 2^-24 of it.
+  const double limit = (1 + 1e-6) * constants.kernel.support() + std::sqrt(double(D)) * 0x3p-24 * extent;
+  const float limit2 = static_cast<float>(limit * limit);
+
+  Vector<D> low = Vector<D>::Constant(1e300), high = -low;
+  if (period.any())
+    for (const auto& x : position) low = low.cwiseMin(x), high = high.cwiseMax(x);
 
   // Each thread owns one contiguous range of particles and one contiguous part of the arrays.
   std::size_t row_length = std::max<std::size_t>(initial_row_length(D), n ? result.column.size() / n : 0);
@@ -154,80 +186,102 @@ void find_neighbours(const Constants<D>& constants, const CellGrid<D>& grid, con
 #pragma omp parallel num_threads(threads) reduction(&& : fits)
     {
       const int thread = omp_get_thread_num();
-      const int low = static_cast<int>(static_cast<long>(n) * thread / threads);
-      const int high = static_cast<int>(static_cast<long>(n) * (thread + 1) / threads);
+      const int own_begin = static_cast<int>(static_cast<long>(n) * thread / threads);
+      const int own_end = static_cast<int>(static_cast<long>(n) * (thread + 1) / threads);
       std::size_t next = part * thread;
-      RowScratch<D> scratch;
-      for (int i = low; i < high && fits; ++i) {
+      auto& offset = result.row_offset[thread];
+      for (int i = own_begin; i < own_end && fits; ++i) {
         result.begin[i] = static_cast<int>(next);
+        int* column = result.column.data() + next;
         int found = 0;
-        grid.for_rows_around(position[i], [&](int first_cell, int last_cell) {
-          const int first = contents.start[first_cell], candidates = contents.start[last_cell + 1] - first;
-          if (!fits || next + found + candidates > part * (thread + 1)) {
-            fits = false;
-            return;
-          }
-          scratch.reserve(found + candidates);
-          found = keep_near<D>(coordinate, first, candidates, i, support2, found, result.column.data() + next, scratch);
-        });
+        std::array<float, D> x;
+        for (int c = 0; c < D; ++c) x[c] = coordinate[c][i];
+        const auto search = [&](const Vector<D>& shift) {
+          std::array<float, D> shift_single;
+          for (int c = 0; c < D; ++c) shift_single[c] = static_cast<float>(shift[c]);
+          grid.for_rows_around(position[i] + shift, [&](int first_cell, int last_cell) {
+            const int first = contents.start[first_cell], last = contents.start[last_cell + 1];
+            fits = fits && next + found + (last - first) + lanes <= part * (thread + 1);
+            if (fits) found = keep_near<D>(coordinate, first, last, i, x, shift_single, limit2, found, column);
+          });
+        };
+        search(Vector<D>::Zero());
+        if (period.any()) for_images<D>(period, position[i], low, high, constants.kernel.support(), search);
         if (!fits) break;
-        result.count[i] = found;
-        next += found;
-        sum_row<D>(constants, scratch.offset, i, result);
+        period.specialise([&](auto periodic) {
+          complete_row<decltype(periodic)::value, D>(constants, period, position, i, found, offset, result);
+        });
+        next += filled_up(found);
       }
     }
   }
 }
 
 template <int D>
-void cut_pairs_through_faces(const Constants<D>& constants, const std::vector<Vector<D>>& position, const Faces<D>& faces,
-                             const FaceRows& rows, Neighbours<D>& neighbours) {
-  const auto blocked_by = [&](int viewer, int i, int j) {
-    for (int entry = rows.begin[viewer]; entry < rows.begin[viewer] + rows.count[viewer]; ++entry) {
+void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& period,
+                             const std::vector<Vector<D>>& position, const Faces<D>& faces, const FaceRows& rows,
+                             Neighbours<D>& neighbours) {
+  auto& [sight, affected, listed] = neighbours.cutting;
+  const int n = static_cast<int>(position.size());
+  const double support = constants.kernel.support();
+  affected.clear();
+  listed.assign(n, 0);
+  sight.clear();
+  // What particle i sees of two-sided faces; its number in `sight` is kept in `listed`.
+  for (int i = 0; i < n; ++i)
+    for (int entry = rows.begin[i], end = entry + rows.count[i]; entry < end; ++entry) {
       const int k = rows.face[entry];
       if (!faces.two_sided[k]) continue;
-      const Vector<D>& a = position[viewer];
-      const Vector<D>& b = position[viewer == i ? j : i];
-      if (patch_separates(faces, k, a, b)) return true;
+      if (!listed[i]) {
+        sight.push_back({faces.normal[k], 1e300, 0});
+        affected.push_back(i);
+        listed[i] = static_cast<int>(sight.size());
+      }
+      auto& own = sight.back();
+      own.height = std::min(own.height, (position[i] - faces.position[k]).dot(faces.normal[k]));
+      own.spread = std::max(own.spread, (faces.normal[k] - own.normal).norm());
+    }
+  const int viewers = static_cast<int>(sight.size());
+  const auto blocked_by = [&](int viewer, int other) {
+    if (listed[viewer] == 0 || listed[viewer] > viewers) return false;
+    const Vector<D>& a = position[viewer];
+    const Vector<D> d = period.any() ? period.nearest(position[other] - a) : Vector<D>(position[other] - a);
+    // In front of every face that the viewer sees: most are, and need no closer look.
+    const auto& own = sight[listed[viewer] - 1];
+    if (d.dot(own.normal) + own.height > own.spread * support) return false;
+    const Vector<D> b = a + d;
+    for (int entry = rows.begin[viewer]; entry < rows.begin[viewer] + rows.count[viewer]; ++entry) {
+      const int k = rows.face[entry];
+      if (faces.two_sided[k] && patch_separates(faces, k, a, b)) return true;
     }
     return false;
   };
   // The test is the same from both ends, so both rows lose the pair. A particle that sees no face itself loses pairs only to
   // neighbours that do; those are collected on the way.
-  std::vector<int> affected;
-  std::vector<char> listed(position.size(), 0);
-  const auto list = [&](int i) {
-    if (!listed[i]) affected.push_back(i), listed[i] = 1;
-  };
-  for (int i = 0; i < static_cast<int>(position.size()); ++i)
-    if (rows.count[i] > 0) list(i);
-  RowScratch<D> scratch;
+  neighbours.row_offset.resize(std::max<std::size_t>(1, neighbours.row_offset.size()));
   for (std::size_t a = 0; a < affected.size(); ++a) {
     const int i = affected[a], first = neighbours.begin[i];
     int kept = 0;
     for (int k = 0; k < neighbours.count[i]; ++k) {
       const int j = neighbours.column[first + k];
-      if (blocked_by(i, i, j) || blocked_by(j, i, j)) {
-        list(j);
+      if (blocked_by(i, j) || blocked_by(j, i)) {
+        if (!listed[j]) affected.push_back(j), listed[j] = viewers + 1;
         continue;
       }
       neighbours.column[first + kept++] = j;
     }
     if (kept == neighbours.count[i]) continue;
-    neighbours.count[i] = kept;
-    scratch.reserve(kept);
-    for (int k = 0; k < kept; ++k)
-      for (int c = 0; c < D; ++c) scratch.offset[c][k] = position[neighbours.column[first + k]][c] - position[i][c];
-    sum_row<D>(constants, scratch.offset, i, neighbours);
+    period.specialise([&](auto periodic) {
+      complete_row<decltype(periodic)::value, D>(constants, period, position, i, kept, neighbours.row_offset[0], neighbours);
+    });
   }
 }
 
 #define TERN_INSTANTIATE(D)                                                                                            \
-  template struct Neighbours<D>;                                                                                       \
-  template void find_neighbours<D>(const Constants<D>&, const CellGrid<D>&, const CellContents&,                       \
+  template void find_neighbours<D>(const Constants<D>&, const Period<D>&, const CellGrid<D>&, const CellContents&,     \
                                    const std::vector<Vector<D>>&, Neighbours<D>&);                                     \
-  template void cut_pairs_through_faces<D>(const Constants<D>&, const std::vector<Vector<D>>&, const Faces<D>&,        \
-                                           const FaceRows&, Neighbours<D>&);
+  template void cut_pairs_through_faces<D>(const Constants<D>&, const Period<D>&, const std::vector<Vector<D>>&,       \
+                                           const Faces<D>&, const FaceRows&, Neighbours<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)
 #undef TERN_INSTANTIATE

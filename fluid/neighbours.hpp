@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "fluid/period.hpp"
 #include "fluid/state.hpp"
 #include "particles/faces.hpp"
 
@@ -13,7 +14,8 @@ namespace tern::fluid {
 
 template <int D>
 struct Neighbours {
-  // Row i: entries begin[i] .. begin[i] + count[i] - 1.
+  // Row i: entries begin[i] .. begin[i] + count[i] - 1. The next row begins at the next multiple of four; the entries before
+  // it are those of the particle itself with weight 0.
   std::vector<int> begin, count;
   std::vector<int> column;     ///< j
   std::vector<double> weight;  ///< V_j |w'_ij| / (r_ij M_xx): V_j grad w_ij = weight (r_j - r_i) [1/m^2]
@@ -24,20 +26,34 @@ struct Neighbours {
   std::vector<Vector<D>> kernel_gradient;          ///< sum V grad w [1/m]
   std::vector<Vector<D>> concentration_gradient;   ///< sum V (1 + 0.2 (w/w(dx))^4) grad w [1/m]
 
-  std::array<std::vector<double>, D> coordinate;   ///< positions by axis, for the search
-
-  std::size_t pairs() const;
+  // Scratch of the search and of the cutting, kept so that a step allocates nothing.
+  /// What a particle sees of two-sided faces: the normal of one of them, how far the others deviate from it, and its
+  /// smallest height above their planes.
+  struct Sight {
+    Vector<D> normal;
+    double height, spread;
+  };
+  struct Cutting {
+    std::vector<Sight> sight;
+    std::vector<int> affected;  ///< particles whose rows are looked at
+    std::vector<int> listed;    ///< per particle: 0 if not affected, else 1 + the number of its sight, or more
+  };
+  std::array<std::vector<float>, D> coordinate;               ///< by axis
+  std::vector<std::array<std::vector<double>, D>> row_offset;  ///< by thread
+  Cutting cutting;
 };
 
-/// Finds pairs and sums for all particles at `position`, which must be sorted by `contents` of `grid`.
+/// Finds pairs and sums for all particles at `position`, which must be sorted by `contents` of `grid` and lie within the
+/// period. A pair across its end has the column of the real particle and the weight of the nearest image.
 template <int D>
-void find_neighbours(const Constants<D>& constants, const CellGrid<D>& grid, const CellContents& contents,
-                     const std::vector<Vector<D>>& position, Neighbours<D>& neighbours);
+void find_neighbours(const Constants<D>& constants, const Period<D>& period, const CellGrid<D>& grid,
+                     const CellContents& contents, const std::vector<Vector<D>>& position, Neighbours<D>& neighbours);
 
 /// Takes out pairs whose connecting line passes through a two-sided face that either particle sees, and sums those rows
 /// anew. `rows` lists the faces seen by each particle. The fluid on one side of a plate does not see the fluid on the other.
 template <int D>
-void cut_pairs_through_faces(const Constants<D>& constants, const std::vector<Vector<D>>& position, const Faces<D>& faces,
-                             const FaceRows& rows, Neighbours<D>& neighbours);
+void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& period,
+                             const std::vector<Vector<D>>& position, const Faces<D>& faces, const FaceRows& rows,
+                             Neighbours<D>& neighbours);
 
 }  // namespace tern::fluid

@@ -4,17 +4,40 @@
 #include <cmath>
 #include <numeric>
 
+#include "fluid/probe.hpp"
+
 namespace tern::fluid {
 
 template <int D>
 GaugeValues gauge_values(const Fluid<D>& fluid, const Case& scene) {
+  using Kind = GaugeCase::Kind;
   GaugeValues values;
+  std::optional<Probe<D>> probe;
   for (const GaugeCase& gauge : scene.gauges) {
-    Vector<D> at;
-    for (int c = 0; c < D; ++c) at[c] = gauge.at[c];
-    if (gauge.kind == GaugeCase::Kind::pressure) values.push_back(fluid.pressure_at(at));
-    if (gauge.kind == GaugeCase::Kind::elevation) values.push_back(fluid.elevation_at(at));
-    if (gauge.kind == GaugeCase::Kind::front) values.push_back(fluid.front());
+    if (owner(gauge.kind) != GaugeOwner::fluid) continue;
+    if (gauge.kind == Kind::front) {
+      values.push_back(fluid.front());
+      continue;
+    }
+    if (!probe) probe.emplace(fluid);
+    Vector<D> at, from, to;
+    for (int c = 0; c < D; ++c) at[c] = gauge.at[c], from[c] = gauge.from[c], to[c] = gauge.to[c];
+    if (gauge.kind == Kind::elevation) values.push_back(probe->elevation(at));
+    if (gauge.kind == Kind::flux) values.push_back(probe->flux(from, to));
+    const bool of_pressure =
+        gauge.kind == Kind::pressure || gauge.kind == Kind::wall_pressure || gauge.kind == Kind::force;
+    if (of_pressure && !fluid.has_pressure()) {
+      values.resize(values.size() + gauge_columns(gauge, D).size());
+      continue;
+    }
+    if (gauge.kind == Kind::pressure) values.push_back(probe->pressure(at));
+    if (gauge.kind == Kind::wall_pressure)
+      values.push_back(probe->sensor(fluid.walls().find(gauge.wall), at, gauge.diameter));
+    if (gauge.kind == Kind::force) {
+      const WallForce<D> total = probe->force(fluid.walls().find(gauge.wall), at);
+      values.insert(values.end(), total.force.data(), total.force.data() + D);
+      values.insert(values.end(), total.moment.data() + (D == 2 ? 2 : 0), total.moment.data() + 3);
+    }
   }
   return values;
 }
@@ -52,6 +75,8 @@ void Measures<D>::add(const Fluid<D>& fluid) {
   ++steps_;
   iterations_ += fluid.last_solve().iterations;
   most_iterations_ = std::max(most_iterations_, fluid.last_solve().iterations);
+  if (steps_ == 1) first_angular_momentum_ = fluid.angular_momentum();
+  largest_speed_ = std::max(largest_speed_, fluid.largest_speed());
   const double drift = fluid.volume_drift();
   if (std::abs(drift) > std::abs(largest_drift_)) largest_drift_ = drift;
 }
@@ -67,7 +92,15 @@ void Measures<D>::report(const Fluid<D>& fluid, RunReport& report) const {
   report.set_measure("pressure_iterations_max", most_iterations_);
   report.set_measure("volume_drift", fluid.volume_drift());
   report.set_measure("volume_drift_largest", largest_drift_);
+  // Since the first step; without a spin at the start there is nothing to compare with.
+  if (const double first = first_angular_momentum_.norm(); first > 0)
+    report.set_measure("angular_momentum_change", (fluid.angular_momentum() - first_angular_momentum_).norm() / first);
   report.set_measure("largest_speed_m_per_s", fluid.largest_speed());
+  report.set_measure("largest_speed_of_run_m_per_s", largest_speed_);
+  if (fluid.sealed().any) {
+    report.set_measure(D == 2 ? "sealed_flux_removed_m2_per_s" : "sealed_flux_removed_m3_per_s", fluid.sealed().largest_flux);
+    report.set_measure("sealed_volume_error", fluid.sealed().volume_error);
+  }
   const StepTiming& timing = fluid.timing();
   report.timing("compute.neighbours") = timing.neighbours;
   report.timing("compute.boundary") = timing.boundary;

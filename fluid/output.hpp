@@ -29,7 +29,8 @@ class Measures {
  private:
   long steps_ = 0, iterations_ = 0;
   int most_iterations_ = 0;
-  double largest_drift_ = 0;
+  double largest_drift_ = 0, largest_speed_ = 0;
+  Vector<3> first_angular_momentum_ = Vector<3>::Zero();
 };
 
 }  // namespace tern::fluid

@@ -1,13 +1,22 @@
 // Acceleration by the pressure gradient, a_i = -G_i / rho. With B_i = sum_F V_j (p_j - p_i) grad w_ij:
-//   sum form:   G = B_i + 2 p_i sum V grad w + (hydrostatic part of the walls)      = sum V_j (p_j + p_i) grad w_ij
-//   blended:    G = C_i (B_i + hydrostatic part) + 2 theta max(p_i, 0) sum V grad w
-// A wall mirrors the pressure, p_w = p_i + rho (g - a_w) . (r_w - r_i). The sum form conserves momentum pair by pair and is
-// used at the free surface and at the structure; the blended form is exact for linear fields and used inside.
+//   blended:    G = C_i (B_i + H_i) + 2 theta p^_i sum V grad w,   p^_i = min(max(p_i, 0), 20 dx |C_i (B_i + H_i)|)
+//   sum form:   G = B_i + H_i + T_i C^F_i B_i + 2 p_i sum V grad w                  = sum V_j (p_j + p_i) grad w_ij
+// A wall mirrors the pressure: along its normal p_w = p_i + rho (g - a_w) . (r_w - r_i), which gives H_i, along its face
+// with the fluid's own gradient, which C_i finds (blended form) or T_i completes (sum form). The sum form conserves momentum
+// pair by pair and is used at the free surface and at the structure; the blended form is exact for linear fields and used
+// inside.
 
 #include "fluid/fluid.hpp"
 #include "particles/parallel.hpp"
 
 namespace tern::fluid {
+namespace {
+
+/// The regularising part takes no more pressure than this many layers of the local gradient make up. It answers to the
+/// level of the pressure, not to its differences, so in deep water, on disordered particles, it would outweigh the projection.
+constexpr double most_layers = 20;
+
+}  // namespace
 
 template <int D>
 void Fluid<D>::apply_pressure_gradient() {
@@ -15,24 +24,36 @@ void Fluid<D>::apply_pressure_gradient() {
   const double theta = constants_.numerics.blend_theta, scale = -duration_s_ / constants_.density;
   const Vector<D>* position = predicted_position_.data();
   const double* pressure = state_.pressure.data();
+  period_.specialise([&](auto periodic) {
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
-    if (!active_[i]) continue;
-    const Vector<D> x = position[i];
-    const double p = pressure[i];
-    Vector<D> difference = boundary_.wall_hydrostatic[i];
-    const int last = neighbours_.begin[i] + neighbours_.count[i];
-    for (int k = neighbours_.begin[i]; k < last; ++k) {
-      const int j = neighbours_.column[k];
-      const double weighted = neighbours_.weight[k] * (pressure[j] - p);
-      for (int c = 0; c < D; ++c) difference[c] += weighted * (position[j][c] - x[c]);
+    for (std::ptrdiff_t i = 0; i < n; ++i) {
+      if (!active_[i]) continue;
+      const Vector<D> x = position[i];
+      const double p = pressure[i];
+      Vector<D> difference = Vector<D>::Zero();
+      const int last = neighbours_.begin[i] + neighbours_.count[i];
+      for (int k = neighbours_.begin[i]; k < last; ++k) {
+        const int j = neighbours_.column[k];
+        const double weighted = neighbours_.weight[k] * (pressure[j] - p);
+        for (int c = 0; c < D; ++c)
+          difference[c] += weighted * period_.template between<decltype(periodic)::value>(x[c], position[j][c], c);
+      }
+      const Vector<D> kernel_gradient = neighbours_.kernel_gradient[i] + boundary_.wall_gradient[i];
+      if (wall_rows_.count[i] > 0 || surface_rows_.count[i] > 0) {
+        if (sum_form_[i]) difference += boundary_.tangential[i] * (fluid_correction_[i] * difference);
+        difference += boundary_.wall_hydrostatic[i];
+      }
+      Vector<D> gradient;
+      if (sum_form_[i]) {
+        gradient = difference + 2 * p * kernel_gradient;
+      } else {
+        gradient = correction_[i] * difference;
+        const double regularising = std::min(std::max(p, 0.0), most_layers * constants_.spacing * gradient.norm());
+        gradient += 2 * theta * regularising * kernel_gradient;
+      }
+      predicted_velocity_[i] += scale * gradient;
     }
-    const Vector<D> kernel_gradient = neighbours_.kernel_gradient[i] + boundary_.wall_gradient[i];
-    const Vector<D> gradient = sum_form_[i]
-                                   ? Vector<D>(difference + 2 * p * kernel_gradient)
-                                   : Vector<D>(correction_[i] * difference + 2 * theta * std::max(p, 0.0) * kernel_gradient);
-    predicted_velocity_[i] += scale * gradient;
-  }
+  });
 }
 
 template void Fluid<2>::apply_pressure_gradient();

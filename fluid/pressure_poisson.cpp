@@ -3,7 +3,8 @@
 //   a_ij  = V_i V_j K_ij,  K = 2 |w'|/r                        (Cummins & Rudman 1999)
 //   c_i   = V_i f_i K_full + sum_k kappa_ik + sum_spray a_ij
 // Free surface: the missing part f_i = 1 - tr M_i / D of a support acts as neighbours at p = 0. Unlike p = 0 on marked
-// particles this never switches a particle between two kinds of row, and the matrix keeps one size.
+// particles this never switches a particle between two kinds of row, and the matrix keeps one size. Fluid that fills its
+// enclosure has no surface (sealed.hpp).
 // Walls and structure are no unknowns: their flux is in div(u*). The structure yields to an increment of pressure,
 // du_k = -dt (p - p^_k)/m_k n_k, which inserted in div(u^{n+1}) gives kappa_ik = 2 rho V_i A_k w~_ik / m_k.
 
@@ -38,7 +39,7 @@ void Fluid<D>::assemble_pressure_poisson(const DissipativeLoad<D>& load) {
       continue;
     }
     const int first = neighbours_.begin[i], count = neighbours_.count[i];
-    const double deficit = 1 - trace_[i];
+    const double deficit = enclosed_ ? 0 : 1 - trace_[i];
     double constant = deficit > least_deficit ? volume * deficit * full : 0;
     double b = -(density / duration_s_) * volume * (divergence_[i] - density_source_[i]);
     for (int entry = surface_rows_.begin[i]; entry < surface_rows_.begin[i] + surface_rows_.count[i]; ++entry) {
@@ -49,13 +50,18 @@ void Fluid<D>::assemble_pressure_poisson(const DissipativeLoad<D>& load) {
         b += kappa * load.reference_pressure[k];
       }
     }
-    for (int k = first; k < first + count; ++k)
-      if (!active_[neighbours_.column[k]]) constant += 2 * volume * neighbours_.weight[k];
-    matrix_.set_row(i, count, static_cast<float>(constant), [&](int k) {
-      const int j = neighbours_.column[first + k];
-      const float edge = static_cast<float>(2 * volume * neighbours_.weight[first + k]);
-      return active_[j] ? std::pair<int, float>{j, edge} : std::pair<int, float>{i, 0.0f};
-    });
+    const int* column = neighbours_.column.data() + first;
+    const double* weight = neighbours_.weight.data() + first;
+    const auto edge = [&](int k) { return static_cast<float>(2 * volume * weight[k]); };
+    if (near_spray_[i]) {
+      for (int k = 0; k < count; ++k)
+        if (!active_[column[k]]) constant += edge(k);
+      matrix_.set_row(i, count, static_cast<float>(constant), [&](int k) {
+        return active_[column[k]] ? std::pair<int, float>{column[k], edge(k)} : std::pair<int, float>{i, 0.0f};
+      });
+    } else {
+      matrix_.set_row(i, count, static_cast<float>(constant), [&](int k) { return std::pair<int, float>{column[k], edge(k)}; });
+    }
     source_[i] = b;
   }
   matrix_.pad();
@@ -67,25 +73,17 @@ void Fluid<D>::solve_pressure_poisson() {
   pressure_.assign(matrix_.padded_rows(), 0);
   for (std::size_t i = 0; i < n; ++i) pressure_[i] = active_[i] ? state_.pressure[i] : 0;
 
-  // Nothing ties the pressure to zero (a sealed box): only its gradient is defined, and only if no net flux enters.
-  const bool sealed = ordered_max(static_cast<std::ptrdiff_t>(n), 0.0, [&](std::ptrdiff_t i) {
-                        return active_[i] ? double(matrix_.constant()[i]) : 0.0;
-                      }) == 0;
-  const auto subtract_mean = [&](std::vector<double>& values) {
-    const double count = ordered_reduce(static_cast<std::ptrdiff_t>(n), 0.0, [&](std::ptrdiff_t i) { return double(active_[i]); });
-    const double mean = ordered_reduce(static_cast<std::ptrdiff_t>(n), 0.0,
-                                       [&](std::ptrdiff_t i) { return active_[i] ? values[i] : 0.0; }) / std::max(count, 1.0);
-    for (std::size_t i = 0; i < n; ++i)
-      if (active_[i]) values[i] -= mean;
-  };
-  if (sealed) subtract_mean(source_);
+  make_sealed_fluid_compatible();
 
   const double tolerance = constants_.numerics.pressure_tolerance;
   solve_ = {};
   if (constants_.numerics.preconditioner == Preconditioner::multigrid) {
     multigrid_.build(matrix_, predicted_position_, active_, constants_.spacing, constants_.volume);
-    solve_ = conjugate_gradient(matrix_, [&](const auto& r, auto& z) { multigrid_.apply(r, z); }, source_, tolerance,
-                                multigrid_limit, pressure_, work_);
+    const auto multigrid = [&](const std::vector<double>& r, std::vector<double>& z) {
+      multigrid_.apply(r, z);
+      if (pools_.any()) pools_.subtract_means(z);
+    };
+    solve_ = conjugate_gradient(matrix_, multigrid, source_, tolerance, multigrid_limit, pressure_, work_);
   }
   if (!solve_.converged) {
     if (constants_.numerics.preconditioner == Preconditioner::multigrid) {
@@ -97,6 +95,7 @@ void Fluid<D>::solve_pressure_poisson() {
     const int before = solve_.iterations;
     const auto jacobi = [&](const std::vector<double>& r, std::vector<double>& z) {
       for (std::size_t i = 0; i < n; ++i) z[i] = r[i] / matrix_.diagonal()[i];
+      if (pools_.any()) pools_.subtract_means(z);
     };
     solve_ = conjugate_gradient(matrix_, jacobi, source_, tolerance, jacobi_limit, pressure_, work_);
     solve_.iterations += before;
@@ -106,7 +105,7 @@ void Fluid<D>::solve_pressure_poisson() {
                            std::to_string(solve_.residual) + " after " + std::to_string(solve_.iterations) +
                            " iterations. A velocity has probably run away before; look at the last frames, or try a "
                            "smaller fluid.numerics.courant.");
-  if (sealed) subtract_mean(pressure_);
+  if (pools_.any()) pools_.subtract_means(pressure_);
   for (std::size_t i = 0; i < n; ++i) state_.pressure[i] = pressure_[i];
 }
 

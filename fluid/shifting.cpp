@@ -35,10 +35,7 @@ void Fluid<D>::shift_particles() {
     if (flag_[i] != Flag::interior) continue;
     const Vector<D> boundary = boundary_.wall_gradient[i] + boundary_.surface_gradient[i];
     Vector<D> shift = -coefficient * (neighbours_.concentration_gradient[i] + boundary);
-    bool near_surface = false;
-    for (int k = neighbours_.begin[i]; !near_surface && k < neighbours_.begin[i] + neighbours_.count[i]; ++k)
-      near_surface = flag_[neighbours_.column[k]] != Flag::interior;
-    if (near_surface) {
+    if (near_surface_[i]) {
       const Vector<D> outward = correction_[i] * (neighbours_.kernel_gradient[i] + boundary);
       const double size2 = outward.squaredNorm();
       if (size2 > 0) shift -= shift.dot(outward) / size2 * outward;

@@ -31,6 +31,7 @@ struct Constants {
       : numerics(fluid.numerics),
         spacing(fluid.spacing),
         density(fluid.density),
+        viscosity(fluid.viscosity.value_or(0) / fluid.density),
         volume(std::pow(fluid.spacing, D)),
         mass(density * volume),
         kernel(fluid.numerics.smoothing_length_ratio * fluid.spacing),
@@ -40,6 +41,7 @@ struct Constants {
   FluidNumerics numerics;
   double spacing;        ///< dx [m]
   double density;        ///< rho [kg/m^3]
+  double viscosity;      ///< kinematic, nu = mu/rho; 0 = inviscid [m^2/s]
   double volume, mass;   ///< per particle [m^D], [kg/m^(3-D)]
   Kernel<D> kernel;
   FaceKernel<D> faces;

@@ -1,9 +1,13 @@
 // One step of incompressible SPH by projection (seed paper section II.A; Cummins & Rudman 1999), read from top to bottom:
 //
-//   begin_window     u* = u^n + dt g,  r* = r^n + dt u*;  neighbours at r*
-//   see_surface      faces of walls and structure;  M, C, n;  free surface;  div u*
+//   begin_window     r* = r^n + dt/2 u^n,  u* = u^n + dt g;  neighbours at r*
+//   see_surface      faces of walls and structure;  M, C, n;  free surface;  u* += dt nu lap u^n, noise damped;  div u*
 //   solve_pressure   u* += dt a_dissipative;  pressure Poisson equation;  u** = u* - dt grad p / rho
-//   end_window       u^{n+1} = u** + dt a_interface;  contacts;  r^{n+1} = r^n + dt u^{n+1};  shifting
+//   end_window       u^{n+1} = u** + dt a_interface;  contacts;  r^{n+1} = r* + dt/2 u^{n+1};  shifting
+//
+// Drift, kick, drift: forces and incompressibility belong to the middle of the window, which makes the step time-symmetric
+// for conservative forces. With the pressure solved at r^n + dt u^n instead, a wave of frequency omega loses
+// omega^2 dt / 2 of its amplitude per unit of time.
 
 #include <cmath>
 
@@ -24,16 +28,18 @@ void Fluid<D>::begin_window(Ticks begin, Ticks duration) {
   ScopedTimer timer(timing_.neighbours);
   bulk_speed_ = largest_bulk_speed();
   predict();
+  if (period_.any()) wrap_into_period();
   sort_by_cell();
-  find_neighbours<D>(constants_, grid_, contents_, predicted_position_, neighbours_);
+  find_neighbours<D>(constants_, period_, grid_, contents_, predicted_position_, neighbours_);
 }
 
 template <int D>
 Band<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   ScopedTimer timer(timing_.boundary);
   if (walls_.moving()) {
-    walls_.move_to(begin_s_ + duration_s_, duration_s_);
+    walls_.move_over(begin_s_, duration_s_);
     wall_finder_.fill(walls_.faces(), constants_.faces.support());
+    space_before_walls<D>(constants_, walls_.faces(), wall_finder_, space_before_walls_);
   }
   surface_.position = surface.position;
   surface_.velocity = surface.velocity;
@@ -47,15 +53,18 @@ Band<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   see_faces<D>(constants_, predicted_position_, surface_, surface_finder_, surface_rows_);
   if (!surface_rows_.face.empty()) {
     hide_walls_behind_structure();
-    cut_pairs_through_faces<D>(constants_, predicted_position_, surface_, surface_rows_, neighbours_);
+    cut_pairs_through_faces<D>(constants_, period_, predicted_position_, surface_, surface_rows_, neighbours_);
   }
   if (walls_.any_two_sided())
-    cut_pairs_through_faces<D>(constants_, predicted_position_, walls_.faces(), wall_rows_, neighbours_);
+    cut_pairs_through_faces<D>(constants_, period_, predicted_position_, walls_.faces(), wall_rows_, neighbours_);
+  leave_out_dry_walls<D>(constants_, predicted_position_, walls_.faces(), space_before_walls_, surface_, surface_finder_, wall_rows_);
   boundary_.reset(state_.size());
   add_wall_sums<D>(constants_, predicted_position_, gravity_, walls_.faces(), wall_rows_, boundary_);
   add_surface_sums<D>(constants_, predicted_position_, surface_, surface_rows_, boundary_);
   correct_moments();
   mark_free_surface();
+  if (constants_.viscosity > 0) apply_viscosity();
+  damp_velocity_noise();
   compute_divergence();
 
   band_.clear();
@@ -109,12 +118,12 @@ void Fluid<D>::end_window(const BandForce<D>& force) {
   check_finite();
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
   potential_ -= ordered_reduce(n, 0.0, [&](std::ptrdiff_t i) {
-    return constants_.mass * duration_s_ * gravity_[i].dot(predicted_velocity_[i]);
+    return 0.5 * constants_.mass * duration_s_ * gravity_[i].dot(state_.velocity[i] + predicted_velocity_[i]);
   });
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (std::ptrdiff_t i = 0; i < n; ++i) {
     state_.velocity[i] = predicted_velocity_[i];
-    state_.position[i] += duration_s_ * predicted_velocity_[i];
+    state_.position[i] = predicted_position_[i] + 0.5 * duration_s_ * predicted_velocity_[i];
   }
   shift_particles();
   count_leaks(walls_.faces(), wall_rows_);
@@ -129,15 +138,23 @@ void Fluid<D>::predict() {
   gravity_.resize(n);
   predicted_velocity_.resize(n);
   predicted_position_.resize(n);
+  for (std::ptrdiff_t i = 0; i < n; ++i) predicted_position_[i] = state_.position[i] + 0.5 * duration_s_ * state_.velocity[i];
+  const double middle = begin_s_ + 0.5 * duration_s_;
   if (uniform_gravity_) {
-    const Vector<D> g = gravity_at(begin_s_, Vector<D>::Zero());
-    std::fill(gravity_.begin(), gravity_.end(), g);
+    std::fill(gravity_.begin(), gravity_.end(), gravity_at(middle, Vector<D>::Zero()));
   } else {
-    for (std::ptrdiff_t i = 0; i < n; ++i) gravity_[i] = gravity_at(begin_s_, state_.position[i]);
+    for (std::ptrdiff_t i = 0; i < n; ++i) gravity_[i] = gravity_at(middle, predicted_position_[i]);
   }
+  for (std::ptrdiff_t i = 0; i < n; ++i) predicted_velocity_[i] = state_.velocity[i] + duration_s_ * gravity_[i];
+}
+
+template <int D>
+void Fluid<D>::wrap_into_period() {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
   for (std::ptrdiff_t i = 0; i < n; ++i) {
-    predicted_velocity_[i] = state_.velocity[i] + duration_s_ * gravity_[i];
-    predicted_position_[i] = state_.position[i] + duration_s_ * predicted_velocity_[i];
+    const Vector<D> shift = period_.into(predicted_position_[i]);
+    predicted_position_[i] += shift;
+    state_.position[i] += shift;
   }
 }
 
@@ -196,7 +213,8 @@ template <int D>
 void Fluid<D>::remove_escaped() {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < state_.size(); ++i) {
-    const Vector<D>& x = state_.position[i];
+    Vector<D>& x = state_.position[i];
+    if (period_.any()) x += period_.into(x);
     if ((x.array() < domain_min_.array()).any() || (x.array() > domain_max_.array()).any()) {
       ++removed_;
       continue;
@@ -239,12 +257,17 @@ void Fluid<D>::check_finite() const {
 
 template <int D>
 StepProposal Fluid<D>::propose_step() const {
-  const double speed = std::max(largest_speed(), speed_floor_);
+  const double speed = std::max({largest_speed(), walls_.largest_speed(), speed_floor_});
   StepProposal proposal{1e300, "none"};
   if (speed > 0) proposal = {constants_.numerics.courant * constants_.spacing / speed, "velocity"};
   if (gravity_size_ > 0) {
     const double by_gravity = constants_.numerics.gravity_courant * std::sqrt(constants_.spacing / gravity_size_);
     if (by_gravity < proposal.seconds) proposal = {by_gravity, "gravity"};
+  }
+  if (constants_.viscosity > 0) {
+    const double h = constants_.kernel.smoothing_length();
+    const double by_viscosity = constants_.numerics.viscous_courant * h * h / constants_.viscosity;
+    if (by_viscosity < proposal.seconds) proposal = {by_viscosity, "viscosity"};
   }
   if (proposal.seconds >= 1e300) proposal = {1e-3, "rest"};
   return proposal;
@@ -257,6 +280,7 @@ StepProposal Fluid<D>::propose_step() const {
   template void Fluid<D>::end_window(const BandForce<D>&);                       \
   template StepProposal Fluid<D>::propose_step() const;                          \
   template void Fluid<D>::predict();                                             \
+  template void Fluid<D>::wrap_into_period();                                    \
   template void Fluid<D>::sort_by_cell();                                        \
   template void Fluid<D>::hide_walls_behind_structure();                         \
   template void Fluid<D>::count_leaks(const Faces<D>&, const FaceRows&);          \

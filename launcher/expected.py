@@ -3,7 +3,7 @@
     [[quantity]]
     name = "first maximum of P"
     kind = "maximum"              # a reducer of launcher/reducers.py, or "field", or "measure"
-    column = "P.ux_m"             # of gauges.csv, or of `file`
+    column = "P.ux_m"             # of gauges.csv, or of `file`; a list of columns: their sum
     from = 0.27
     to = 0.40
     unit = "m"

@@ -61,6 +61,12 @@ def largest_magnitude(series, quantity):
     return max(abs(v) for _, v in _part(series, quantity))
 
 
+def span(series, quantity):
+    """The largest less the smallest value in the window."""
+    values = [v for _, v in _part(series, quantity)]
+    return max(values) - min(values)
+
+
 def crossing(series, quantity):
     """The first time at which |value| reaches `threshold` from below."""
     threshold = quantity["threshold"]
@@ -114,6 +120,15 @@ def non_monotone(series, quantity):
     return max([0.0, *(sign * (v1 - v0) for (_, v0), (_, v1) in zip(part, part[1:]))])
 
 
+def largest_rise(series, quantity):
+    """The largest increase above any earlier value of the window; 0 for a series that never grows."""
+    lowest, rise = math.inf, 0.0
+    for _, v in _part(series, quantity):
+        lowest = min(lowest, v)
+        rise = max(rise, v - lowest)
+    return rise
+
+
 def _differences(series, quantity):
     """[(t, value - reference)] over the window, at the times of the run."""
     part = _part(series, quantity)
@@ -148,16 +163,23 @@ KINDS = {
     "time_of_maximum": (time_of_maximum, set(), _WINDOW),
     "time_of_minimum": (time_of_minimum, set(), _WINDOW),
     "largest_magnitude": (largest_magnitude, set(), _WINDOW),
+    "span": (span, set(), _WINDOW),
     "crossing": (crossing, {"threshold"}, _WINDOW),
     "period": (period, set(), _WINDOW | {"about"}),
     "frequency": (frequency, set(), _WINDOW | {"about"}),
     "zero_crossing": (zero_crossing, set(), _WINDOW | {"about", "number"}),
     "non_monotone": (non_monotone, {"direction"}, _WINDOW),
+    "largest_rise": (largest_rise, set(), _WINDOW),
     "max_difference": (max_difference, set(), _REFERENCE),
     "l2_difference": (l2_difference, set(), _REFERENCE | {"scale"}),
 }
 
 
 def reduce(path, column, quantity):
-    """Applies the reducer named by quantity["kind"] to a column of a CSV file."""
-    return KINDS[quantity["kind"]][0](series_module.read(path, column), quantity)
+    """Applies the reducer named by quantity["kind"] to a column of a CSV file, or to the sum of a list of columns."""
+    if isinstance(column, list):
+        parts = [dict(series_module.read(path, name)) for name in column]
+        series = [(t, sum(part[t] for part in parts)) for t in parts[0] if all(t in part for part in parts)]
+    else:
+        series = series_module.read(path, column)
+    return KINDS[quantity["kind"]][0](series, quantity)

@@ -1,6 +1,6 @@
 // Step limits: dt = C sqrt(dx/|g|), dt = C dx/u with u = sqrt(2 |g| H) for a fluid that is free to fall by H, and for
-// the structure dt_s = C dx_s/c_p, c_p^2 = E (1 - nu)/(rho (1 + nu)(1 - 2 nu)). Added mass of a cantilever of free
-// length L in its first mode: rho_f L/1.875 per wet face, over rho_s T.
+// a viscous one dt = C h^2/nu, and for the structure dt_s = C dx_s/c_p, c_p^2 = E (1 - nu)/(rho (1 + nu)(1 - 2 nu)).
+// Added mass of a cantilever of free length L in its first mode: rho_f L/1.875 per wet face, over rho_s T.
 
 #include "particles/case_estimate.hpp"
 
@@ -53,7 +53,7 @@ BodyEstimate estimate_body(const Case& scene, const StructureBody& body) {
 // One body that fills the container from wall to wall, stands on its floor, starts at rest and is not disturbed.
 template <int D>
 bool is_settled(const Case& scene, const Vector<D>& gravity) {
-  if (scene.structure || scene.walls.size() != 1 || !scene.walls[0].container || scene.walls[0].displacement ||
+  if (scene.structure || scene.walls.size() != 1 || !scene.walls[0].container || scene.walls[0].motion ||
       scene.fluid->bodies.size() != 1 || scene.fluid->bodies[0].shape.kind != Shape::Kind::box) {
     return false;
   }
@@ -108,7 +108,10 @@ void estimate_fluid(const Case& scene, Estimate& result) {
   result.gravity_step =
       result.gravity > 0 ? fluid.numerics.gravity_courant * std::sqrt(fluid.spacing / result.gravity) : infinity;
   result.flow_step = result.speed > 0 ? fluid.numerics.courant * fluid.spacing / result.speed : infinity;
-  result.step = std::min({result.gravity_step, result.flow_step, scene.end_time});
+  const double h = fluid.numerics.smoothing_length_ratio * fluid.spacing;
+  result.viscous_step =
+      fluid.viscosity ? fluid.numerics.viscous_courant * h * h * fluid.density / *fluid.viscosity : infinity;
+  result.step = std::min({result.gravity_step, result.flow_step, result.viscous_step, scene.end_time});
 }
 
 template <int D>

@@ -33,7 +33,8 @@ struct Estimate {
   double speed = 0;         ///< free-fall speed from the top of the fluid to the lowest wall, and initial speed [m/s]
   double gravity_step = 0;  ///< limit gravity_courant sqrt(dx/|g|) [s]; infinite without gravity
   double flow_step = 0;     ///< limit courant dx/speed [s]; infinite at rest
-  double step = 0;          ///< the smaller of the two that apply; of a structure alone, the sub-step [s]
+  double viscous_step = 0;  ///< limit viscous_courant h^2/nu [s]; infinite without viscosity
+  double step = 0;          ///< the smallest of those that apply; of a structure alone, the sub-step [s]
   double steps = 0;         ///< in the whole run
   std::vector<BodyEstimate> bodies;
   double sub_steps = 0;                     ///< of the structure in one step

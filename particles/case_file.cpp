@@ -4,8 +4,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
 
 #include "particles/case_scene.hpp"
 #include "particles/error.hpp"
@@ -112,7 +116,67 @@ Shape read_shape(const Setting& setting, int dimension) {
   return shape;
 }
 
-WallCase read_wall(const Setting& setting, int dimension) {
+// An expression of the motion of a wall: it depends on t alone and is 0 at t = 0.
+void check_motion(const Expression& expression, const std::string& where, const std::string& what, const std::string& unit,
+                  const std::string& wall) {
+  if (expression.depends_on('x') || expression.depends_on('y') || expression.depends_on('z')) {
+    throw BadInput(fmt::format("{}: the {} '{}' of the wall '{}' depends on the place, but a rigid wall moves as a "
+                               "whole; use t only.",
+                               where, what, expression.text(), wall));
+  }
+  if (std::abs(expression(0)) > 1e-9) {
+    throw BadInput(fmt::format("{}: the {} '{}' of the wall '{}' is {} {} at t = 0 instead of 0; subtract it, or "
+                               "shift the wall's shape.",
+                               where, what, expression.text(), wall, expression(0), unit));
+  }
+}
+
+std::optional<RigidMotion> read_motion(const Setting& setting, const std::string& wall, int dimension,
+                                       const fs::path& folder) {
+  const auto fail = [&](const Setting& at, const std::string& sentence) {
+    throw BadInput(fmt::format("{}: the wall '{}' {}", at.where, wall, sentence));
+  };
+  const Setting *displacement = setting.find("displacement"), *rotation = setting.find("rotation");
+  const Setting *file = setting.find("motion_file"), *pivot = setting.find("pivot"), *axis = setting.find("axis");
+  if (file && (displacement || rotation))
+    fail(*file, fmt::format("has both motion_file and {}; give one of them.", displacement ? "displacement" : "rotation"));
+  RigidMotion motion;
+  if (displacement) {
+    motion.displacement = expressions(*displacement);
+    for (const Expression& component : motion.displacement)
+      check_motion(component, displacement->where, "displacement", "m", wall);
+  }
+  if (rotation) {
+    motion.rotation = rotation->type == Setting::Type::text ? Expression(rotation->text) : Expression(rotation->number);
+    check_motion(motion.rotation, rotation->where, "rotation", "rad", wall);
+  }
+  if (file) {
+    const fs::path path = folder / file->text;
+    std::ifstream stream(path, std::ios::binary);
+    std::stringstream contents;
+    if (!fs::is_regular_file(path) || !stream || !(contents << stream.rdbuf())) {
+      fail(*file, fmt::format("moves after '{}', but {} cannot be read or is empty; its path is relative to the case file.",
+                              file->text, path.string()));
+    }
+    motion.table.emplace(contents.str(), path.string(), dimension);
+  }
+  const bool turns = rotation || (motion.table && motion.table->rotates());
+  if (turns && !pivot) fail(setting, "is rotated, but has no pivot; give the point about which it turns.");
+  if (turns && dimension == 3 && !axis) fail(setting, "is rotated, but has no axis; give its direction.");
+  if (!turns && (pivot || axis)) fail(pivot ? *pivot : *axis, "is not rotated, so it has no use for pivot or axis; remove it.");
+  if (axis && dimension == 2) fail(*axis, "has an axis, but in 2D it can only turn in the plane; remove it.");
+  if (pivot) motion.pivot = point(*pivot);
+  if (axis) {
+    motion.axis = point(*axis);
+    const double length = std::hypot(motion.axis[0], motion.axis[1], motion.axis[2]);
+    if (length == 0) fail(*axis, "has an axis of length 0; give its direction.");
+    for (double& component : motion.axis) component /= length;
+  }
+  if (!displacement && !rotation && !file) return std::nullopt;
+  return motion;
+}
+
+WallCase read_wall(const Setting& setting, int dimension, const fs::path& folder) {
   WallCase wall;
   wall.name = text(setting, "name");
   const Setting* container = setting.find("container");
@@ -123,6 +187,7 @@ WallCase read_wall(const Setting& setting, int dimension) {
   }
   wall.container = container != nullptr;
   wall.shape = read_shape(container ? *container : *obstacle, dimension);
+  wall.slip = setting.at("slip").boolean;
   for (const Setting& face : setting.at("open").items) wall.open.push_back(face.text);
   const Setting& open = setting.at("open");
   if (!wall.open.empty() && !(wall.container && wall.shape.kind == Shape::Kind::box)) {
@@ -134,23 +199,7 @@ WallCase read_wall(const Setting& setting, int dimension) {
       throw BadInput(fmt::format("{}: the wall '{}' has no face {} in 2D; remove it.", open.where, wall.name, face));
     }
   }
-  if (const Setting* displacement = setting.find("displacement")) {
-    wall.displacement = expressions(*displacement);
-    for (const Expression& component : *wall.displacement) {
-      if (component.depends_on('x') || component.depends_on('y') || component.depends_on('z')) {
-        throw BadInput(
-            fmt::format("{}: the displacement '{}' of the wall '{}' depends on the place, but a rigid wall moves as a "
-                        "whole; use t only.",
-                        displacement->where, component.text(), wall.name));
-      }
-      if (std::abs(component(0)) > 1e-9) {
-        throw BadInput(
-            fmt::format("{}: the displacement '{}' of the wall '{}' is {} m at t = 0 instead of 0; subtract it, or "
-                        "shift the wall's shape.",
-                        displacement->where, component.text(), wall.name, component(0)));
-      }
-    }
-  }
+  wall.motion = read_motion(setting, wall.name, dimension, folder);
   return wall;
 }
 
@@ -158,6 +207,7 @@ FluidCase read_fluid(const Setting& setting, int dimension) {
   FluidCase fluid;
   fluid.density = number(setting, "density");
   fluid.spacing = number(setting, "spacing");
+  if (setting.find("viscosity")) fluid.viscosity = number(setting, "viscosity");
   for (const Setting& body : setting.at("body").items) {
     fluid.bodies.push_back({read_shape(body.at("shape"), dimension), expressions_or_zero(body, "velocity")});
   }
@@ -167,8 +217,10 @@ FluidCase read_fluid(const Setting& setting, int dimension) {
   fluid.numerics.blend_theta = number(numerics, "blend_theta");
   fluid.numerics.density_relaxation = number(numerics, "density_relaxation");
   fluid.numerics.shifting = number(numerics, "shifting");
+  fluid.numerics.noise_damping = number(numerics, "noise_damping");
   fluid.numerics.courant = number(numerics, "courant");
   fluid.numerics.gravity_courant = number(numerics, "gravity_courant");
+  fluid.numerics.viscous_courant = number(numerics, "viscous_courant");
   fluid.numerics.contact_distance = number(numerics, "contact_distance");
   fluid.numerics.pressure_tolerance = number(numerics, "pressure_tolerance");
   fluid.numerics.preconditioner =
@@ -198,26 +250,48 @@ StructureCase read_structure(const Setting& setting, int dimension) {
   return structure;
 }
 
-GaugeCase read_gauge(const Setting& setting) {
+struct GaugeKeys {
+  GaugeCase::Kind kind;
+  std::vector<std::string> required, optional;
+};
+
+const std::map<std::string, GaugeKeys>& gauge_keys() {
+  using Kind = GaugeCase::Kind;
+  static const std::map<std::string, GaugeKeys> keys = {
+      {"displacement", {Kind::displacement, {"body", "at"}, {}}},
+      {"pressure", {Kind::pressure, {"at"}, {}}},
+      {"elevation", {Kind::elevation, {"at"}, {}}},
+      {"front", {Kind::front, {}, {}}},
+      {"interface_force", {Kind::interface_force, {"body"}, {}}},
+      {"force", {Kind::force, {"wall"}, {"at"}}},
+      {"wall_pressure", {Kind::wall_pressure, {"wall", "at"}, {"diameter"}}},
+      {"flux", {Kind::flux, {"from", "to"}, {}}},
+  };
+  return keys;
+}
+
+GaugeCase read_gauge(const Setting& setting, const Case& scene) {
+  const std::string& kind = setting.at("kind").text;
+  const GaugeKeys& keys = gauge_keys().at(kind);
   GaugeCase gauge;
-  const std::string kind = text(setting, "kind");
-  gauge.kind = kind == "displacement" ? GaugeCase::Kind::displacement
-               : kind == "pressure"   ? GaugeCase::Kind::pressure
-               : kind == "elevation"  ? GaugeCase::Kind::elevation
-               : kind == "front"      ? GaugeCase::Kind::front
-                                      : GaugeCase::Kind::interface_force;
+  gauge.kind = keys.kind;
   gauge.name = text(setting, "name");
-  const bool needs_body = kind == "displacement" || kind == "interface_force";
-  const bool needs_at = kind == "displacement" || kind == "pressure" || kind == "elevation";
-  for (const auto& [key, needed] : {std::pair{"body", needs_body}, std::pair{"at", needs_at}}) {
+  for (const std::string key : {"body", "wall", "at", "diameter", "from", "to"}) {
     const Setting* value = setting.find(key);
-    if ((value != nullptr) == needed) continue;
+    const bool needed = std::count(keys.required.begin(), keys.required.end(), key) > 0;
+    if (value ? needed || std::count(keys.optional.begin(), keys.optional.end(), key) > 0 : !needed) continue;
     throw BadInput(fmt::format("{}: the gauge '{}' of kind {} {} '{}'; {} it.", value ? value->where : setting.where,
                                gauge.name, kind, needed ? "needs the key" : "has no use for the key", key,
                                needed ? "give" : "remove"));
   }
-  if (needs_body) gauge.body = text(setting, "body");
-  if (needs_at) gauge.at = point(setting.at("at"));
+  if (setting.find("body")) gauge.body = text(setting, "body");
+  if (setting.find("wall")) gauge.wall = text(setting, "wall");
+  for (const WallCase& wall : scene.walls)
+    if (wall.name == gauge.wall && wall.motion) gauge.at = wall.motion->pivot;
+  for (const auto& [key, place] : {std::pair{"at", &gauge.at}, std::pair{"from", &gauge.from}, std::pair{"to", &gauge.to}})
+    if (const Setting* value = setting.find(key)) *place = point(*value);
+  if (gauge.kind == GaugeCase::Kind::wall_pressure)
+    gauge.diameter = setting.find("diameter") ? number(setting, "diameter") : scene.fluid ? scene.fluid->spacing : 0;
   return gauge;
 }
 
@@ -228,14 +302,14 @@ std::string hash_of(const std::string& settings) {
   return fmt::format("{:016x}", hash);
 }
 
-Case convert(const Setting& settings) {
+Case convert(const Setting& settings, const fs::path& folder) {
   Case scene;
   scene.title = text(settings, "title");
   scene.dimension = static_cast<int>(number(settings, "dimension"));
   scene.end_time = number(settings, "end_time");
   scene.gravity = expressions(settings.at("gravity"));
   if (const Setting* walls = settings.find("wall")) {
-    for (const Setting& wall : walls->items) scene.walls.push_back(read_wall(wall, scene.dimension));
+    for (const Setting& wall : walls->items) scene.walls.push_back(read_wall(wall, scene.dimension, folder));
   }
   if (const Setting* fluid = settings.find("fluid")) scene.fluid = read_fluid(*fluid, scene.dimension);
   if (const Setting* structure = settings.find("structure"))
@@ -249,7 +323,7 @@ Case convert(const Setting& settings) {
     if (const Setting* vem = coupling->find("vem")) scene.coupling.vem_coefficient = number(*vem, "coefficient");
   }
   if (const Setting* gauges = settings.find("gauge")) {
-    for (const Setting& gauge : gauges->items) scene.gauges.push_back(read_gauge(gauge));
+    for (const Setting& gauge : gauges->items) scene.gauges.push_back(read_gauge(gauge, scene));
   }
   scene.output.frame_interval = number(settings.at("output"), "frame_interval");
   scene.output.gauge_interval = number(settings.at("output"), "gauge_interval");
@@ -271,13 +345,16 @@ Case read_case(const std::string& name_or_path, const CaseOptions& options) {
   }
   for (const auto& [key, value] : options.overrides) apply_override(document, key, value);
   const Setting settings = complete_settings(document);
-  Case scene = convert(settings);
+  Case scene = convert(settings, fs::path(file).parent_path());
   const fs::path absolute = fs::absolute(file).lexically_normal();
   scene.path = absolute.string();
   scene.name =
       absolute.filename() == "case.toml" ? absolute.parent_path().filename().string() : absolute.stem().string();
   scene.settings = to_json(settings);
-  scene.hash = hash_of(scene.settings);
+  std::string hashed = scene.settings;
+  for (const WallCase& wall : scene.walls)
+    if (wall.motion && wall.motion->table) hashed += wall.motion->table->text();
+  scene.hash = hash_of(hashed);
   check_scene(scene, settings);
   return scene;
 }

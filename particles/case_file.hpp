@@ -11,10 +11,11 @@
 
 #include "particles/expression.hpp"
 #include "particles/geometry.hpp"
+#include "particles/rigid_motion.hpp"
 
 namespace tern {
 
-enum class GradientForm { sum, blend };           ///< NUMERICS-style names: pairwise sum form, or corrected interior blended with it
+enum class GradientForm { sum, blend };           ///< pairwise sum form, or corrected interior blended with it
 enum class Preconditioner { multigrid, jacobi };
 enum class CouplingAlgorithm { cm0, cm2 };        ///< explicit; predict-project-correct
 enum class InterfaceScheme { riemann, pressure }; ///< with or without the Riemann dissipation
@@ -24,9 +25,9 @@ struct WallCase {
   std::string name;
   bool container = false;
   Shape shape;
+  bool slip = false;              ///< frictionless although the fluid is viscous
   std::vector<std::string> open;  ///< box container only: faces left out, of "x_min" "x_max" "y_min" "y_max" "z_min" "z_max"
-  /// Displacement of the whole wall from its initial place [m] as expressions in t; absent for a fixed wall.
-  std::optional<VectorExpression> displacement;
+  std::optional<RigidMotion> motion;  ///< absent for a fixed wall
 };
 
 struct FluidBody {
@@ -37,11 +38,13 @@ struct FluidBody {
 struct FluidNumerics {
   double smoothing_length_ratio = 1.5;   ///< h/dx
   GradientForm gradient = GradientForm::blend;
-  double blend_theta = 0.2;              ///< weight of the self-regularising part of the blended gradient
+  double blend_theta = 0.5;              ///< weight of the self-regularising part of the blended gradient
   double density_relaxation = 0.02;      ///< gamma of the density source
   double shifting = 0.5;                 ///< coefficient of the particle shifting; 0 = off
+  double noise_damping = 0.2;            ///< chi of the damping of particle-scale velocity noise; 0 = off
   double courant = 0.15;                 ///< dx/|u|max fraction
   double gravity_courant = 0.1;          ///< sqrt(dx/|g|) fraction
+  double viscous_courant = 0.125;        ///< h^2/nu fraction
   double contact_distance = 0.25;        ///< in dx; closer than this no particle approaches a face
   double pressure_tolerance = 1e-6;      ///< relative residual of the pressure solve
   Preconditioner preconditioner = Preconditioner::multigrid;
@@ -50,6 +53,7 @@ struct FluidNumerics {
 struct FluidCase {
   double density = 0;   ///< [kg/m^3]
   double spacing = 0;   ///< dx [m]
+  std::optional<double> viscosity;  ///< dynamic [Pa s]; absent = inviscid, not evaluated
   std::vector<FluidBody> bodies;
   FluidNumerics numerics;
 };
@@ -91,12 +95,18 @@ struct GaugeCase {
     pressure,       ///< of the fluid at the point `at` [Pa]; undefined where there is no fluid
     elevation,      ///< height of the free surface above x (and z) = `at` [m]
     front,          ///< largest x reached by connected fluid [m]
-    interface_force ///< total force of the fluid on a body: D columns [N/m^(3-D)]
+    interface_force,///< total force of the fluid on a body: D columns [N/m^(3-D)]
+    force,          ///< of the fluid on a rigid wall, and its moment about `at`: D [N/m^(3-D)] and 1 or 3 [N m/m^(3-D)] columns
+    wall_pressure,  ///< mean over a sensor of `diameter` at the point `at` of a wall [Pa]; 0 where it is dry
+    flux            ///< volume that crosses the line (2D) or rectangle (3D) from `from` to `to` in a second [m^D/s]
   };
   Kind kind = Kind::pressure;
   std::string name;
   std::string body;                ///< displacement, interface_force
-  std::array<double, 3> at{};
+  std::string wall;                ///< force, wall_pressure
+  std::array<double, 3> at{};      ///< force, wall_pressure: a point of the wall at t = 0, which moves with it
+  double diameter = 0;             ///< wall_pressure [m]
+  std::array<double, 3> from{}, to{};  ///< flux
 };
 
 struct OutputCase {
@@ -108,12 +118,13 @@ struct Case {
   std::string path;        ///< of the file
   std::string name;        ///< folder name
   std::string title;
-  std::string hash;        ///< hexadecimal; of the effective settings, preset and overrides included
+  std::string hash;        ///< hexadecimal; of the effective settings (preset and overrides included) and of the motion files
   std::string settings;    ///< the effective settings as JSON text, for run.json
   int dimension = 0;
   double end_time = 0;     ///< [s]
   VectorExpression gravity;                ///< [m/s^2] in t, x, y, z
   std::array<double, 3> domain_min{}, domain_max{};  ///< fluid particles that leave it are removed and counted
+  std::array<bool, 3> periodic{};  ///< directions in which the fluid repeats itself with the period of the domain
   std::vector<WallCase> walls;
   std::optional<FluidCase> fluid;
   std::optional<StructureCase> structure;

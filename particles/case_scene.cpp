@@ -96,10 +96,18 @@ class SceneCheck {
         scene_.domain_min[d] = settings_.at("domain").at("min").items[d].number;
         scene_.domain_max[d] = settings_.at("domain").at("max").items[d].number;
       }
+      for (const Setting& direction : settings_.at("domain").at("periodic").items) {
+        if (D == 2 && direction.text == "z")
+          fail(direction.where, "there is no direction z in 2D that could be periodic; remove it.");
+        scene_.periodic[direction.text[0] - 'x'] = true;
+      }
       return;
     }
     std::vector<Shape> extent;
-    for (const WallCase& wall : scene_.walls) extent.push_back(wall.shape);
+    for (const WallCase& wall : scene_.walls) {
+      extent.push_back(wall.shape);
+      if (wall.motion) extent.push_back(swept_box(wall));
+    }
     if (extent.empty()) {
       for (const FluidBody& body : fluid()) extent.push_back(body.shape);
       for (const StructureBody& body : structure()) extent.push_back(body.shape);
@@ -115,7 +123,26 @@ class SceneCheck {
     }
   }
 
-  void check_domain() const {
+  // The box around all places of a moving wall during the run.
+  Shape swept_box(const WallCase& wall) const {
+    constexpr int instants = 200;
+    const Bounds<D> bounds = bounding_box<D>(wall.shape);
+    Vector<D> low = bounds.min, high = bounds.max;
+    for (int k = 0; k <= instants; ++k) {
+      const Placement<D> place = placement<D>(*wall.motion, scene_.end_time * k / instants);
+      for (int corner = 0; corner < (1 << D); ++corner) {
+        Vector<D> x = bounds.min;
+        for (int d = 0; d < D; ++d)
+          if (corner & (1 << d)) x[d] = bounds.max[d];
+        low = low.cwiseMin(place(x)), high = high.cwiseMax(place(x));
+      }
+    }
+    Shape box;
+    for (int d = 0; d < D; ++d) box.min[d] = low[d], box.max[d] = high[d];
+    return box;
+  }
+
+  void check_domain() {
     const Setting* domain = settings_.find("domain");
     if (!domain) return;
     for (int d = 0; d < D; ++d) {
@@ -123,6 +150,57 @@ class SceneCheck {
       if (length <= 0) {
         fail(domain->where, fmt::format("min {} is not less than max {} m of [domain] in direction {}; exchange them.",
                                         scene_.domain_min[d], scene_.domain_max[d], "xyz"[d]));
+      }
+      if (scene_.periodic[d]) check_periodic(d, domain->at("periodic").where);
+    }
+  }
+
+  // The fluid repeats itself in direction d: pairs have one nearest image, and walls have to repeat themselves as well.
+  void check_periodic(int d, const std::string& where) {
+    const char axis = "xyz"[d];
+    if (!scene_.fluid) fail(where, "a periodic direction acts on the fluid only, but the case has no [fluid]; remove it.");
+    if (scene_.structure) {
+      fail(where,
+           "a periodic direction and [structure] exclude each other, because elastic bodies have no periodic images; "
+           "remove one of them.");
+    }
+    const FluidCase& water = *scene_.fluid;
+    const double low = scene_.domain_min[d], high = scene_.domain_max[d], period = high - low;
+    const double shortest = 4 * water.numerics.smoothing_length_ratio * water.spacing, slack = 1e-6 * water.spacing;
+    if (period < shortest) {
+      fail(where, fmt::format("the period in direction {} is {:.6g} m, but has to be at least two kernel supports, {:.6g} "
+                              "m; enlarge [domain] or use a smaller fluid.spacing.",
+                              axis, period, shortest));
+    }
+    const double count = period / water.spacing;
+    if (std::abs(count - std::round(count)) > 1e-6 * count) {
+      scene_.warnings.push_back(fmt::format(
+          "{}: the period in direction {} is {:.6g} spacings, so a lattice that fills it does not fit; {:.9g} m would be "
+          "a whole number of spacings.",
+          where, axis, count, period / std::round(count)));
+    }
+    for (std::size_t i = 0; i < scene_.walls.size(); ++i) {
+      const WallCase& wall = scene_.walls[i];
+      const Bounds<D> bounds = bounding_box<D>(wall.shape);
+      const Shape swept = wall.motion ? swept_box(wall) : Shape{};
+      if (wall.motion && (swept.min[d] < bounds.min[d] - slack || swept.max[d] > bounds.max[d] + slack)) {
+        fail(where_wall(i), fmt::format("the wall '{}' moves in the periodic direction {}, where it would leave its "
+                                        "period; let it move across that direction only.",
+                                        wall.name, axis));
+      }
+      if (bounds.min[d] < low - slack || bounds.max[d] > high + slack) {
+        fail(where_wall(i),
+             fmt::format("the wall '{}' reaches from {:.6g} to {:.6g} m in the periodic direction {}, but the period goes "
+                         "from {:.6g} to {:.6g} m; cut the wall there, its images continue it.",
+                         wall.name, bounds.min[d], bounds.max[d], axis, low, high));
+      }
+      if (!wall.container || wall.shape.kind != Shape::Kind::box) continue;
+      for (const char* end : {"_min", "_max"}) {
+        const std::string face = axis + std::string(end);
+        if (is_open(wall, face)) continue;
+        fail(where_wall(i), fmt::format("the container '{}' is closed at {}, but {} is a periodic direction; add \"{}\" to "
+                                        "its open faces.",
+                                        wall.name, face, axis, face));
       }
     }
   }
@@ -140,11 +218,15 @@ class SceneCheck {
       for (int d = 0; d < D; ++d) at[d] = gauge.at[d];
       if (gauge.kind == Kind::pressure) {
         const auto walls = fluid_region(scene_);
-        if (walls && signed_distance<D>(*walls, at) > 1e-6 * scene_.fluid->spacing) {
+        const bool moves = std::any_of(scene_.walls.begin(), scene_.walls.end(),
+                                       [](const WallCase& wall) { return wall.container && wall.motion; });
+        if (walls && !moves && signed_distance<D>(*walls, at) > 1e-6 * scene_.fluid->spacing) {
           fail(where, fmt::format("the gauge '{}' at {} is outside the container, where there is never fluid; move it.",
                                   gauge.name, text(at)));
         }
       }
+      if (gauge.kind == Kind::flux) check_flux(gauge, where);
+      if (gauge.kind == Kind::force || gauge.kind == Kind::wall_pressure) check_wall_gauge(gauge, at, where);
       if (gauge.kind != Kind::displacement && gauge.kind != Kind::interface_force) continue;
       const auto body =
           std::find_if(structure().begin(), structure().end(), [&](const auto& b) { return b.name == gauge.body; });
@@ -159,6 +241,44 @@ class SceneCheck {
         fail(where, fmt::format("the gauge '{}' at {} is no point of the undeformed body '{}'; move it by {:.3g} m.",
                                 gauge.name, text(at), gauge.body, signed_distance<D>(body->shape, at)));
       }
+    }
+  }
+
+  void check_flux(const GaugeCase& gauge, const std::string& where) const {
+    int equal = 0;
+    for (int d = 0; d < D; ++d) equal += gauge.from[d] == gauge.to[d];
+    if (D == 2 && equal == 2) fail(where, fmt::format("the line of the gauge '{}' has length 0; move 'to'.", gauge.name));
+    if (D == 3 && equal != 1) {
+      fail(where, fmt::format("'from' and 'to' of the gauge '{}' agree in {} coordinates instead of one; they are opposite "
+                              "corners of a rectangle across an axis.",
+                              gauge.name, equal));
+    }
+  }
+
+  void check_wall_gauge(const GaugeCase& gauge, const Vector<D>& at, const std::string& where) const {
+    const auto wall =
+        std::find_if(scene_.walls.begin(), scene_.walls.end(), [&](const auto& w) { return w.name == gauge.wall; });
+    if (wall == scene_.walls.end()) {
+      std::vector<std::string> names;
+      for (const WallCase& known : scene_.walls) names.push_back(known.name);
+      fail(where, fmt::format("the gauge '{}' names the wall '{}', but {}.", gauge.name, gauge.wall,
+                              names.empty() ? "the case has no [[wall]]"
+                                            : fmt::format("there is only '{}'", fmt::join(names, "', '"))));
+    }
+    if (gauge.kind == GaugeCase::Kind::force) return;
+    const double slack = 0.1 * scene_.fluid->spacing, distance = signed_distance<D>(wall->shape, at);
+    if (std::abs(distance) > slack) {
+      fail(where, fmt::format("the sensor '{}' at {} is {:.3g} m away from the surface of the wall '{}'; move it there.",
+                              gauge.name, text(at), std::abs(distance), gauge.wall));
+    }
+    bool on_open = false, on_closed = wall->open.empty();
+    for (int d = 0; d < D && !wall->open.empty(); ++d)
+      for (const auto& [side, face] : {std::pair{"_min", wall->shape.min[d]}, std::pair{"_max", wall->shape.max[d]}})
+        if (std::abs(at[d] - face) <= slack)
+          (is_open(*wall, std::string(1, "xyz"[d]) + side) ? on_open : on_closed) = true;
+    if (on_open && !on_closed) {
+      fail(where, fmt::format("the sensor '{}' at {} is on an open face of '{}', where there is no wall; move it.", gauge.name,
+                              text(at), gauge.wall));
     }
   }
 

@@ -24,6 +24,10 @@ std::string step_limits(const Case& scene, const Estimate& e) {
       text += fmt::format("  gravity          {:.3g} s = {} sqrt(dx/|g|)\n", e.gravity_step,
                           scene.fluid->numerics.gravity_courant);
     }
+    if (std::isfinite(e.viscous_step)) {
+      text += fmt::format("  viscosity        {:.3g} s = {} h^2/nu\n", e.viscous_step,
+                          scene.fluid->numerics.viscous_courant);
+    }
     if (std::isfinite(e.flow_step)) {
       text += fmt::format("  speed            {:.3g} s = {} dx/|u| at {:.3g} m/s, {}\n", e.flow_step,
                           scene.fluid->numerics.courant, e.speed,
@@ -82,15 +86,17 @@ std::string explain_text(const Case& scene) {
   text += "Modelled\n";
   if (scene.fluid) {
     text += fmt::format(
-        "* An incompressible, inviscid fluid of {} kg/m^3 in {} bod{} ({} particles), with a free surface at zero "
+        "* An incompressible, {} fluid of {} kg/m^3 in {} bod{} ({} particles), with a free surface at zero "
         "pressure.\n",
+        scene.fluid->viscosity ? fmt::format("viscous ({} Pa s)", *scene.fluid->viscosity) : "inviscid",
         scene.fluid->density, scene.fluid->bodies.size(), scene.fluid->bodies.size() == 1 ? "y" : "ies",
         e.fluid_particles);
   }
   for (const WallCase& wall : scene.walls) {
-    text += fmt::format("* The rigid, frictionless {} '{}'{}{}.\n", wall.container ? "container" : "obstacle",
+    const bool sticks = scene.fluid && scene.fluid->viscosity && !wall.slip;
+    text += fmt::format("* The rigid, {} {} '{}'{}{}.\n", sticks ? "no-slip" : "frictionless", wall.container ? "container" : "obstacle",
                         wall.name, wall.open.empty() ? "" : fmt::format(", open at {}", fmt::join(wall.open, ", ")),
-                        wall.displacement ? ", which moves" : "");
+                        wall.motion ? ", which moves" : "");
   }
   if (scene.structure) {
     for (std::size_t i = 0; i < e.bodies.size(); ++i) {
@@ -102,6 +108,11 @@ std::string explain_text(const Case& scene) {
           body.clamps.empty() ? "free"
                               : fmt::format("{} of {} particles clamped", e.bodies[i].clamped, e.bodies[i].particles));
     }
+  }
+  for (int d = 0; d < scene.dimension; ++d) {
+    if (!scene.periodic[d]) continue;
+    text += fmt::format("* Space that repeats itself in direction {} with a period of {:.6g} m.\n", "xyz"[d],
+                        scene.domain_max[d] - scene.domain_min[d]);
   }
   text += fmt::format("* Gravity ({}) m/s^2.\n", [&] {
     std::string list;
@@ -118,7 +129,11 @@ std::string explain_text(const Case& scene) {
                                        : "without the VEM term");
   }
   text += "\nNot modelled\n";
-  if (scene.fluid) text += "* Viscosity, turbulence, surface tension, and air: a closed air pocket is empty space.\n";
+  if (scene.fluid)
+    text += fmt::format("* {}urbulence, surface tension, and air: a closed air pocket is empty space.\n",
+                        scene.fluid->viscosity ? "T" : "Viscosity, t");
+  if (scene.structure && scene.fluid && scene.fluid->viscosity)
+    text += "* Friction between the fluid and elastic bodies.\n";
   if (scene.structure) text += "* Plasticity, damage, material damping, contact between elastic bodies.\n";
   if (!scene.structure)
     text += "* Elastic bodies: no [structure] in the case, so no structure and no coupler process.\n";

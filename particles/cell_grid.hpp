@@ -27,6 +27,9 @@ class CellGrid {
   }
 
   int count() const { return count_; }
+  const Vector<D>& origin() const { return origin_; }
+  /// Largest side of the box of all cells.
+  double extent() const { return *std::max_element(size_.begin(), size_.end()) / inverse_width_; }
 
   std::array<int, D> coordinates(const Vector<D>& x) const {
     std::array<int, D> cell;

@@ -203,14 +203,21 @@ class Completion {
     if (value.type != Type::list || value.items.size() != count) wrong_type(p, value, wanted);
     for (const Setting& item : value.items) {
       const bool number = item.type == Type::number || item.type == Type::integer;
-      if (number && !std::isfinite(item.number)) wrong_type(p, item, "finite");
-      if (number) continue;
-      if (!expressions || item.type != Type::text) wrong_type(p, value, wanted);
-      try {
-        Expression{item.text};
-      } catch (const BadInput& fault) {
-        fail(item.where, fmt::format("{}: {}", label(p), fault.what()));
-      }
+      if (!number && !(expressions && item.type == Type::text)) wrong_type(p, value, wanted);
+      check_expression(p, item);
+    }
+  }
+
+  void check_expression(const Parameter& p, const Setting& value) const {
+    if (value.type == Type::number || value.type == Type::integer) {
+      if (!std::isfinite(value.number)) wrong_type(p, value, "finite");
+      return;
+    }
+    if (value.type != Type::text) wrong_type(p, value, "a number or an expression in quotes");
+    try {
+      Expression{value.text};
+    } catch (const BadInput& fault) {
+      fail(value.where, fmt::format("{}: {}", label(p), fault.what()));
     }
   }
 
@@ -235,6 +242,9 @@ class Completion {
           wrong_type(p, value, fmt::format("a list of some of \"{}\"", fmt::join(p.choices, "\", \"")));
         for (const Setting& item : value.items) check_choice(p, item);
         return value;
+      case ParameterType::boolean:
+        if (value.type != Type::boolean) wrong_type(p, value, "true or false");
+        return value;
       case ParameterType::integer:
         check_number(p, value);
         return value;
@@ -243,6 +253,9 @@ class Completion {
         return plain(value);
       case ParameterType::point:
         check_entries(p, value, dimension_, false);
+        return plain(value);
+      case ParameterType::expression:
+        check_expression(p, value);
         return plain(value);
       case ParameterType::expressions:
         check_entries(p, value, dimension_, true);

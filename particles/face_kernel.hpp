@@ -8,7 +8,9 @@
 // lattice resting on a plane see what a continued lattice would give them, removes the mismatch: on that lattice
 // sum grad w = 0 to 1e-6, and n = n_ref, tr M = D up to the size of the patches (3e-3 with patches of dx/2 in 2D).
 
+#include <algorithm>
 #include <array>
+#include <numbers>
 #include <vector>
 
 #include "particles/kernel.hpp"
@@ -69,11 +71,21 @@ double subtended_angle(const Vector<D>& d, const Vector<D>& normal, double area)
     const Vector<3> first = Vector<3>(Vector<3>::Unit(axis) - normal[axis] * normal).normalized();
     const Vector<3> second = normal.cross(first);
     const double half = 0.5 * std::sqrt(area), u = d.dot(first), v = d.dot(second);
-    const auto corner = [height](double a, double b) {
-      return std::atan2(a * b, height * std::sqrt(a * a + b * b + height * height));
+    // Signed sum of atan(a b / (height distance)) over the four corners (a, b), as the argument of a product of complex
+    // numbers: one arc tangent in place of four.
+    struct Complex {
+      double re, im;
+      Complex operator*(const Complex& o) const { return {re * o.re - im * o.im, re * o.im + im * o.re}; }
     };
-    return corner(u + half, v + half) - corner(u - half, v + half) - corner(u + half, v - half) +
-           corner(u - half, v - half);
+    const auto corner = [height](double a, double b, double sign) {
+      return Complex{height * std::sqrt(a * a + b * b + height * height), sign * a * b};
+    };
+    const Complex product = corner(u + half, v + half, 1) * corner(u - half, v + half, -1) *
+                            (corner(u + half, v - half, -1) * corner(u - half, v - half, 1));
+    const double angle = std::atan2(product.im, product.re);
+    // Beyond pi only from close above the patch; elsewhere a negative angle is zero but for rounding.
+    const bool close_above = height < half && std::abs(u) < half && std::abs(v) < half;
+    return close_above && angle < 0 ? angle + 2 * std::numbers::pi : std::max(angle, 0.0);
   }
 }
 

@@ -18,6 +18,7 @@ struct Faces {
   std::vector<double> area;                    ///< [m^(D-1)]
   std::vector<double> normal_acceleration;     ///< of the face along its normal [m/s^2]
   std::vector<std::uint8_t> two_sided;         ///< fluid may stand behind it: it cuts lines of sight
+  std::vector<int> original;                   ///< patch of which this is an image in a periodic space, or the patch itself
 
   std::size_t size() const { return position.size(); }
 };
@@ -27,6 +28,7 @@ struct FaceRows {
   std::vector<int> begin, count;
   std::vector<int> face;
   std::vector<double> weight;  ///< A_k w~(r_ik) [1/m]: sum_hidden grad w = -sum_k weight n_k
+  std::vector<double> wet;     ///< per face: share of its hidden side that mirrors fluid [0, 1]; empty = 1 everywhere
 };
 
 /// True when the segment from a (in front of the patch) to b (behind it) passes through the patch. `depth`: b must be

@@ -13,7 +13,10 @@ GaugeOwner owner(GaugeCase::Kind kind) {
     case GaugeCase::Kind::interface_force: return GaugeOwner::coupler;
     case GaugeCase::Kind::pressure:
     case GaugeCase::Kind::elevation:
-    case GaugeCase::Kind::front: break;
+    case GaugeCase::Kind::front:
+    case GaugeCase::Kind::force:
+    case GaugeCase::Kind::wall_pressure:
+    case GaugeCase::Kind::flux: break;
   }
   return GaugeOwner::fluid;
 }
@@ -28,7 +31,15 @@ std::vector<std::string> gauge_columns(const GaugeCase& gauge, int dimension) {
       for (int c = 0; c < dimension; ++c)
         columns.push_back(gauge.name + ".F" + axis[c] + (dimension == 2 ? "_N_per_m" : "_N"));
       break;
-    case GaugeCase::Kind::pressure: columns.push_back(gauge.name + ".p_Pa"); break;
+    case GaugeCase::Kind::force:
+      for (int c = 0; c < dimension; ++c)
+        columns.push_back(gauge.name + ".F" + axis[c] + (dimension == 2 ? "_N_per_m" : "_N"));
+      if (dimension == 2) columns.push_back(gauge.name + ".Mz_Nm_per_m");
+      for (int c = 0; dimension == 3 && c < 3; ++c) columns.push_back(gauge.name + ".M" + axis[c] + "_Nm");
+      break;
+    case GaugeCase::Kind::pressure:
+    case GaugeCase::Kind::wall_pressure: columns.push_back(gauge.name + ".p_Pa"); break;
+    case GaugeCase::Kind::flux: columns.push_back(gauge.name + (dimension == 2 ? ".Q_m2_per_s" : ".Q_m3_per_s")); break;
     case GaugeCase::Kind::elevation: columns.push_back(gauge.name + ".eta_m"); break;
     case GaugeCase::Kind::front: columns.push_back(gauge.name + ".x_m"); break;
   }

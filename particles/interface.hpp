@@ -17,7 +17,8 @@ struct SurfaceProperties {
   std::vector<double> least_mass;          ///< rho dx_s, mass per area of one particle layer [kg/m^2]
 };
 
-/// Structure surface at the end of a window under the old load (trial state). Positions lie on the true face.
+/// Structure surface under the old load (trial state): where it is at the middle of a window, and its velocity at the end.
+/// Positions lie on the true face.
 template <int D>
 struct Surface {
   std::vector<Vector<D>> position;  ///< x [m]

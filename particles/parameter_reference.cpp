@@ -16,12 +16,16 @@ std::string type_text(const Parameter& p) {
       return fmt::format("`\"{}\"`", fmt::join(p.choices, "\"`, `\""));
     case ParameterType::choices:
       return fmt::format("list of `\"{}\"`", fmt::join(p.choices, "\"`, `\""));
+    case ParameterType::boolean:
+      return "`true`, `false`";
     case ParameterType::integer:
       return "whole number";
     case ParameterType::number:
       return "number";
     case ParameterType::point:
       return "D numbers";
+    case ParameterType::expression:
+      return "number or expression";
     case ParameterType::expressions:
       return "D numbers or expressions";
     case ParameterType::vertices:

@@ -28,8 +28,8 @@ const std::vector<TableDefinition>& table_definitions() {
       {"domain", false, Presence::optional,
        "Fluid particles that leave this box are removed and counted; default: the box around the walls (without "
        "walls: the fluid), enlarged by half of its longest side."},
-      {"wall", true, Presence::optional, "A rigid, impermeable, frictionless wall; either `container` or `obstacle`."},
-      {"fluid", false, Presence::optional, "The incompressible, inviscid fluid; absent = no fluid."},
+      {"wall", true, Presence::optional, "A rigid, impermeable wall; either `container` or `obstacle`."},
+      {"fluid", false, Presence::optional, "The incompressible fluid; absent = no fluid."},
       {"fluid.body", true, Presence::required, "A region filled with fluid at the start."},
       {"fluid.numerics", false, Presence::filled, "Numerical options of the fluid."},
       {"structure", false, Presence::optional, "The elastic bodies; absent = no structure."},
@@ -63,6 +63,9 @@ const std::vector<Parameter>& parameters() {
        "Group of defaults for the numerical options; standard: the defaults in this document."},
       {"domain", "min", Type::point, "m", "required", any, {}, "Lower corner."},
       {"domain", "max", Type::point, "m", "required", any, {}, "Upper corner."},
+      {"domain", "periodic", Type::choices, "", "[]", any, {"x", "y", "z"},
+       "Directions in which the fluid repeats itself with the period max - min: what leaves on one side enters on the "
+       "other."},
 
       {"wall", "name", Type::text, "", "required", any, {}, "Name of the wall in messages; unique."},
       {"wall", "container", Type::shape, "", "absent", any, {}, "The fluid stays inside this shape."},
@@ -70,10 +73,23 @@ const std::vector<Parameter>& parameters() {
       {"wall", "open", Type::choices, "", "[]", any, {"x_min", "x_max", "y_min", "y_max", "z_min", "z_max"},
        "Faces left out; of a container that is a box only."},
       {"wall", "displacement", Type::expressions, "m", "absent", any, {},
-       "Displacement from the initial place as expressions in t, 0 at t = 0; absent = at rest."},
+       "Displacement from the initial place as expressions in t, 0 at t = 0; absent = none."},
+      {"wall", "rotation", Type::expression, "rad", "absent", any, {},
+       "Angle by which the wall is turned about `pivot` before it is displaced, an expression in t, 0 at t = 0; positive "
+       "from x to y, in 3D by the right hand about `axis`."},
+      {"wall", "motion_file", Type::text, "", "absent", any, {},
+       "In place of both: a CSV file, its path relative to the case file, with a header of t_s and some of x_m, y_m, "
+       "z_m, angle_rad and the first row 0 at t = 0; splines between its rows, the last row is held."},
+      {"wall", "pivot", Type::point, "m", "absent", any, {}, "Point about which a wall with a rotation turns, at t = 0."},
+      {"wall", "axis", Type::point, "", "absent", any, {}, "Direction of the axis of a rotation; 3D only."},
+      {"wall", "slip", Type::boolean, "", "false", any, {},
+       "A wall without friction although the fluid has a viscosity; without viscosity every wall is one."},
 
       {"fluid", "density", Type::number, "kg/m^3", "required", positive, {}, "Density."},
       {"fluid", "spacing", Type::number, "m", "required", positive, {}, "Particle spacing dx."},
+      {"fluid", "viscosity", Type::number, "Pa s", "absent", positive, {},
+       "Dynamic viscosity mu; absent = inviscid. The fluid then sticks to walls without `slip`; elastic bodies stay "
+       "frictionless."},
       {"fluid.body", "shape", Type::shape, "", "required", any, {},
        "Region that is filled; best when its sides are whole multiples of the spacing."},
       {"fluid.body", "velocity", Type::expressions, "m/s", "absent", any, {},
@@ -83,16 +99,21 @@ const std::vector<Parameter>& parameters() {
       {"fluid.numerics", "gradient", Type::choice, "", "\"blend\"", any, {"blend", "sum"},
        "Pressure gradient in the interior: the corrected form blended with the momentum-conserving sum, or the sum "
        "alone."},
-      {"fluid.numerics", "blend_theta", Type::number, "-", "0.2", from_to(0, 1), {},
+      {"fluid.numerics", "blend_theta", Type::number, "-", "0.5", from_to(0, 1), {},
        "Weight of the self-regularising part of the blended gradient."},
       {"fluid.numerics", "density_relaxation", Type::number, "-", "0.02", from_to(0, 1), {},
        "Share gamma of the density error that the pressure removes per relaxation time; 0 = off."},
-      {"fluid.numerics", "shifting", Type::number, "-", "0.5", from_to(0, 1), {},
-       "Coefficient of the particle shifting; 0 = off."},
+      {"fluid.numerics", "shifting", Type::number, "-", "0.5", from_to(0, 10), {},
+       "Coefficient of the particle shifting; 0 = off. Vortices that fill their enclosure need about 4."},
+      {"fluid.numerics", "noise_damping", Type::number, "-", "0.2", from_to(0, 1), {},
+       "Share of the particle-scale velocity noise (what a linear field does not explain) damped per relaxation time; 0 = "
+       "off."},
       {"fluid.numerics", "courant", Type::number, "-", "0.15", above_to(0, 0.5), {},
        "Largest step as a fraction of dx/|u|max."},
       {"fluid.numerics", "gravity_courant", Type::number, "-", "0.1", above_to(0, 0.5), {},
        "Largest step as a fraction of sqrt(dx/|g|)."},
+      {"fluid.numerics", "viscous_courant", Type::number, "-", "0.125", above_to(0, 0.125), {},
+       "Largest step as a fraction of h^2/nu with nu = mu/rho; only with a viscosity."},
       {"fluid.numerics", "contact_distance", Type::number, "dx", "0.25", from_to(0, 0.5), {},
        "No particle approaches a face closer than this many spacings; 0 = off."},
       {"fluid.numerics", "pressure_tolerance", Type::number, "-", "1e-6", from_to(1e-12, 1e-2), {},
@@ -135,14 +156,25 @@ const std::vector<Parameter>& parameters() {
        "Coefficient C; 1 is advised, 5 over-predicts impact loads."},
 
       {"gauge", "kind", Type::choice, "", "required", any,
-       {"displacement", "pressure", "elevation", "front", "interface_force"},
+       {"displacement", "pressure", "elevation", "front", "interface_force", "force", "wall_pressure", "flux"},
        "displacement of a body's material point [m]; pressure of the fluid at a point [Pa]; elevation of the free "
        "surface at a place [m]; front: largest x the connected fluid reaches [m]; interface_force on a body "
-       "[N/m^(3-D)]."},
+       "[N/m^(3-D)]; force on a rigid wall [N/m^(3-D)] and its moment [N m/m^(3-D)]; wall_pressure: mean over a sensor "
+       "on a rigid wall [Pa]; flux through a line or rectangle [m^D/s]."},
       {"gauge", "name", Type::text, "", "required", any, {}, "Name of the column; unique."},
       {"gauge", "body", Type::text, "", "absent", any, {}, "Elastic body; displacement and interface_force need it."},
       {"gauge", "at", Type::point, "m", "absent", any, {},
-       "Where: displacement (in the undeformed body), pressure, and elevation (whose y entry is not used) need it."},
+       "Where: displacement (in the undeformed body), pressure, elevation (whose y entry is not used) and wall_pressure (on "
+       "the wall at t = 0) need it; force: the point of the moment, default the wall's pivot, else the origin. On a wall "
+       "that moves, it moves along."},
+      {"gauge", "wall", Type::text, "", "absent", any, {}, "Rigid wall; force and wall_pressure need it."},
+      {"gauge", "diameter", Type::number, "m", "absent", positive, {},
+       "Of the sensor of a wall_pressure; absent = one spacing of the fluid."},
+      {"gauge", "from", Type::point, "m", "absent", any, {},
+       "Flux: begin of the line, or one corner of the rectangle; seen from here, flow to the right counts as positive (3D: "
+       "flow along the positive axis)."},
+      {"gauge", "to", Type::point, "m", "absent", any, {},
+       "Flux: end of the line, or the opposite corner; in 3D both agree in one coordinate."},
 
       {"output", "frame_interval", Type::number, "s", "0", not_negative, {},
        "Time between frames of the particle fields; 0 = the first and the last only."},

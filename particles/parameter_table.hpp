@@ -13,9 +13,11 @@ enum class ParameterType {
   text,     ///< "..."
   choice,   ///< one of Parameter::choices
   choices,  ///< list of some of Parameter::choices
+  boolean,
   integer,
   number,
   point,        ///< list of D numbers
+  expression,   ///< number or expression text
   expressions,  ///< list of D numbers or expression texts
   vertices,     ///< list of at least 3 points [x, y]
   shape,        ///< table with exactly one of box, polygon, ball, union, difference

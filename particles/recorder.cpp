@@ -13,17 +13,21 @@ std::vector<std::string> with_time(std::vector<std::string> columns) {
 
 }  // namespace
 
+void RowSchedule::written(Ticks now) {
+  if (interval_ > 0) next_ = interval_ * (std::floor(seconds(now) / interval_ * (1 + 1e-12)) + 1);
+}
+
 Recorder::Recorder(const std::string& directory, std::vector<std::string> gauge_columns, std::vector<std::string> energy_columns,
                    double gauge_interval)
     : gauges_(directory + "/gauges.csv", with_time(std::move(gauge_columns))),
       energy_(directory + "/energy.csv", with_time(std::move(energy_columns))),
       steps_(directory + "/steps.csv", {"t_s", "dt_s", "limit", "pressure_iterations", "wall_ms"}),
-      interval_(gauge_interval) {}
+      rows_(gauge_interval) {}
 
 void Recorder::account(Ticks now, const GaugeValues& gauges, const std::vector<double>& energies) {
+  if (!rows_.due(now)) return;
+  rows_.written(now);
   const double t = seconds(now);
-  if (t < next_) return;
-  if (interval_ > 0) next_ = interval_ * (std::floor(t / interval_ * (1 + 1e-12)) + 1);
   GaugeValues row{t};
   row.insert(row.end(), gauges.begin(), gauges.end());
   gauges_.row(row);

@@ -12,13 +12,29 @@
 
 namespace tern {
 
+/// Instants at which rows are due: the first at or after every multiple of the interval [s]; 0 = every instant.
+class RowSchedule {
+ public:
+  explicit RowSchedule(double interval) : interval_(interval) {}
+  bool due(Ticks now) const { return seconds(now) >= next_; }
+  /// A row has been written at `now`.
+  void written(Ticks now);
+
+ private:
+  double interval_;
+  double next_ = 0;
+};
+
 class Recorder {
  public:
   /// Creates the three files in `directory`; gauge_interval [s], 0 = every step.
   Recorder(const std::string& directory, std::vector<std::string> gauge_columns, std::vector<std::string> energy_columns,
            double gauge_interval);
 
-  /// Values at time `now`: written at the first instant at or after every multiple of the interval.
+  /// True when account() would write a row at `now`; no need to evaluate gauges otherwise.
+  bool due(Ticks now) const { return rows_.due(now); }
+
+  /// Values at time `now`, written when a row is due.
   void account(Ticks now, const GaugeValues& gauges, const std::vector<double>& energies);
 
   /// One step that has just been completed. `iterations` < 0: no pressure solve.
@@ -28,8 +44,7 @@ class Recorder {
 
  private:
   TableWriter gauges_, energy_, steps_;
-  double interval_;
-  double next_ = 0;
+  RowSchedule rows_;
 };
 
 /// Times at which frames are due: every interval from 0 and the end.

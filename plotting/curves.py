@@ -6,7 +6,7 @@ import numpy as np
 from plotting import style
 
 QUANTITIES = {"ux": "displacement x", "uy": "displacement y", "uz": "displacement z", "Fx": "force x", "Fy": "force y",
-              "Fz": "force z", "p": "pressure", "eta": "surface elevation", "x": "position x"}
+              "Fz": "force z", "Mx": "moment x", "My": "moment y", "Mz": "moment z", "Q": "flux", "p": "pressure", "eta": "surface elevation", "x": "position x"}
 
 
 def split_column(column):

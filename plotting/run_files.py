@@ -89,7 +89,7 @@ class Run:
         boxes = []
         for wall in self.contents.get("settings", {}).get("wall", []):
             shape = wall.get("container") or wall.get("obstacle") or {}
-            if "box" in shape and "displacement" not in wall:
+            if "box" in shape and not {"displacement", "rotation", "motion_file"} & set(wall):
                 boxes.append((shape["box"]["min"], shape["box"]["max"], set(wall.get("open", []))))
         return boxes
 
@@ -101,7 +101,7 @@ class Run:
         curves = {}
         for quantity in tomllib.loads(path.read_text(encoding="utf-8")).get("quantity", []):
             reference = path.parent / quantity.get("csv", "")
-            if "csv" not in quantity or not reference.is_file():
+            if "csv" not in quantity or isinstance(quantity["column"], list) or not reference.is_file():
                 continue
             entries = curves.setdefault(quantity["column"], {})
             table = read_table(reference)

@@ -97,9 +97,9 @@ TEST(Spray, FliesBallisticallyAndLeavesNoZeroDiagonal) {
     const auto at = static_cast<std::size_t>(std::find(ids.begin(), ids.end(), label) - ids.begin());
     ASSERT_EQ(fluid.flags()[at], Flag::spray);
     EXPECT_EQ(fluid.state().pressure[at], 0);
-    // u^{n+1} = u^n + dt g, r^{n+1} = r^n + dt u^{n+1}
+    // Drift, kick, drift follows a parabola exactly.
     const Vector<2> u(1.5, 2.5 - gravity * n * dt);
-    const Vector<2> x(2 + 1.5 * n * dt, 3 + 2.5 * n * dt - gravity * dt * dt * n * (n + 1) / 2);
+    const Vector<2> x(2 + 1.5 * n * dt, 3 + 2.5 * n * dt - gravity * dt * dt * n * n / 2);
     EXPECT_LT((fluid.state().velocity[at] - u).norm(), 1e-12);
     EXPECT_LT((fluid.state().position[at] - x).norm(), 1e-12);
   }

@@ -72,15 +72,20 @@ TEST(PressureSolve, AgreesWithAFreshCholeskyFactorisation) {
   }
 }
 
-// Measured: 5.0 on the mean, 6 at most. Seen to fail: with the free surface's part c_i left out of the grid operator.
-TEST(PressureSolve, TakesAtMostEightIterationsInACollapsingColumn) {
-  Fluid<2> fluid(dam_break(50, 100));
-  int most = 0;
-  run(fluid, 0.1, [&] { most = std::max(most, fluid.last_solve().iterations); });
-  RecordProperty("most_iterations", most);
-  EXPECT_LE(most, 8);
-  EXPECT_EQ(fluid.fallback_solves(), 0);
-  EXPECT_EQ(fluid.leaked() + fluid.removed(), 0u);
+// Water on the block at the end. Measured: 5.3 on the mean and 6 at most in 2D, 5.7 and 6 in 3D. Seen to fail: 43 at most in
+// 2D and 22 in 3D, with the free surface's part c_i left out of the grid operator.
+TEST(PressureSolve, TakesFewIterationsInADamBreakOnABlock) {
+  const auto expect_few = [](const std::string& dimensions, auto fluid) {
+    const Iterations iterations = count_iterations(fluid, 0.25);
+    RecordProperty(dimensions + "_mean", std::to_string(iterations.mean()));
+    RecordProperty(dimensions + "_most", iterations.most);
+    EXPECT_LE(iterations.mean(), 8);
+    EXPECT_LE(iterations.most, 12);
+    EXPECT_EQ(fluid.fallback_solves(), 0);
+    EXPECT_EQ(fluid.leaked() + fluid.removed(), 0u);
+  };
+  expect_few("in_2d", Fluid<2>(dam_break_on_block(2, 0.2 / 50)));
+  expect_few("in_3d", Fluid<3>(dam_break_on_block(3, 0.2 / 10)));
 }
 
 State<2> three_steps(int threads) {

@@ -37,6 +37,15 @@ class VerifyCasesTest(unittest.TestCase):
     def test_water_at_rest_stays_at_rest_with_hydrostatic_pressure(self):
         self.verify("hydrostatic_tank")
 
+    def test_the_vortices_die_out_at_the_rate_of_their_viscosity(self):
+        self.verify("taylor_green")
+
+    def test_the_standing_wave_keeps_its_period_and_height(self):
+        self.verify("standing_wave")
+
+    def test_the_square_patch_keeps_its_spin(self):
+        self.verify("rotating_square_patch")
+
     def test_the_dam_break_bends_the_plate_as_it_should(self):
         self.verify("dam_break_plate")
 

@@ -78,6 +78,22 @@ class ReducerTest(unittest.TestCase):
         self.both(lambda t: math.exp(-t), lambda t: math.exp(-t) + 0.02 * math.sin(20 * t), kind="non_monotone",
                   direction="decreasing", at_most=1e-12)
 
+    def test_largest_rise_adds_up_over_many_rows(self):
+        value = self.both(lambda t: -t if t < 1 else -1 + 0.1 * (t - 1), lambda t: -t if t < 1 else -1 + 0.2 * (t - 1),
+                          kind="largest_rise", at_most=0.11)
+        self.assertAlmostEqual(value, 0.1, 9)
+        self.assertEqual(self.judge(lambda t: -t, kind="largest_rise", at_most=0)["value"], 0)
+
+    def test_a_list_of_columns_is_their_sum(self):
+        def judge(growth):
+            rows = [f"{0.01 * k:.9g},{k},{growth * k}" for k in range(201)]
+            (self.run / "energy.csv").write_text("t_s,kinetic_J,potential_J\n" + "\n".join(rows) + "\n")
+            table = EVERYWHERE | {"kind": "largest_rise", "file": "energy.csv", "column": ["kinetic_J", "potential_J"],
+                                  "at_most": 1e-9}
+            return verify.judge(self.run, [expected.check("expected.toml", table, self.run)])[0]["passed"]
+        self.assertTrue(judge(-1))
+        self.assertFalse(judge(-0.9))
+
     def test_differences_to_an_expression(self):
         quantity = {"expression": "0.1*exp(-t)*cos(2*pi*t)", "from_": 0.5, "to": 1.5}
         right = lambda t: 0.1 * math.exp(-t) * math.cos(2 * math.pi * t)  # noqa: E731

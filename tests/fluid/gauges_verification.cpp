@@ -1,0 +1,96 @@
+// Forces and levels as the running fluid gives them.
+
+#include <gtest/gtest.h>
+
+#include "fluid/probe.hpp"
+#include "tests/fluid/scenes.hpp"
+
+namespace tern::fluid::testing {
+namespace {
+
+// Mean over 1 to 2 s of water that settles from 10 % disorder: the weight on the tank to 1 %, no net force across, rho g H^2/2
+// on a side that is a wall of its own, the level. Seen to fail without the hydrostatic part of the mirrored
+// pressure, and with the floor under the side counted.
+TEST(StillTank, CarriesTheWeightOfItsWater) {
+  WallCase side = obstacle({1, 0, 0}, {1.2, 1.5, 0});
+  side.name = "side";
+  Fluid<2> fluid(scene(2, 0.025, {box({0, 0, 0}, {1, 1, 0})}, {tank({0, 0, 0}, {1.2, 1.5, 0}), side}));
+  std::mt19937 random(20240121);
+  jitter(fluid, 0.1, random);
+  Vector<2> on_tank = Vector<2>::Zero(), on_side = Vector<2>::Zero();
+  double level = 0;
+  int samples = 0, steps = 0;
+  run(fluid, 2.0, [&] {
+    if (seconds(fluid.state().time) < 1 || ++steps % 10) return;
+    const Probe<2> probe(fluid);
+    on_tank += probe.force(fluid.walls().find("tank"), Vector<2>::Zero()).force;
+    on_side += probe.force(fluid.walls().find("side"), Vector<2>::Zero()).force;
+    level += probe.elevation(Vector<2>(0.5, 0)).value();
+    ++samples;
+  });
+  const double weight = density * gravity;
+  EXPECT_NEAR(on_tank[1] / samples / weight, -1, 0.01);
+  EXPECT_NEAR(on_side[0] / samples / weight, 0.5, 0.01 * 0.5);
+  EXPECT_NEAR((on_tank[0] + on_side[0]) / samples / weight, 0, 0.002);
+  EXPECT_NEAR(on_side[1] / samples / weight, 0, 0.002);
+  EXPECT_NEAR(level / samples, 1, 0.1 * 0.025);
+}
+
+/// Largest | Int F dt - (M g t - P(t)) | over the collapse of a column `nx` particles wide and its impact on the end wall,
+/// per unit of M sqrt(g H); the impulse itself is 2.7.
+double lost_impulse(int nx) {
+  Fluid<2> fluid(dam_break(nx, 2 * nx));
+  const double mass = density * 0.2 * 0.4, unit = mass * std::sqrt(gravity * 0.4);
+  Vector<2> impulse = Vector<2>::Zero();
+  double last = 0, difference = 0;
+  run(fluid, 0.5, [&] {
+    const double now = seconds(fluid.state().time);
+    impulse += (now - last) * Probe<2>(fluid).force(fluid.walls().find("tank"), Vector<2>::Zero()).force;
+    last = now;
+    const Vector<2> lost = mass * now * Vector<2>(0, -gravity) - fluid.momentum();
+    difference = std::max(difference, (impulse - lost).norm() / unit);
+  });
+  EXPECT_GT(impulse.norm() / unit, 2);
+  return difference;
+}
+
+// What the force on the tank adds up to is at all times the momentum that the water did not keep, to the order of the
+// blended pressure gradient, which is not antisymmetric. Measured: 0.110 at 20 columns, 0.087 at 30, 0.050 at 60, that is
+// 4 to 2 % of the impulse. Seen to fail with the pressure of the particles alone, without its hydrostatic part.
+TEST(DamBreak, GivesTheTankTheMomentumThatTheWaterLoses) {
+  const double coarse = lost_impulse(20), fine = lost_impulse(40);
+  EXPECT_LT(fine, 0.8 * coarse);
+  EXPECT_LT(fine, 0.04 * 2.7);
+  std::printf("[ momentum lost: %.3f of M sqrt(g H) at 20 columns, %.3f at 40 ]\n", coarse, fine);
+}
+
+// A closed tank rolls by 0.15 rad about a point below it at the first resonance of its water: no particle is lost, the volume
+// stays, and until the wave reaches the ceiling at 0.6 s (where it loses energy) the moment about the pivot does the work that
+// the water gains, -Int M dangle = K + P. Measured: within 3 % of the kinetic energy, volume 0.6 %. Seen to fail with the
+// normals of the walls left unturned, and with the moment about the origin.
+TEST(RollingTank, KeepsItsWaterAndDoesItsWork) {
+  const auto angle = [](double t) { return 0.075 * (1 - std::cos(5.17 * t)); };
+  WallCase wall = tank({-0.45, 0, 0}, {0.45, 0.4, 0}, {});
+  wall.motion.emplace();
+  wall.motion->rotation = Expression("0.075*(1-cos(5.17*t))");
+  wall.motion->pivot = {0, -0.2, 0};
+  Fluid<2> fluid(scene(2, 0.02, {box({-0.45, 0, 0}, {0.45, 0.3, 0})}, {wall}));
+  double work = 0, last = 0, drift = 0, kinetic = 0, difference = 0;
+  run(fluid, 1.6, [&] {
+    const double now = seconds(fluid.state().time);
+    drift = std::max(drift, std::abs(fluid.volume_drift()));
+    if (now > 0.55) return;
+    work -= Probe<2>(fluid).force(fluid.walls().find("tank"), Vector<2>(0, -0.2)).moment[2] * (angle(now) - angle(last));
+    last = now;
+    const Energies energies = fluid.energies();
+    kinetic = std::max(kinetic, energies.kinetic);
+    difference = std::max(difference, std::abs(work - energies.kinetic - energies.potential));
+  });
+  EXPECT_EQ(fluid.leaked() + fluid.removed(), 0u);
+  EXPECT_LT(drift, 0.01);
+  EXPECT_GT(kinetic, 8);
+  EXPECT_LT(difference / kinetic, 0.06);
+}
+
+}  // namespace
+}  // namespace tern::fluid::testing

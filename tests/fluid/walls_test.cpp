@@ -1,0 +1,72 @@
+// Walls that move as rigid bodies.
+
+#include <gtest/gtest.h>
+
+#include "tests/fluid/scenes.hpp"
+
+namespace tern::fluid::testing {
+namespace {
+
+WallCase rolling_tank() {
+  WallCase wall = tank({-1, -0.5, 0}, {1, 0.5, 0}, {});
+  wall.motion.emplace();
+  wall.motion->rotation = Expression("0.3*t + 0.2*t^2");
+  wall.motion->pivot = {0.2, -0.1, 0};
+  wall.motion->displacement = {Expression("0.05*t^2"), Expression("0.1*t"), Expression()};
+  return wall;
+}
+
+// Velocity and acceleration of each patch against those of a rigid body with angular velocity w = 0.3 + 0.4 t and angular
+// acceleration 0.4. Walls stand at the middle of the window. Seen to fail with an acceleration of 0 and with the normals left
+// unturned.
+TEST(Walls, ThatRollHaveTheVelocityAndAccelerationOfARigidBody) {
+  const double dt = 1e-4;
+  Walls<2> walls(scene(2, 0.1, {box({-1, -0.5, 0}, {1, 0, 0})}, {rolling_tank()}), 0.1, 0.3);
+  const Faces<2> start = walls.faces();
+  const int last = 5000;
+  for (int k = 0; k < last; ++k) walls.move_over(k * dt, dt);
+  const double t = (last - 0.5) * dt, angle = 0.3 * t + 0.2 * t * t, w = 0.3 + 0.4 * t;
+  Matrix<2> turn;
+  turn << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
+  const Vector<2> pivot(0.2, -0.1), shift(0.05 * t * t, 0.1 * t), shift_rate(0.1 * t, 0.1);
+  const Faces<2>& faces = walls.faces();
+  for (std::size_t k = 0; k < faces.size(); ++k) {
+    const Vector<2> arm = turn * (start.position[k] - pivot), tangent(-arm[1], arm[0]);
+    EXPECT_LT((faces.position[k] - pivot - arm - shift).norm(), 1e-12);
+    EXPECT_LT((faces.normal[k] - turn * start.normal[k]).norm(), 1e-12);
+    EXPECT_LT((faces.velocity[k] - shift_rate - w * tangent).norm(), 1e-8);
+    const Vector<2> acceleration = Vector<2>(0.1, 0) + 0.4 * tangent - w * w * arm;
+    EXPECT_NEAR(faces.normal_acceleration[k], acceleration.dot(faces.normal[k]), 2e-4);
+  }
+}
+
+// A turning box has to enclose the same volume in every step, however long: sum A n.u = 0. Seen to fail with the normals left
+// unturned.
+TEST(Walls, ThatRollEncloseTheSameVolume) {
+  Walls<2> walls(scene(2, 0.1, {box({-1, -0.5, 0}, {1, 0, 0})}, {rolling_tank()}), 0.1, 0.3);
+  walls.move_over(0.4, 0.1);
+  double flux = 0;
+  for (std::size_t k = 0; k < walls.faces().size(); ++k)
+    flux += walls.faces().area[k] * walls.faces().normal[k].dot(walls.faces().velocity[k]);
+  EXPECT_NEAR(flux, 0, 1e-12);
+}
+
+// A full closed box shaken along x: the fluid goes along as a whole, p falls along x as rho a. The band of the pressure is
+// wide because floor and ceiling mirror no pressure gradient along themselves; measured: 5 % too steep, velocity within
+// 1 %. Seen to fail with the acceleration of the walls left out.
+TEST(Walls, ThatAccelerateCarryTheFluidAlong) {
+  WallCase wall = tank({0, 0, 0}, {1, 0.5, 0}, {});
+  wall.motion.emplace();
+  wall.motion->displacement[0] = Expression("0.5*t^2");
+  Fluid<2> fluid(scene(2, 0.05, {box({0, 0, 0}, {1, 0.5, 0})}, {wall}, 0));
+  for (int k = 0; k < 100; ++k) step(fluid, 1e-3);
+  Vector<2> mean = Vector<2>::Zero();
+  for (const auto& u : fluid.state().velocity) mean += u / static_cast<double>(fluid.state().size());
+  EXPECT_NEAR(mean[0], 0.1, 0.002);
+  const double drop = fluid.pressure_at(Vector<2>(0.205, 0.25)).value() - fluid.pressure_at(Vector<2>(0.805, 0.25)).value();
+  EXPECT_NEAR(drop, density * 1.0 * 0.6, 0.08 * density * 0.6);
+  EXPECT_EQ(fluid.leaked(), 0u);
+}
+
+}  // namespace
+}  // namespace tern::fluid::testing
