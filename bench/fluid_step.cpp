@@ -165,29 +165,30 @@ void run(const Row& row, Tables& tables) {
                   fmt::format(" **{:.1f}** | **{:.1f}** |\n", rest / unit, undisturbed(one.solve) / unit);
 }
 
-/// Iterations with a plate so and so many spacings thick in the middle of a tank.
-std::string separated(int layers, int thickness) {
+/// Iterations with a plate of one, two and four spacings between two waters.
+template <int D>
+std::string plate_row(const char* name, double spacing, double top, double bend) {
   using namespace fluid::testing;
-  const double spacing = 0.2 / layers, left = 0.4, right = left + thickness * spacing;
-  fluid::Fluid<2> fluid(scene(2, spacing, {box({0, 0, 0}, {left, 0.2, 0}), box({right, 0, 0}, {0.8, 0.1, 0})},
-                              {tank({0, 0, 0}, {0.8, 0.6, 0}), obstacle({left, -0.1, 0}, {right, 0.5, 0})}));
-  std::mt19937 random(20240119);
-  jitter(fluid, 0.02, random);
-  Iterations iterations;
-  for (int k = 0; k < 12; ++k) {
-    step(fluid, fluid.propose_step().seconds);
-    iterations.add(fluid.last_solve().iterations);
+  std::string row;
+  std::size_t particles = 0;
+  for (int thickness : {1, 2, 4}) {
+    fluid::Fluid<D> fluid(parted_tank(D, spacing, thickness * spacing, top, bend));
+    particles = fluid.state().size();
+    const Iterations iterations = count_iterations_from_disorder(fluid);
+    row += fmt::format(" {:.1f} / {} |", iterations.mean(), iterations.most);
   }
-  return fmt::format(" {:.1f} / {} |", iterations.mean(), iterations.most);
+  return fmt::format("| {} | {} |", name, particles) + row + "\n";
 }
 
 std::string plate_table() {
-  std::string table = "| particles | 1 dx thick | 2 dx | 4 dx |\n|---|---|---|---|\n";
+  std::string table = "| plate | particles | 1 dx thick | 2 dx | 4 dx |\n|---|---|---|---|---|\n";
   for (int layers : {58, 116}) {
-    table += layers == 58 ? "| 10 000 |" : "| 40 000 |";
-    for (int thickness : {1, 2, 4}) table += separated(layers, thickness);
-    table += "\n";
+    table += plate_row<2>("parts the tank", 0.2 / layers, 0.5, 0);
+    table += plate_row<2>("the same, bent by a fifth of the water", 0.2 / layers, 0.5, 0.04);
+    table += plate_row<2>("ends at half the depth", 0.2 / layers, 0.1, 0);
   }
+  table += plate_row<3>("parts the tank, 3D", 0.2 / 20, 0.5, 0);
+  table += plate_row<3>("ends at half the depth, 3D", 0.2 / 20, 0.1, 0);
   return table;
 }
 

@@ -1,6 +1,9 @@
 #include "fluid/multigrid.hpp"
 
+#include <algorithm>
 #include <cmath>
+
+#include "fluid/grid_stencil.hpp"
 
 namespace tern::fluid {
 namespace {
@@ -8,13 +11,6 @@ namespace {
 constexpr float jacobi_weight = 0.9f;      ///< positive definite for any weight < 1: lambda_max(D^-1 A) <= 2
 constexpr int coarsest_nodes = 150;        ///< solved directly
 constexpr float diagonal_shift = 2e-6f;    ///< relative; makes the coarse operators of a sealed tank regular
-
-template <int D>
-int flat_index(const std::array<int, D>& coordinate, const std::array<int, D>& size) {
-  int index = coordinate[D - 1];
-  for (int c = D - 2; c >= 0; --c) index = index * size[c] + coordinate[c];
-  return index;
-}
 
 /// Cells of a period of `length`: m 2^k with m = 4 .. 7, nearest to `width` on a logarithmic scale.
 int cells_of_period(double length, double width) {
@@ -26,35 +22,15 @@ int cells_of_period(double length, double width) {
   return best;
 }
 
-int wrapped(int index, int size, bool periodic) {
-  if (!periodic) return index;
-  return index < 0 ? index + size : index >= size ? index - size : index;
-}
-
-/// Offset in {-1, 0, 1}^D of stencil entry s.
-template <int D>
-std::array<int, D> stencil_offset(int s) {
-  std::array<int, D> offset;
-  for (int c = 0; c < D; ++c, s /= 3) offset[c] = s % 3 - 1;
-  return offset;
-}
-
-/// Stencil entry of an offset.
-template <int D>
-int stencil_entry(const std::array<int, D>& offset) {
-  int entry = offset[D - 1] + 1;
-  for (int c = D - 2; c >= 0; --c) entry = entry * 3 + offset[c] + 1;
-  return entry;
-}
-
 }  // namespace
 
 template <int D>
 void Multigrid<D>::build(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position,
-                         const std::vector<std::uint8_t>& active, double spacing, double gradient_scale) {
+                         const std::vector<std::uint8_t>& active, const std::vector<int>& beside_body, double spacing,
+                         double gradient_scale) {
   matrix_ = &matrix;
   if (levels_.empty()) levels_.resize(1);
-  build_finest(matrix, position, active, spacing, gradient_scale);
+  build_finest(matrix, position, active, beside_body, spacing, gradient_scale);
   std::size_t level = 0;
   while (levels_[level].nodes() > coarsest_nodes && level < 12) {
     if (levels_.size() == level + 1) levels_.emplace_back();
@@ -66,18 +42,20 @@ void Multigrid<D>::build(const EdgeMatrix& matrix, const std::vector<Vector<D>>&
 
   const Level& last = levels_.back();
   const auto n = static_cast<Eigen::Index>(last.nodes());
-  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(n, n);
+  dense_.setZero(n, n);
   for (Eigen::Index a = 0; a < n; ++a)
     for (int s = 0; s < stencil; ++s)
-      if (last.row[a][s] != 0) dense(a, last.neighbour[a][s]) += last.row[a][s];
-  coarsest_.compute(dense);
+      if (last.row[a][s] != 0) dense_(a, last.neighbour[a][s]) += last.row[a][s];
+  for (const Entry& entry : last.further_entries) dense_(entry.row, entry.column) += entry.value;
+  coarsest_.compute(dense_);
 
   for (auto* v : {&r_, &z_, &az_}) v->assign(matrix.padded_rows(), 0);
 }
 
 template <int D>
 void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position,
-                                const std::vector<std::uint8_t>& active, double spacing, double gradient_scale) {
+                                const std::vector<std::uint8_t>& active, const std::vector<int>& beside_body, double spacing,
+                                double gradient_scale) {
   Level& level = levels_[0];
   const int n = matrix.rows();
   Vector<D> low = Vector<D>::Constant(1e300), high = Vector<D>::Constant(-1e300);
@@ -105,8 +83,6 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
   // Particles by cell; only cells that hold one are kept, in order.
   auto &cell_of = cell_of_particle_, &population = population_, &compact = compact_, &next = next_;
   cell_of.assign(n, -1);
-  population.assign(count, 0);
-  compact.assign(count, -1);
   for (int i = 0; i < n; ++i) {
     if (!active[i]) continue;
     std::array<int, D> cell;
@@ -114,8 +90,20 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
       cell[c] = static_cast<int>((position[i][c] - origin[c]) * inverse_width[c]);
       if (level.periodic[c]) cell[c] %= cells[c];
     }
-    ++population[cell_of[i] = flat_index<D>(cell, cells)];
+    cell_of[i] = flat_index<D>(cell, cells);
   }
+  split_cells(beside_body, count);
+  const int all_cells = count + static_cast<int>(home_of_further_cell_.size());
+  const auto coordinates_of = [&](int flat) {
+    if (flat >= count) flat = home_of_further_cell_[flat - count];
+    std::array<int, D> cell;
+    for (int c = 0; c < D; ++c, flat /= cells[c - 1]) cell[c] = flat % cells[c];
+    return cell;
+  };
+  population.assign(all_cells, 0);
+  compact.assign(all_cells, -1);
+  for (int i = 0; i < n; ++i)
+    if (cell_of[i] >= 0) ++population[cell_of[i]];
   int nodes_in_map = 1;
   for (int c = 0; c < D; ++c) nodes_in_map *= level.size[c];
   level.map.assign(nodes_in_map, -1);
@@ -123,10 +111,9 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
   cell_start_.clear();
   cell_node_.clear();
   int filled = 0;
-  for (int flat = 0; flat < count; ++flat) {
+  for (int flat = 0; flat < all_cells; ++flat) {
     if (population[flat] == 0) continue;
-    std::array<int, D> cell;
-    for (int c = 0, rest = flat; c < D; ++c, rest /= cells[c - 1]) cell[c] = rest % cells[c];
+    const std::array<int, D> cell = coordinates_of(flat);
     for (int corner = 0; corner < corners; ++corner) {
       std::array<int, D> node = cell;
       for (int c = 0; c < D; ++c) node[c] = wrapped(node[c] + ((corner >> c) & 1), level.size[c], level.periodic[c]);
@@ -144,23 +131,17 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
     for (int c = 0, rest = flat; c < D; ++c, rest /= level.size[c - 1]) node[c] = rest % level.size[c];
     level.coordinate.push_back(node);
   }
-  connect(level);
 
   const int used = static_cast<int>(cell_start_.size()) - 1;
   cell_node_.resize(used);
   cell_sum_.resize(used);
-  node_cell_.assign(level.nodes(), {});
-  for (auto& cells_around : node_cell_) cells_around.fill(-1);
-  for (int flat = 0; flat < count; ++flat) {
+  for (int flat = 0; flat < all_cells; ++flat) {
     if (compact[flat] < 0) continue;
-    std::array<int, D> cell;
-    for (int c = 0, rest = flat; c < D; ++c, rest /= cells[c - 1]) cell[c] = rest % cells[c];
+    const std::array<int, D> cell = coordinates_of(flat);
     for (int corner = 0; corner < corners; ++corner) {
       std::array<int, D> node = cell;
       for (int c = 0; c < D; ++c) node[c] += (corner >> c) & 1;
-      const int number = node_at(level, node);
-      cell_node_[compact[flat]][corner] = number;
-      node_cell_[number][corner] = compact[flat];
+      cell_node_[compact[flat]][corner] = node_at(level, node);
     }
   }
   cell_particle_.resize(filled);
@@ -168,6 +149,20 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
   next.assign(cell_start_.begin(), cell_start_.end() - 1);
   for (int i = 0; i < n; ++i)
     if (cell_of[i] >= 0) cell_particle_[next[compact[cell_of[i]]]++] = i;
+  split_places(cells);
+  connect(level);
+  node_cell_.resize(level.nodes());
+  for (auto& cells_around : node_cell_) cells_around.fill(-1);
+  further_cells_.clear();
+  for (int cell = 0; cell < used; ++cell)
+    for (int corner = 0; corner < corners; ++corner) {
+      const int number = cell_node_[cell][corner];
+      int& place = node_cell_[number][corner];
+      if (place < 0)
+        place = cell;
+      else
+        further_cells_.push_back({number, corner, cell});
+    }
 
   // Element matrices cell by cell, then rows by gathering from the cells around each node.
   auto& element = element_;
@@ -207,16 +202,21 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
         element[cell][a * corners + b] = static_cast<float>(sum[std::min(a, b) * corners + std::max(a, b)]);
   }
   level.row.assign(level.nodes(), {});
-  for (std::size_t node = 0; node < level.nodes(); ++node)
-    for (int a = 0; a < corners; ++a) {
-      const int cell = node_cell_[node][a];
-      if (cell < 0) continue;
-      for (int b = 0; b < corners; ++b) {
-        std::array<int, D> offset;
-        for (int c = 0; c < D; ++c) offset[c] = ((b >> c) & 1) - ((a >> c) & 1);
-        level.row[node][stencil_entry<D>(offset)] += element[cell][a * corners + b];
-      }
+  const auto add_cell = [&](int node, int a, int cell) {
+    for (int b = 0; b < corners; ++b) {
+      std::array<int, D> offset;
+      for (int c = 0; c < D; ++c) offset[c] = ((b >> c) & 1) - ((a >> c) & 1);
+      const float value = element[cell][a * corners + b];
+      if (level.by_split.empty() || !level.by_split[node])
+        level.row[node][stencil_entry<D>(offset)] += value;
+      else
+        add_entry(level, node, offset, cell_node_[cell][b], value);
     }
+  };
+  for (std::size_t node = 0; node < level.nodes(); ++node)
+    for (int a = 0; a < corners; ++a)
+      if (node_cell_[node][a] >= 0) add_cell(static_cast<int>(node), a, node_cell_[node][a]);
+  for (const auto& [node, a, cell] : further_cells_) add_cell(node, a, cell);
   finish(level);
 }
 
@@ -230,24 +230,46 @@ int Multigrid<D>::node_at(const Level& level, std::array<int, D> at) {
 }
 
 template <int D>
+int Multigrid<D>::color_of(const Level& level, int node) {
+  const auto& at = level.coordinate[node];
+  int color = 0;
+  for (int c = D - 1; c >= 0; --c) {
+    const bool last_of_odd = level.periodic[c] && level.size[c] % 2 == 1 && level.size[c] > 1 && at[c] == level.size[c] - 1;
+    color = color * 3 + (last_of_odd ? 2 : at[c] & 1);
+  }
+  return color;
+}
+
+template <int D>
 void Multigrid<D>::connect(Level& level) {
+  mark_by_split(level);
+  level.further_entries.clear();
   level.neighbour.resize(level.nodes());
   for (auto& nodes : level.color) nodes.clear();
-  for (std::size_t node = 0; node < level.nodes(); ++node) {
-    const auto& at = level.coordinate[node];
-    int color = 0;
-    for (int c = D - 1; c >= 0; --c) {
-      const bool last_of_odd = level.periodic[c] && level.size[c] % 2 == 1 && level.size[c] > 1 && at[c] == level.size[c] - 1;
-      color = color * 3 + (last_of_odd ? 2 : at[c] & 1);
+  for (int node = 0; node < static_cast<int>(level.nodes()); ++node) {
+    level.color[color_of(level, node)].push_back(node);
+    if (!level.by_split.empty() && level.by_split[node]) {
+      level.neighbour[node].fill(undecided);
+      continue;
     }
-    level.color[color].push_back(static_cast<int>(node));
     for (int s = 0; s < stencil; ++s) {
       auto other = stencil_offset<D>(s);
-      for (int c = 0; c < D; ++c) other[c] += at[c];
+      for (int c = 0; c < D; ++c) other[c] += level.coordinate[node][c];
       const int number = node_at(level, other);
-      level.neighbour[node][s] = number < 0 ? static_cast<int>(node) : number;
+      level.neighbour[node][s] = number < 0 ? node : number;
     }
   }
+}
+
+template <int D>
+void Multigrid<D>::add_entry(Level& level, int row, const std::array<int, D>& offset, int column, float value) {
+  const int s = stencil_entry<D>(offset);
+  int& neighbour = level.neighbour[row][s];
+  if (neighbour == undecided) neighbour = column;
+  if (neighbour == column)
+    level.row[row][s] += value;
+  else
+    level.further_entries.push_back({row, column, value});
 }
 
 template <int D>
@@ -258,6 +280,29 @@ void Multigrid<D>::finish(Level& level) {
     float& diagonal = level.row[node][centre];
     diagonal *= 1 + diagonal_shift;
     level.inverse_diagonal[node] = diagonal > 0 ? 1 / diagonal : 0;
+  }
+  for (auto& rows : level.further_rows) rows.clear();
+  if (!level.by_split.empty()) {
+    for (std::size_t node = 0; node < level.nodes(); ++node)
+      for (int& neighbour : level.neighbour[node])
+        if (neighbour == undecided) neighbour = static_cast<int>(node);
+    auto& entries = level.further_entries;
+    std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+      return a.row != b.row ? a.row < b.row : a.column != b.column ? a.column < b.column : a.value < b.value;
+    });
+    std::size_t kept = 0;
+    for (const Entry& entry : entries) {
+      if (kept > 0 && entries[kept - 1].row == entry.row && entries[kept - 1].column == entry.column)
+        entries[kept - 1].value += entry.value;
+      else
+        entries[kept++] = entry;
+    }
+    entries.resize(kept);
+    for (std::size_t first = 0, last; first < kept; first = last) {
+      for (last = first; last < kept && entries[last].row == entries[first].row;) ++last;
+      level.further_rows[color_of(level, entries[first].row)].push_back(
+          {entries[first].row, static_cast<int>(first), static_cast<int>(last)});
+    }
   }
   for (auto* v : {&level.x, &level.b, &level.residual}) v->assign(level.nodes(), 0);
 }
@@ -307,6 +352,7 @@ void Multigrid<D>::build_next(const Level& fine, Level& coarse) {
       parents.parent_weight[node][corner] = weight;
       parents.parent[node][corner] = weight > 0 ? coarse.map[flat_index<D>(parent, coarse.size)] : -1;
     }
+  split_coarse_places(parents, coarse, halved);
   connect(coarse);
 
   // Galerkin product P^T A P. Which entries of the fine row go where depends on the parities of the node alone.
@@ -341,7 +387,22 @@ void Multigrid<D>::build_next(const Level& fine, Level& coarse) {
                                             static_cast<std::uint8_t>(stencil_entry<D>(entry)), weight};
         }
   coarse.row.assign(coarse.nodes(), {});
-  for (std::size_t a = 0; a < fine.nodes(); ++a) {
+  const auto is_by_split = [](const Level& level, int node) { return !level.by_split.empty() && level.by_split[node]; };
+  for (int a = 0; a < static_cast<int>(fine.nodes()); ++a) {
+    bool by_split = is_by_split(fine, a);
+    for (int parent : fine.parent[a]) by_split = by_split || (parent >= 0 && is_by_split(coarse, parent));
+    if (by_split) {
+      for_entries(fine, a, [&](int b, float value) {
+        for (int ca = 0; ca < corners; ++ca)
+          for (int cb = 0; cb < corners; ++cb) {
+            const int row = fine.parent[a][ca], column = fine.parent[b][cb];
+            if (row < 0 || column < 0) continue;
+            add_entry(coarse, row, step_between<D>(coarse.coordinate[row], coarse.coordinate[column], coarse.size), column,
+                      fine.parent_weight[a][ca] * fine.parent_weight[b][cb] * value);
+          }
+      });
+      continue;
+    }
     int parity = 0;
     for (int c = 0; c < D; ++c) parity |= (halved[c] && (fine.coordinate[a][c] & 1)) << c;
     for (int k = 0; k < count[parity]; ++k) {
@@ -366,7 +427,16 @@ void Multigrid<D>::smooth(Level& level, bool forward) {
       for (int s = 0; s < stencil; ++s) sum -= row[s] * level.x[neighbour[s]];
       level.x[node] += sum * level.inverse_diagonal[node];
     }
+    for (const auto& [row, first, last] : level.further_rows[forward ? k : colors - 1 - k])
+      level.x[row] -= level.inverse_diagonal[row] * further_product(level, first, last);
   }
+}
+
+template <int D>
+float Multigrid<D>::further_product(const Level& level, int first, int last) {
+  float sum = 0;
+  for (int k = first; k < last; ++k) sum += level.further_entries[k].value * level.x[level.further_entries[k].column];
+  return sum;
 }
 
 template <int D>
@@ -378,6 +448,8 @@ void Multigrid<D>::compute_residual(Level& level) {
     for (int s = 0; s < stencil; ++s) sum -= level.row[node][s] * level.x[level.neighbour[node][s]];
     level.residual[node] = sum;
   }
+  for (const auto& rows : level.further_rows)
+    for (const auto& [row, first, last] : rows) level.residual[row] -= further_product(level, first, last);
 }
 
 template <int D>
@@ -441,6 +513,7 @@ void Multigrid<D>::apply(const std::vector<double>& r, std::vector<double>& z) {
       if (node_cell_[node][corner] >= 0) sum += cell_sum_[node_cell_[node][corner]][corner];
     finest.b[node] = sum;
   }
+  for (const auto& [node, corner, cell] : further_cells_) finest.b[node] += cell_sum_[cell][corner];
   cycle(0);
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (std::ptrdiff_t cell = 0; cell < cells; ++cell)

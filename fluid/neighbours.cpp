@@ -151,6 +151,7 @@ void find_neighbours(const Constants<D>& constants, const Period<D>& period, con
   const int n = static_cast<int>(position.size());
   const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
   for (auto* v : {&result.begin, &result.count}) v->resize(n);
+  result.beside_body.clear();
   result.number_density.resize(n);
   result.moment.resize(n);
   result.kernel_gradient.resize(n);
@@ -275,6 +276,7 @@ void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& per
       complete_row<decltype(periodic)::value, D>(constants, period, position, i, kept, neighbours.row_offset[0], neighbours);
     });
   }
+  neighbours.beside_body.insert(neighbours.beside_body.end(), affected.begin(), affected.end());
 }
 
 #define TERN_INSTANTIATE(D)                                                                                            \

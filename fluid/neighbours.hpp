@@ -26,6 +26,8 @@ struct Neighbours {
   std::vector<Vector<D>> kernel_gradient;          ///< sum V grad w [1/m]
   std::vector<Vector<D>> concentration_gradient;   ///< sum V (1 + 0.2 (w/w(dx))^4) grad w [1/m]
 
+  std::vector<int> beside_body;  ///< particles that see a two-sided face or have lost a pair to one
+
   // Scratch of the search and of the cutting, kept so that a step allocates nothing.
   /// What a particle sees of two-sided faces: the normal of one of them, how far the others deviate from it, and its
   /// smallest height above their planes.

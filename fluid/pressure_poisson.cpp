@@ -78,7 +78,7 @@ void Fluid<D>::solve_pressure_poisson() {
   const double tolerance = constants_.numerics.pressure_tolerance;
   solve_ = {};
   if (constants_.numerics.preconditioner == Preconditioner::multigrid) {
-    multigrid_.build(matrix_, predicted_position_, active_, constants_.spacing, constants_.volume);
+    multigrid_.build(matrix_, predicted_position_, active_, neighbours_.beside_body, constants_.spacing, constants_.volume);
     const auto multigrid = [&](const std::vector<double>& r, std::vector<double>& z) {
       multigrid_.apply(r, z);
       if (pools_.any()) pools_.subtract_means(z);

@@ -2,6 +2,8 @@
 // Scenes and states the fluid tests share, built by hand. Density 1000 kg/m^3, gravity 9.81 m/s^2 unless said
 // otherwise.
 
+#include <cmath>
+#include <numbers>
 #include <random>
 
 #include "fluid/fluid.hpp"
@@ -79,6 +81,34 @@ inline Case dam_break_on_block(int dimension, double spacing) {
                {tank({0, 0, 0}, {0.8, 1, depth}), obstacle({0.5, 0, side}, {0.54, 0.08, depth - side})});
 }
 
+/// A tank of 0.8 m x 0.6 m (3D: 0.2 m deep) in two by a plate of `thickness` up to the height `top`, water of 0.2 m on one
+/// side of it and of 0.1 m on the other, as high on both where the plate ends below. `bend`: how far the plate bulges (2D) [m].
+inline Case parted_tank(int dimension, double spacing, double thickness, double top, double bend = 0) {
+  const double depth = dimension == 3 ? 0.2 : 0, foot = -0.1, middle = 0.4, end = top < 0.2 ? 0.2 : 0.1;
+  WallCase plate = obstacle({middle, foot, 0}, {middle + thickness, top, depth});
+  Shape left = box({0, 0, 0}, {middle, 0.2, depth}), right = box({middle + thickness, 0, 0}, {0.8, end, depth});
+  std::vector<Shape> waters = {left, right};
+  if (top < 0.2) waters.push_back(box({middle, top, 0}, {middle + thickness, 0.2, depth}));
+  if (bend > 0) {
+    const auto face = [&](double offset, double y) {
+      return std::array<double, 2>{middle + offset + bend * std::sin(std::numbers::pi * y / 0.2), y};
+    };
+    constexpr int pieces = 60;
+    const auto add = [&](Shape& shape, double offset, double from, double to) {
+      shape.kind = Shape::Kind::polygon;
+      for (int k = 0; k <= pieces; ++k) shape.vertices.push_back(face(offset, from + (to - from) * k / pieces));
+    };
+    add(plate.shape, thickness, foot, top);
+    add(plate.shape, 0, top, foot);
+    waters.assign(2, {});
+    add(waters[0], 0, 0, 0.2);
+    waters[0].vertices.insert(waters[0].vertices.end(), {{0, 0.2}, {0, 0}});
+    add(waters[1], thickness, end, 0);
+    waters[1].vertices.insert(waters[1].vertices.end(), {{0.8, 0}, {0.8, end}});
+  }
+  return scene(dimension, spacing, waters, {tank({0, 0, 0}, {0.8, 0.6, depth}), plate});
+}
+
 /// Moves every particle by up to `size` spacings in each direction.
 template <int D>
 void jitter(Fluid<D>& fluid, double size, std::mt19937& random) {
@@ -130,6 +160,19 @@ struct Iterations {
   }
   double mean() const { return sum / std::max(count, 1); }
 };
+
+/// Over twelve steps from 2 % disorder, as long as the fluid proposes.
+template <int D>
+Iterations count_iterations_from_disorder(Fluid<D>& fluid) {
+  std::mt19937 random(20240119);
+  jitter(fluid, 0.02, random);
+  Iterations iterations;
+  for (int k = 0; k < 12; ++k) {
+    step(fluid, fluid.propose_step().seconds);
+    iterations.add(fluid.last_solve().iterations);
+  }
+  return iterations;
+}
 
 template <int D>
 Iterations count_iterations(Fluid<D>& fluid, double until) {
