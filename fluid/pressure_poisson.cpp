@@ -1,12 +1,12 @@
 // Pressure Poisson equation (seed paper eq. 2 with the sign a projection needs), rows scaled by V_i:
-//   sum_j a_ij (p_i - p_j) + c_i p_i = -(rho/dt) V_i (div_i(u*) - s_i) + sum_k kappa_ik p^_k
+//   sum_j a_ij (p_i - p_j) + c_i p_i = -(rho/dt) V_i (div_i(u*) - s_i) + sum_k kappa_ik (p^_k - rho g.(x_k - x_i))
 //   a_ij  = V_i V_j K_ij,  K = 2 |w'|/r                        (Cummins & Rudman 1999)
 //   c_i   = V_i f_i K_full + sum_k kappa_ik + sum_spray a_ij
 // Free surface: the missing part f_i = 1 - tr M_i / D of a support acts as neighbours at p = 0. Unlike p = 0 on marked
 // particles this never switches a particle between two kinds of row, and the matrix keeps one size. Fluid that fills its
 // enclosure has no surface (sealed.hpp).
 // Walls and structure are no unknowns: their flux is in div(u*). The structure yields to an increment of pressure,
-// du_k = -dt (p - p^_k)/m_k n_k, which inserted in div(u^{n+1}) gives kappa_ik = 2 rho V_i A_k w~_ik / m_k.
+// du_k = -dt (p + rho g.(x_k - x_i) - p^_k)/m_k n_k, which inserted in div(u^{n+1}) gives kappa_ik = 2 rho V_i A_k w~_ik / m_k.
 
 #include <algorithm>
 
@@ -47,7 +47,9 @@ void Fluid<D>::assemble_pressure_poisson(const DissipativeLoad<D>& load) {
       if (load.robin_mass[k] > 0) {
         const double kappa = 2 * density * volume * surface_rows_.weight[entry] / load.robin_mass[k];
         constant += kappa;
-        b += kappa * load.reference_pressure[k];
+        // The face answers the pressure at the face: that of the particle and the weight of the fluid between.
+        const double between = density * gravity_[i].dot(surface_.position[k] - predicted_position_[i]);
+        b += kappa * (load.reference_pressure[k] - between);
       }
     }
     const int* column = neighbours_.column.data() + first;
