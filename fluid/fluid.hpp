@@ -149,7 +149,6 @@ class Fluid {
   std::vector<Matrix<D>> fluid_correction_;  ///< C^F = (M^F)^-1 over fluid neighbours alone; 0 where these are too few
   std::vector<std::uint8_t> has_gradient_;   ///< C^F is not 0
   std::vector<double> trace_;              ///< tr M / D in [0, 1]
-  std::vector<double> smallest_eigenvalue_;
   std::vector<Flag> flag_;
   std::vector<std::uint8_t> active_;       ///< unknown of the pressure equation
   std::vector<std::uint8_t> near_surface_, near_spray_;  ///< a neighbour is not interior; is no unknown
