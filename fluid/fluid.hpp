@@ -125,7 +125,7 @@ class Fluid {
   double gravity_size_ = 0, speed_floor_ = 0, speed_limit_ = 0;
   Walls<D> walls_;
   FaceFinder<D> wall_finder_, surface_finder_;
-  std::vector<double> space_before_walls_;  ///< per patch, see boundary.hpp
+  std::vector<double> space_before_walls_;  ///< per patch, negative: not known; see boundary.hpp
   Faces<D> surface_;
   State<D> state_;
   double begin_s_ = 0, duration_s_ = 0;
