@@ -261,8 +261,8 @@ void Fluid<D>::remove_escaped() {
 template <int D>
 void Fluid<D>::check_finite() const {
   const double fastest = ordered_max(static_cast<std::ptrdiff_t>(state_.size()), 0.0,
-                                     [&](std::ptrdiff_t i) { return predicted_velocity_[i].norm(); });
-  if (fastest < speed_limit_) return;
+                                     [&](std::ptrdiff_t i) { return predicted_velocity_[i].squaredNorm(); });
+  if (std::sqrt(fastest) < speed_limit_) return;
   for (std::size_t i = 0; i < state_.size(); ++i) {
     const double speed = predicted_velocity_[i].norm();
     if (speed < speed_limit_) continue;
