@@ -7,6 +7,7 @@
 
 #include <vector>
 
+#include "particles/face_kernel.hpp"
 #include "particles/faces.hpp"
 #include "particles/interface.hpp"
 

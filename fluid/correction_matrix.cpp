@@ -21,20 +21,18 @@ void Fluid<D>::correct_moments() {
   fluid_correction_.resize(n);
   has_gradient_.resize(n);
   trace_.resize(n);
-  smallest_eigenvalue_.resize(n);
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (std::ptrdiff_t i = 0; i < n; ++i) {
     const Matrix<D> m = neighbours_.moment[i] + boundary_.moment[i];
     trace_[i] = m.trace() / D;
-    smallest_eigenvalue_[i] = smallest_eigenvalue<D>(m);
-    has_gradient_[i] = smallest_eigenvalue<D>(neighbours_.moment[i]) >= least_eigenvalue;
+    has_gradient_[i] = eigenvalues_reach<D>(neighbours_.moment[i], least_eigenvalue);
     fluid_correction_[i] = has_gradient_[i] ? Matrix<D>(neighbours_.moment[i].inverse()) : Matrix<D>::Zero();
     if (wall_rows_.count[i] == 0 && surface_rows_.count[i] == 0) {
       correction_[i] = has_gradient_[i] ? fluid_correction_[i] : Matrix<D>::Identity();
       continue;
     }
     const Matrix<D> across = m - boundary_.tangential[i];
-    const bool trusted = smallest_eigenvalue<D>(0.5 * (across + across.transpose())) >= least_eigenvalue;
+    const bool trusted = eigenvalues_reach<D>(0.5 * (across + across.transpose()), least_eigenvalue);
     correction_[i] = trusted ? Matrix<D>(across.inverse()) : Matrix<D>::Identity();
   }
 }

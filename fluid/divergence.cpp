@@ -13,16 +13,6 @@
 namespace tern::fluid {
 namespace {
 
-template <int D>
-double through_faces(const Faces<D>& faces, const FaceRows& rows, std::ptrdiff_t i, const Vector<D>& u) {
-  double sum = 0;
-  for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry) {
-    const int k = rows.face[entry];
-    sum -= 2 * rows.weight[entry] * faces.normal[k].dot(faces.velocity[k] - u);
-  }
-  return sum;
-}
-
 /// tr(A B)
 template <int D>
 double trace_of_product(const Matrix<D>& a, const Matrix<D>& b) {
@@ -41,15 +31,13 @@ void Fluid<D>::compute_divergence() {
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
     for (std::ptrdiff_t i = 0; i < n; ++i) {
       const Matrix<D> sum = velocity_gradient_sum(neighbours_, period, motion_, i);
-      const bool at_wall = wall_rows_.count[i] > 0, at_structure = surface_rows_.count[i] > 0;
-      if (!at_wall && !at_structure) {
+      if (wall_rows_.count[i] == 0 && surface_rows_.count[i] == 0) {
         divergence_[i] = sum_form_[i] ? sum.trace() : trace_of_product<D>(sum, fluid_correction_[i]);
         continue;
       }
-      double divergence = sum.trace() + trace_of_product<D>(boundary_.tangential[i], sum * fluid_correction_[i]);
-      if (at_wall) divergence += through_faces<D>(walls_.faces(), wall_rows_, i, predicted_velocity_[i]);
-      if (at_structure) divergence += through_faces<D>(surface_, surface_rows_, i, predicted_velocity_[i]);
-      divergence_[i] = divergence;
+      const double through_faces =
+          boundary_.flux[i] + predicted_velocity_[i].dot(boundary_.wall_gradient[i] + boundary_.surface_gradient[i]);
+      divergence_[i] = sum.trace() + trace_of_product<D>(boundary_.tangential[i], sum * fluid_correction_[i]) - 2 * through_faces;
     }
   });
 }

@@ -29,11 +29,13 @@ class EdgeMatrix {
     const int slices = (n + slice - 1) / slice;
     start_.resize(slices + 1);
     start_[0] = 0;
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
     for (int s = 0; s < slices; ++s) {
       int longest = 0;
       for (int i = s * slice; i < std::min(n, (s + 1) * slice); ++i) longest = std::max(longest, length(i));
-      start_[s + 1] = start_[s] + static_cast<std::size_t>(longest) * slice;
+      start_[s + 1] = static_cast<std::size_t>(longest) * slice;
     }
+    for (int s = 0; s < slices; ++s) start_[s + 1] += start_[s];
     if (column_.size() < start_[slices]) {
       column_.resize(start_[slices] + start_[slices] / 8);
       edge_.resize(column_.size());

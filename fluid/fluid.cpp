@@ -66,7 +66,7 @@ Fluid<D>::Fluid(const Case& scene)
   speed_limit_ = 1000 * (reference > 0 ? reference : 1.0);
   set_state(std::move(state));
   wall_finder_.fill(walls_.faces(), constants_.faces.support());
-  space_before_walls<D>(constants_, walls_.faces(), wall_finder_, space_before_walls_);
+  space_before_walls_.assign(walls_.faces().size(), -1);
 }
 
 template <int D>

@@ -125,7 +125,7 @@ class Fluid {
   double gravity_size_ = 0, speed_floor_ = 0, speed_limit_ = 0;
   Walls<D> walls_;
   FaceFinder<D> wall_finder_, surface_finder_;
-  std::vector<double> space_before_walls_;  ///< per patch, see boundary.hpp
+  std::vector<double> space_before_walls_;  ///< per patch, negative: not known; see boundary.hpp
   Faces<D> surface_;
   State<D> state_;
   double begin_s_ = 0, duration_s_ = 0;
@@ -149,7 +149,6 @@ class Fluid {
   std::vector<Matrix<D>> fluid_correction_;  ///< C^F = (M^F)^-1 over fluid neighbours alone; 0 where these are too few
   std::vector<std::uint8_t> has_gradient_;   ///< C^F is not 0
   std::vector<double> trace_;              ///< tr M / D in [0, 1]
-  std::vector<double> smallest_eigenvalue_;
   std::vector<Flag> flag_;
   std::vector<std::uint8_t> active_;       ///< unknown of the pressure equation
   std::vector<std::uint8_t> near_surface_, near_spray_;  ///< a neighbour is not interior; is no unknown

@@ -1,12 +1,8 @@
 #include "fluid/neighbours.hpp"
 
-#include <bit>
-
-#ifdef __AVX2__
-#include <immintrin.h>
-#endif
 #include <omp.h>
 
+#include "particles/near_points.hpp"
 #include "particles/parallel.hpp"
 
 namespace tern::fluid {
@@ -15,57 +11,7 @@ namespace {
 /// Entries a row may have at most per unit of expected neighbours; denser clumps make the arrays grow.
 constexpr int initial_row_length(int dimension) { return dimension == 2 ? 34 : 130; }
 
-constexpr int lanes = 8;     ///< candidates tested at a time; columns are written as many at a time
 constexpr int row_unit = 4;  ///< rows are filled up to a whole number of it with the particle itself at weight 0
-
-#ifdef __AVX2__
-/// Row m: the places of the bits set in m, in ascending order; what follows them is of no account.
-constexpr auto set_bits = [] {
-  std::array<std::array<std::uint8_t, lanes>, 1 << lanes> table{};
-  for (unsigned mask = 0; mask < table.size(); ++mask)
-    for (unsigned bit = 0, found = 0; bit < lanes; ++bit)
-      if (mask >> bit & 1) table[mask][found++] = static_cast<std::uint8_t>(bit);
-  return table;
-}();
-#endif
-
-/// Appends to `column`, which holds `found` neighbours of particle i so far, those of the particles first .. last - 1 that
-/// are nearer than the square root of `limit2` to x; returns the new number. Single precision: `limit2` allows for its
-/// errors, and a pair is kept from both ends or from none. May write up to `lanes` entries more than it keeps.
-template <int D>
-int keep_near(const std::array<std::vector<float>, D>& coordinate, int first, int last, int i, const std::array<float, D>& x,
-              const std::array<float, D>& shift, float limit2, int found, int* column) {
-#ifdef __AVX2__
-  __m256 centre[D], away[D];
-  for (int c = 0; c < D; ++c) centre[c] = _mm256_set1_ps(x[c]), away[c] = _mm256_set1_ps(shift[c]);
-  const __m256 limit = _mm256_set1_ps(limit2);
-  for (int k = first; k < last; k += lanes) {
-    __m256 distance2 = _mm256_setzero_ps();
-    for (int c = 0; c < D; ++c) {
-      const __m256 d = _mm256_sub_ps(_mm256_sub_ps(_mm256_loadu_ps(coordinate[c].data() + k), centre[c]), away[c]);
-      distance2 = _mm256_fmadd_ps(d, d, distance2);
-    }
-    unsigned near = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(distance2, limit, _CMP_LT_OQ)));
-    if (last - k < lanes) near &= (1u << (last - k)) - 1;
-    if (static_cast<unsigned>(i - k) < lanes) near &= ~(1u << (i - k));
-    const __m128i places = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(set_bits[near].data()));
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(column + found),
-                        _mm256_add_epi32(_mm256_set1_epi32(k), _mm256_cvtepu8_epi32(places)));
-    found += std::popcount(near);
-  }
-#else
-  for (int k = first; k < last; ++k) {
-    float distance2 = 0;
-    for (int c = 0; c < D; ++c) {
-      const float d = coordinate[c][k] - x[c] - shift[c];
-      distance2 += d * d;
-    }
-    column[found] = k;
-    found += (distance2 < limit2) & (k != i);
-  }
-#endif
-  return found;
-}
 
 /// Entries a row of n neighbours takes.
 constexpr int filled_up(int n) { return (n + row_unit - 1) & -row_unit; }
@@ -134,12 +80,17 @@ void complete_row(const Constants<D>& constants, const Period<D>& period, const 
   for (int k = n; k < filled; ++k) column[k] = i;
   result.count[i] = n;
   const Vector<D> x = position[i];
+  std::array<double*, D> values;
   for (int c = 0; c < D; ++c) {
     if (offset[c].size() < static_cast<std::size_t>(filled)) offset[c].resize(2 * filled);
-    double* values = offset[c].data();
-    for (int k = 0; k < n; ++k) values[k] = period.template between<periodic>(x[c], position[column[k]][c], c);
-    for (int k = n; k < filled; ++k) values[k] = 2 * constants.kernel.support();
+    values[c] = offset[c].data();
   }
+  for (int k = 0; k < n; ++k) {
+    const Vector<D> other = position[column[k]];
+    for (int c = 0; c < D; ++c) values[c][k] = period.template between<periodic>(x[c], other[c], c);
+  }
+  for (int c = 0; c < D; ++c)
+    for (int k = n; k < filled; ++k) values[c][k] = 2 * constants.kernel.support();
   sum_row<D>(constants, offset, i, result);
 }
 
@@ -161,15 +112,13 @@ void find_neighbours(const Constants<D>& constants, const Period<D>& period, con
   // Single precision, one array per axis, from the corner of the grid: the candidates of a row of cells are contiguous, so
   // their distances are computed many at a time.
   std::array<std::vector<float>, D>& coordinate = result.coordinate;
-  for (auto& values : coordinate) values.resize(n + lanes);
+  for (auto& values : coordinate) values.resize(n + near_lanes);
 #pragma omp parallel for schedule(static) num_threads(threads)
   for (int i = 0; i < n; ++i)
     for (int c = 0; c < D; ++c) coordinate[c][i] = static_cast<float>(position[i][c] - grid.origin()[c]);
   double extent = grid.extent();
   for (int c = 0; c < D; ++c) extent = std::max(extent, period.length(c));
-  // Each coordinate and shift is off by half a unit in the last place of the extent at most: 2^-24 of it.
-  const double limit = (1 + 1e-6) * constants.kernel.support() + std::sqrt(double(D)) * 0x3p-24 * extent;
-  const float limit2 = static_cast<float>(limit * limit);
+  const float limit2 = near_limit2<D>(constants.kernel.support(), extent);
 
   Vector<D> low = Vector<D>::Constant(1e300), high = -low;
   if (period.any())
@@ -202,7 +151,7 @@ void find_neighbours(const Constants<D>& constants, const Period<D>& period, con
           for (int c = 0; c < D; ++c) shift_single[c] = static_cast<float>(shift[c]);
           grid.for_rows_around(position[i] + shift, [&](int first_cell, int last_cell) {
             const int first = contents.start[first_cell], last = contents.start[last_cell + 1];
-            fits = fits && next + found + (last - first) + lanes <= part * (thread + 1);
+            fits = fits && next + found + (last - first) + near_lanes <= part * (thread + 1);
             if (fits) found = keep_near<D>(coordinate, first, last, i, x, shift_single, limit2, found, column);
           });
         };

@@ -45,6 +45,17 @@ struct Neighbours {
   Cutting cutting;
 };
 
+/// Calls add(sum, k) for the entries k of row i with the two sums in turns, so that one need not wait for the other. The last
+/// entry may be one that fills up the row.
+template <int D, class Sum, class Add>
+void for_row_in_turns(const Neighbours<D>& neighbours, std::ptrdiff_t i, Sum& even, Sum& odd, Add&& add) {
+  const int last = neighbours.begin[i] + neighbours.count[i];
+  for (int k = neighbours.begin[i]; k < last; k += 2) {
+    add(even, k);
+    add(odd, k + 1);
+  }
+}
+
 /// Finds pairs and sums for all particles at `position`, which must be sorted by `contents` of `grid` and lie within the
 /// period. A pair across its end has the column of the real particle and the weight of the nearest image.
 template <int D>

@@ -22,22 +22,21 @@ template <int D>
 void Fluid<D>::apply_pressure_gradient() {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
   const double theta = constants_.numerics.blend_theta, scale = -duration_s_ / constants_.density;
-  const Vector<D>* position = predicted_position_.data();
   const double* pressure = state_.pressure.data();
   period_.specialise([&](auto periodic) {
+    const PackedPeriod<decltype(periodic)::value, D> period(period_);
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
     for (std::ptrdiff_t i = 0; i < n; ++i) {
       if (!active_[i]) continue;
-      const Vector<D> x = position[i];
+      const Packed<D> x = motion_[i].position;  // as the divergence left them
       const double p = pressure[i];
-      Vector<D> difference = Vector<D>::Zero();
-      const int last = neighbours_.begin[i] + neighbours_.count[i];
-      for (int k = neighbours_.begin[i]; k < last; ++k) {
+      Packed<D> even = Packed<D>::Zero(), odd = Packed<D>::Zero();
+      for_row_in_turns(neighbours_, i, even, odd, [&](Packed<D>& sum, int k) {
         const int j = neighbours_.column[k];
-        const double weighted = neighbours_.weight[k] * (pressure[j] - p);
-        for (int c = 0; c < D; ++c)
-          difference[c] += weighted * period_.template between<decltype(periodic)::value>(x[c], position[j][c], c);
-      }
+        sum += neighbours_.weight[k] * (pressure[j] - p) * period.between(x, motion_[j].position);
+      });
+      Vector<D> difference;
+      for (int c = 0; c < D; ++c) difference[c] = even[c] + odd[c];
       const Vector<D> kernel_gradient = neighbours_.kernel_gradient[i] + boundary_.wall_gradient[i];
       if (wall_rows_.count[i] > 0 || surface_rows_.count[i] > 0) {
         if (sum_form_[i]) difference += boundary_.tangential[i] * (fluid_correction_[i] * difference);

@@ -71,9 +71,10 @@ void Fluid<D>::assemble_pressure_poisson(const DissipativeLoad<D>& load) {
 
 template <int D>
 void Fluid<D>::solve_pressure_poisson() {
-  const std::size_t n = state_.size();
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
   pressure_.assign(matrix_.padded_rows(), 0);
-  for (std::size_t i = 0; i < n; ++i) pressure_[i] = active_[i] ? state_.pressure[i] : 0;
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i) pressure_[i] = active_[i] ? state_.pressure[i] : 0;
 
   make_sealed_fluid_compatible();
 
@@ -96,7 +97,7 @@ void Fluid<D>::solve_pressure_poisson() {
     }
     const int before = solve_.iterations;
     const auto jacobi = [&](const std::vector<double>& r, std::vector<double>& z) {
-      for (std::size_t i = 0; i < n; ++i) z[i] = r[i] / matrix_.diagonal()[i];
+      for (std::ptrdiff_t i = 0; i < n; ++i) z[i] = r[i] / matrix_.diagonal()[i];
       if (pools_.any()) pools_.subtract_means(z);
     };
     solve_ = conjugate_gradient(matrix_, jacobi, source_, tolerance, jacobi_limit, pressure_, work_);
@@ -108,7 +109,8 @@ void Fluid<D>::solve_pressure_poisson() {
                            " iterations. A velocity has probably run away before; look at the last frames, or try a "
                            "smaller fluid.numerics.courant.");
   if (pools_.any()) pools_.subtract_means(pressure_);
-  for (std::size_t i = 0; i < n; ++i) state_.pressure[i] = pressure_[i];
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i) state_.pressure[i] = pressure_[i];
 }
 
 template void Fluid<2>::assemble_pressure_poisson(const DissipativeLoad<2>&);

@@ -14,15 +14,6 @@ namespace {
 
 constexpr double tolerated_volume_error = 1e-4;  ///< of a pool; more is worth a warning
 
-/// Volume that the faces seen by particle i push into the fluid per time, as the divergence counts it.
-template <int D>
-double pushed_by(const Faces<D>& faces, const FaceRows& rows, std::size_t i, double volume) {
-  double sum = 0;
-  for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry)
-    sum += 2 * volume * rows.weight[entry] * faces.normal[rows.face[entry]].dot(faces.velocity[rows.face[entry]]);
-  return sum;
-}
-
 }  // namespace
 
 void SealedPools::add_up(const std::vector<double>& values) {
@@ -117,9 +108,8 @@ void Fluid<D>::make_sealed_fluid_compatible() {
   if (!walls_.moving() && surface_.size() == 0) return;
   pools_.sum.assign(pools_.size.size(), 0);
   for (std::size_t i = 0; i < pools_.pool.size(); ++i) {
-    if (pools_.pool[i] < 0) continue;
-    pools_.sum[pools_.pool[i]] += pushed_by<D>(walls_.faces(), wall_rows_, i, constants_.volume) +
-                                  pushed_by<D>(surface_, surface_rows_, i, constants_.volume);
+    // What the faces seen by a particle push into the fluid per time, as the divergence counts it.
+    if (pools_.pool[i] >= 0) pools_.sum[pools_.pool[i]] += 2 * constants_.volume * boundary_.flux[i];
   }
   pools_.pushed.resize(initial_particles_, 0);
   int largest = -1;

@@ -15,6 +15,7 @@ constexpr double largest_shift = 0.1, largest_shift_at_structure = 0.05;  ///< i
 template <int D>
 void keep_off_faces(const Faces<D>& faces, const FaceRows& rows, std::ptrdiff_t i, const Vector<D>& x, double distance,
                     Vector<D>& shift) {
+  if (rows.height[i] > distance) return;
   for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry) {
     const int k = rows.face[entry];
     if (!touches<D>(faces.position[k], faces.normal[k], faces.area[k], x, distance)) continue;

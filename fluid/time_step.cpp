@@ -39,7 +39,7 @@ Band<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   if (walls_.moving()) {
     walls_.move_over(begin_s_, duration_s_);
     wall_finder_.fill(walls_.faces(), constants_.faces.support());
-    space_before_walls<D>(constants_, walls_.faces(), wall_finder_, space_before_walls_);
+    space_before_walls_.assign(walls_.faces().size(), -1);
   }
   surface_.position = surface.position;
   surface_.velocity = surface.velocity;
@@ -49,17 +49,17 @@ Band<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   surface_.two_sided.assign(surface.position.size(), 1);
   surface_finder_.fill(surface_, constants_.faces.support());
 
-  see_faces<D>(constants_, predicted_position_, walls_.faces(), wall_finder_, wall_rows_);
-  see_faces<D>(constants_, predicted_position_, surface_, surface_finder_, surface_rows_);
+  see_faces<D>(predicted_position_, walls_.faces(), wall_finder_, wall_rows_);
+  see_faces<D>(predicted_position_, surface_, surface_finder_, surface_rows_);
   if (!surface_rows_.face.empty()) {
     hide_walls_behind_structure();
     cut_pairs_through_faces<D>(constants_, period_, predicted_position_, surface_, surface_rows_, neighbours_);
   }
   if (walls_.any_two_sided())
     cut_pairs_through_faces<D>(constants_, period_, predicted_position_, walls_.faces(), wall_rows_, neighbours_);
-  leave_out_dry_walls<D>(constants_, predicted_position_, walls_.faces(), space_before_walls_, surface_, surface_finder_, wall_rows_);
-  boundary_.reset(state_.size());
-  add_wall_sums<D>(constants_, predicted_position_, gravity_, walls_.faces(), wall_rows_, boundary_);
+  leave_out_dry_walls<D>(constants_, predicted_position_, walls_.faces(), wall_finder_, space_before_walls_, surface_,
+                         surface_finder_, wall_rows_);
+  set_wall_sums<D>(constants_, predicted_position_, gravity_, walls_.faces(), wall_rows_, boundary_);
   add_surface_sums<D>(constants_, predicted_position_, surface_, surface_rows_, boundary_);
   correct_moments();
   mark_free_surface();
@@ -138,19 +138,24 @@ void Fluid<D>::predict() {
   gravity_.resize(n);
   predicted_velocity_.resize(n);
   predicted_position_.resize(n);
-  for (std::ptrdiff_t i = 0; i < n; ++i) predicted_position_[i] = state_.position[i] + 0.5 * duration_s_ * state_.velocity[i];
   const double middle = begin_s_ + 0.5 * duration_s_;
-  if (uniform_gravity_) {
-    std::fill(gravity_.begin(), gravity_.end(), gravity_at(middle, Vector<D>::Zero()));
-  } else {
-    for (std::ptrdiff_t i = 0; i < n; ++i) gravity_[i] = gravity_at(middle, predicted_position_[i]);
+  const Vector<D> everywhere = gravity_at(middle, Vector<D>::Zero());
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    predicted_position_[i] = state_.position[i] + 0.5 * duration_s_ * state_.velocity[i];
+    gravity_[i] = everywhere;
   }
+  // One expression cannot be evaluated by two threads.
+  if (!uniform_gravity_)
+    for (std::ptrdiff_t i = 0; i < n; ++i) gravity_[i] = gravity_at(middle, predicted_position_[i]);
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (std::ptrdiff_t i = 0; i < n; ++i) predicted_velocity_[i] = state_.velocity[i] + duration_s_ * gravity_[i];
 }
 
 template <int D>
 void Fluid<D>::wrap_into_period() {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (std::ptrdiff_t i = 0; i < n; ++i) {
     const Vector<D> shift = period_.into(predicted_position_[i]);
     predicted_position_[i] += shift;
@@ -160,14 +165,20 @@ void Fluid<D>::wrap_into_period() {
 
 template <int D>
 void Fluid<D>::sort_by_cell() {
-  const std::size_t n = state_.size();
-  Vector<D> low = predicted_position_[0], high = low;
-  for (const auto& x : predicted_position_) low = low.cwiseMin(x), high = high.cwiseMax(x);
-  grid_.reset(low, high, constants_.kernel.support());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
+  struct Box {
+    Vector<D> low, high;
+  };
+  const Box box = ordered_fold(
+      n, Box{predicted_position_[0], predicted_position_[0]},
+      [&](std::ptrdiff_t i) { return Box{predicted_position_[i], predicted_position_[i]}; },
+      [](const Box& a, const Box& b) { return Box{a.low.cwiseMin(b.low), a.high.cwiseMax(b.high)}; });
+  grid_.reset(box.low, box.high, constants_.kernel.support());
   contents_.template fill<D>(grid_, predicted_position_);
   const auto reorder = [&](auto& values, auto& scratch) {
     scratch.resize(n);
-    for (std::size_t i = 0; i < n; ++i) scratch[i] = values[contents_.order[i]];
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+    for (std::ptrdiff_t i = 0; i < n; ++i) scratch[i] = values[contents_.order[i]];
     values.swap(scratch);
   };
   for (auto* values : {&state_.position, &state_.velocity, &predicted_position_, &predicted_velocity_, &gravity_})
@@ -176,12 +187,15 @@ void Fluid<D>::sort_by_cell() {
   reorder(state_.id, sorted_labels_);
   reorder(state_.free_surface, sorted_marks_);
   // Particles now lie in cell order, so the cell lists are the identity.
-  for (std::size_t i = 0; i < n; ++i) contents_.order[i] = static_cast<int>(i);
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i) contents_.order[i] = static_cast<int>(i);
 }
 
 template <int D>
 void Fluid<D>::hide_walls_behind_structure() {
-  for (std::size_t i = 0; i < state_.size(); ++i) {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
     if (surface_rows_.count[i] == 0 || wall_rows_.count[i] == 0) continue;
     int kept = 0;
     for (int entry = wall_rows_.begin[i]; entry < wall_rows_.begin[i] + wall_rows_.count[i]; ++entry) {
@@ -190,9 +204,7 @@ void Fluid<D>::hide_walls_behind_structure() {
       for (int s = surface_rows_.begin[i]; !hidden && s < surface_rows_.begin[i] + surface_rows_.count[i]; ++s)
         hidden = patch_separates(surface_, surface_rows_.face[s], predicted_position_[i], wall);
       if (hidden) continue;
-      wall_rows_.face[wall_rows_.begin[i] + kept] = wall_rows_.face[entry];
-      wall_rows_.weight[wall_rows_.begin[i] + kept] = wall_rows_.weight[entry];
-      ++kept;
+      wall_rows_.face[wall_rows_.begin[i] + kept++] = wall_rows_.face[entry];
     }
     wall_rows_.count[i] = kept;
   }
@@ -201,24 +213,31 @@ void Fluid<D>::hide_walls_behind_structure() {
 template <int D>
 void Fluid<D>::count_leaks(const Faces<D>& faces, const FaceRows& rows) {
   // A particle that saw the front of a patch and now stands a quarter spacing behind it has gone through.
-  for (std::size_t i = 0; i < state_.size(); ++i)
-    for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry) {
-      if (!patch_separates(faces, rows.face[entry], predicted_position_[i], state_.position[i], 0.25 * constants_.spacing)) continue;
-      ++leaked_;
-      break;
-    }
+  const double depth = 0.25 * constants_.spacing;
+  leaked_ += ordered_reduce(static_cast<std::ptrdiff_t>(state_.size()), std::size_t{0}, [&](std::ptrdiff_t i) -> std::size_t {
+    if ((state_.position[i] - predicted_position_[i]).squaredNorm() < depth * depth) return 0;
+    for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry)
+      if (patch_separates(faces, rows.face[entry], predicted_position_[i], state_.position[i], depth)) return 1;
+    return 0;
+  });
 }
 
 template <int D>
 void Fluid<D>::remove_escaped() {
+  const auto outside = [&](const Vector<D>& x) {
+    return (x.array() < domain_min_.array()).any() || (x.array() > domain_max_.array()).any();
+  };
+  const std::size_t escaped =
+      ordered_reduce(static_cast<std::ptrdiff_t>(state_.size()), std::size_t{0}, [&](std::ptrdiff_t i) -> std::size_t {
+        Vector<D>& x = state_.position[i];
+        if (period_.any()) x += period_.into(x);
+        return outside(x);
+      });
+  if (escaped == 0) return;
+  removed_ += escaped;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < state_.size(); ++i) {
-    Vector<D>& x = state_.position[i];
-    if (period_.any()) x += period_.into(x);
-    if ((x.array() < domain_min_.array()).any() || (x.array() > domain_max_.array()).any()) {
-      ++removed_;
-      continue;
-    }
+    if (outside(state_.position[i])) continue;
     if (kept != i) {
       state_.position[kept] = state_.position[i];
       state_.velocity[kept] = state_.velocity[i];
@@ -229,7 +248,6 @@ void Fluid<D>::remove_escaped() {
     }
     ++kept;
   }
-  if (kept == state_.size()) return;
   if (kept == 0)
     throw NumericalFailure(fmt::format("All fluid has left the domain by t = {:.6g} s; enlarge [domain] or close the walls.",
                                        begin_s_ + duration_s_));
@@ -242,6 +260,9 @@ void Fluid<D>::remove_escaped() {
 
 template <int D>
 void Fluid<D>::check_finite() const {
+  const double fastest = ordered_max(static_cast<std::ptrdiff_t>(state_.size()), 0.0,
+                                     [&](std::ptrdiff_t i) { return predicted_velocity_[i].squaredNorm(); });
+  if (std::sqrt(fastest) < speed_limit_) return;
   for (std::size_t i = 0; i < state_.size(); ++i) {
     const double speed = predicted_velocity_[i].norm();
     if (speed < speed_limit_) continue;

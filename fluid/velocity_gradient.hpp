@@ -10,17 +10,17 @@ template <bool periodic, int D>
 Matrix<D> velocity_gradient_sum(const Neighbours<D>& neighbours, const PackedPeriod<periodic, D>& period,
                                 const std::vector<Motion<D>>& motion, std::ptrdiff_t i) {
   const Packed<D> x = motion[i].position, u = motion[i].velocity;
-  std::array<Packed<D>, D> column;
-  column.fill(Packed<D>::Zero());
-  const int last = neighbours.begin[i] + neighbours.count[i];
-  for (int k = neighbours.begin[i]; k < last; ++k) {
+  std::array<Packed<D>, D> even, odd;
+  even.fill(Packed<D>::Zero());
+  odd.fill(Packed<D>::Zero());
+  for_row_in_turns(neighbours, i, even, odd, [&](std::array<Packed<D>, D>& column, int k) {
     const Motion<D>& other = motion[neighbours.column[k]];
     const Packed<D> r = neighbours.weight[k] * period.between(x, other.position), jump = other.velocity - u;
     for (int b = 0; b < D; ++b) column[b] += jump * r[b];
-  }
+  });
   Matrix<D> sum;
   for (int b = 0; b < D; ++b)
-    for (int a = 0; a < D; ++a) sum(a, b) = column[b][a];
+    for (int a = 0; a < D; ++a) sum(a, b) = even[b][a] + odd[b][a];
   return sum;
 }
 

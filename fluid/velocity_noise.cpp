@@ -40,17 +40,16 @@ void Fluid<D>::damp_velocity_noise() {
       if (!has_gradient_[i]) continue;
       const Packed<D> x = motion_[i].position, u = motion_[i].velocity;
       const std::array<Packed<D>, D> own = half_gradient_[i];
-      Packed<D> change = Packed<D>::Zero();
-      const int last = neighbours_.begin[i] + neighbours_.count[i];
-      for (int k = neighbours_.begin[i]; k < last; ++k) {
+      Packed<D> even = Packed<D>::Zero(), odd = Packed<D>::Zero();
+      for_row_in_turns(neighbours_, i, even, odd, [&](Packed<D>& change, int k) {
         const int j = neighbours_.column[k];
         const Packed<D> r = period.between(x, motion_[j].position);
         Packed<D> jump = motion_[j].velocity - u;
         for (int b = 0; b < D; ++b) jump -= (own[b] + half_gradient_[j][b]) * r[b];
         const double exchange = has_gradient_[j] ? neighbours_.weight[k] * (jump * r).sum() : 0;
         change += exchange * r;
-      }
-      for (int c = 0; c < D; ++c) predicted_velocity_[i][c] += share * change[c];
+      });
+      for (int c = 0; c < D; ++c) predicted_velocity_[i][c] += share * (even[c] + odd[c]);
     }
   });
 }

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "particles/parallel.hpp"
 #include "particles/vector.hpp"
 
 namespace tern {
@@ -74,7 +75,9 @@ struct CellContents {
     start.assign(grid.count() + 1, 0);
     order.resize(n);
     cell.resize(n);
-    for (int i = 0; i < n; ++i) ++start[(cell[i] = grid.index(points[i])) + 1];
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+    for (int i = 0; i < n; ++i) cell[i] = grid.index(points[i]);
+    for (int i = 0; i < n; ++i) ++start[cell[i] + 1];
     for (int c = 0; c < grid.count(); ++c) start[c + 1] += start[c];
     for (int i = 0; i < n; ++i) order[start[cell[i]]++] = i;
     for (int c = grid.count(); c > 0; --c) start[c] = start[c - 1];

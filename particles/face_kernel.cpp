@@ -90,8 +90,8 @@ FaceKernel<D>::FaceKernel(const Kernel<D>& kernel, double spacing)
   const Polynomial moment = calibrate(&Layer::moment, &Layer::moment_cap);
 
   // Tables from the outside in: value at r = integral from r to the support.
-  density_.assign(table_size, 0);
-  moment_.assign(table_size, 0);
+  density_.assign(table_size + 1, 0);
+  moment_.assign(table_size + 1, 0);
   constexpr int substeps = 8;
   for (int k = table_size - 2; k >= 0; --k) {
     density_[k] = density_[k + 1];

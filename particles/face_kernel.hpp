@@ -15,6 +15,7 @@
 
 #include "particles/kernel.hpp"
 #include "particles/lattice_sums.hpp"
+#include "particles/polar_angle.hpp"
 #include "particles/vector.hpp"
 
 namespace tern {
@@ -39,11 +40,11 @@ class FaceKernel {
   using Polynomial = std::array<double, terms>;
   static double evaluate(const Polynomial& p, double s) { return p[0] + s * (p[1] + s * p[2]); }
 
+  /// Tables end with two zeros, at the support and beyond.
   double interpolate(const std::vector<double>& table, double r) const {
-    const double s = r * table_scale_;
-    const auto k = static_cast<std::size_t>(s);
-    if (k + 1 >= table.size()) return 0;
-    const double f = s - static_cast<double>(k);
+    const double s = std::min(r, support_) * table_scale_;
+    const int k = static_cast<int>(s);
+    const double f = s - k;
     return table[k] * (1 - f) + table[k + 1] * f;
   }
 
@@ -55,37 +56,45 @@ class FaceKernel {
 
 /// Angle (2D) or solid angle (3D) that a patch subtends at distance vector d = x_k - x_i (i on the side of the normal).
 /// Exact for a straight segment of length `area` in 2D, for a square of that area in 3D whose sides follow the
-/// coordinate axes as closely as the normal allows.
-template <int D>
-double subtended_angle(const Vector<D>& d, const Vector<D>& normal, double area) {
-  const double height = -d.dot(normal);
-  if (height <= 0) return 0;
+/// coordinate axes as closely as the normal allows. Without branches and calls, so that loops over patches are computed many
+/// at a time; `d` and `normal` are vectors, or arrays in such a loop.
+template <int D, class Distance, class Normal>
+[[gnu::always_inline]] inline double subtended_angle(const Distance& d, const Normal& normal, double area) {
   if constexpr (D == 2) {
+    const double height = -(d[0] * normal[0] + d[1] * normal[1]);
     // Between the directions to the two ends: tan = cross product / dot product.
     const double along = d[0] * -normal[1] + d[1] * normal[0];
-    return std::atan2(area * height, height * height + along * along - 0.25 * area * area);
+    const double angle = polar_angle(height * height + along * along - 0.25 * area * area, area * height);
+    return height > 0 ? angle : 0.0;
   } else {
-    int axis = 0;
-    for (int c = 1; c < 3; ++c)
-      if (std::abs(normal[c]) < std::abs(normal[axis])) axis = c;
-    const Vector<3> first = Vector<3>(Vector<3>::Unit(axis) - normal[axis] * normal).normalized();
-    const Vector<3> second = normal.cross(first);
-    const double half = 0.5 * std::sqrt(area), u = d.dot(first), v = d.dot(second);
-    // Signed sum of atan(a b / (height distance)) over the four corners (a, b), as the argument of a product of complex
+    // Sides: e, the axis most nearly along the patch less its part along the normal, and normal x e, both of the length
+    // `scale`. The angle does not change with the scale of all lengths, so the others take it on instead of a division. The
+    // sign of v does not matter.
+    const double height = -(d[0] * normal[0] + d[1] * normal[1] + d[2] * normal[2]);
+    const double cross[] = {d[1] * normal[2] - d[2] * normal[1], d[2] * normal[0] - d[0] * normal[2],
+                            d[0] * normal[1] - d[1] * normal[0]};
+    const bool second = std::abs(normal[1]) < std::abs(normal[0]);
+    double along = second ? d[1] : d[0], tilt = second ? normal[1] : normal[0], v = second ? cross[1] : cross[0];
+    const bool third = std::abs(normal[2]) < std::abs(tilt);
+    along = third ? d[2] : along, tilt = third ? normal[2] : tilt, v = third ? cross[2] : v;
+    const double scale = std::sqrt(1 - tilt * tilt);
+    const double u = along + tilt * height, half = 0.5 * scale * std::sqrt(area), level = scale * height;
+    // Signed sum of atan(a b / (level distance)) over the four corners (a, b), as the argument of a product of complex
     // numbers: one arc tangent in place of four.
     struct Complex {
       double re, im;
       Complex operator*(const Complex& o) const { return {re * o.re - im * o.im, re * o.im + im * o.re}; }
     };
-    const auto corner = [height](double a, double b, double sign) {
-      return Complex{height * std::sqrt(a * a + b * b + height * height), sign * a * b};
+    const auto corner = [level](double a, double b, double sign) {
+      return Complex{level * std::sqrt(a * a + b * b + level * level), sign * a * b};
     };
     const Complex product = corner(u + half, v + half, 1) * corner(u - half, v + half, -1) *
                             (corner(u + half, v - half, -1) * corner(u - half, v - half, 1));
-    const double angle = std::atan2(product.im, product.re);
+    const double angle = polar_angle(product.re, product.im);
     // Beyond pi only from close above the patch; elsewhere a negative angle is zero but for rounding.
-    const bool close_above = height < half && std::abs(u) < half && std::abs(v) < half;
-    return close_above && angle < 0 ? angle + 2 * std::numbers::pi : std::max(angle, 0.0);
+    const bool close_above = (level < half) & (std::abs(u) < half) & (std::abs(v) < half);
+    const double seen = angle >= 0 ? angle : close_above ? angle + 2 * std::numbers::pi : 0.0;
+    return height > 0 ? seen : 0.0;
   }
 }
 

@@ -2,6 +2,7 @@
 // C2 Wendland kernel (Wendland 1995; Dehnen & Aly 2012): w = sigma (1 - q/2)^4 (2q + 1), q = r/h < 2.
 // Its gradient is stored as the positive weight g(r) = -w'(r)/r, so that grad_i w_ij = g(r) (r_j - r_i) and r = 0 is harmless.
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -22,18 +23,13 @@ class Kernel {
 
   /// w(r) [1/m^D].
   double value(double r) const {
-    const double q = r * inverse_h_;
-    if (q >= 2) return 0;
-    const double s = 1 - 0.5 * q;
-    const double s2 = s * s;
+    const double q = r * inverse_h_, s = std::max(0.0, 1 - 0.5 * q), s2 = s * s;
     return sigma_ * s2 * s2 * (2 * q + 1);
   }
 
   /// -w'(r)/r >= 0 [1/m^(D+2)].
   double gradient_weight(double r) const {
-    const double q = r * inverse_h_;
-    if (q >= 2) return 0;
-    const double s = 1 - 0.5 * q;
+    const double s = std::max(0.0, 1 - 0.5 * r * inverse_h_);
     return gradient_scale_ * s * s * s;
   }
 

@@ -32,7 +32,10 @@ T ordered_fold(std::ptrdiff_t n, const T& initial, Term&& term, Combine&& combin
     for (std::ptrdiff_t block = 1; block < blocks; ++block) total = combine(total, fold_block(block));
     return total;
   }
-  std::vector<T> partial(static_cast<std::size_t>(blocks), initial);
+  // Kept from call to call: steps shall allocate nothing. The reference is to that of the calling thread.
+  thread_local std::vector<T> kept;
+  std::vector<T>& partial = kept;
+  partial.resize(static_cast<std::size_t>(blocks), initial);
 #pragma omp parallel for schedule(static)
   for (std::ptrdiff_t block = 0; block < blocks; ++block) partial[static_cast<std::size_t>(block)] = fold_block(block);
   T total = partial[0];
