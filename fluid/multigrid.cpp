@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Cholesky>
+
 #include "fluid/grid_stencil.hpp"
 
 namespace tern::fluid {
@@ -42,12 +44,14 @@ void Multigrid<D>::build(const EdgeMatrix& matrix, const std::vector<Vector<D>>&
 
   const Level& last = levels_.back();
   const auto n = static_cast<Eigen::Index>(last.nodes());
-  dense_.setZero(n, n);
+  coarsest_.assign(last.nodes() * last.nodes(), 0);
+  Eigen::Map<Eigen::MatrixXd> dense(coarsest_.data(), n, n);
   for (Eigen::Index a = 0; a < n; ++a)
     for (int s = 0; s < stencil; ++s)
-      if (last.row[a][s] != 0) dense_(a, last.neighbour[a][s]) += last.row[a][s];
-  for (const Entry& entry : last.further_entries) dense_(entry.row, entry.column) += entry.value;
-  coarsest_.compute(dense_);
+      if (last.row[a][s] != 0) dense(a, last.neighbour[a][s]) += last.row[a][s];
+  for (const Entry& entry : last.further_entries) dense(entry.row, entry.column) += entry.value;
+  Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> in_place(dense);
+  coarsest_solution_.resize(last.nodes());
 
   for (auto* v : {&r_, &z_, &az_}) v->assign(matrix.padded_rows(), 0);
 }
@@ -456,10 +460,13 @@ template <int D>
 void Multigrid<D>::cycle(std::size_t l) {
   Level& level = levels_[l];
   if (l + 1 == levels_.size()) {
-    Eigen::VectorXd b(static_cast<Eigen::Index>(level.nodes()));
-    for (Eigen::Index a = 0; a < b.size(); ++a) b[a] = level.b[a];
-    const Eigen::VectorXd x = coarsest_.solve(b);
-    for (Eigen::Index a = 0; a < b.size(); ++a) level.x[a] = static_cast<float>(x[a]);
+    const auto n = static_cast<Eigen::Index>(level.nodes());
+    const Eigen::Map<const Eigen::MatrixXd> factor(coarsest_.data(), n, n);
+    Eigen::Map<Eigen::VectorXd> x(coarsest_solution_.data(), n);
+    for (Eigen::Index a = 0; a < n; ++a) x[a] = level.b[a];
+    factor.template triangularView<Eigen::Lower>().solveInPlace(x);
+    factor.template triangularView<Eigen::Lower>().transpose().solveInPlace(x);
+    for (Eigen::Index a = 0; a < n; ++a) level.x[a] = static_cast<float>(x[a]);
     return;
   }
   std::fill(level.x.begin(), level.x.end(), 0.0f);

@@ -20,8 +20,7 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Cholesky>
-
+#include "fluid/connected_parts.hpp"
 #include "fluid/edge_matrix.hpp"
 #include "fluid/period.hpp"
 #include "particles/vector.hpp"
@@ -118,7 +117,7 @@ class Multigrid {
   Period<D> period_;
   const EdgeMatrix* matrix_ = nullptr;
   std::vector<Level> levels_;
-  Eigen::LLT<Eigen::MatrixXd> coarsest_;
+  std::vector<double> coarsest_, coarsest_solution_;  ///< Cholesky factor of the last level, column by column
   // Particles by grid cell, so that restriction gathers in a fixed order.
   std::vector<int> cell_start_, cell_particle_;
   std::vector<std::array<int, corners>> cell_node_;
@@ -133,7 +132,8 @@ class Multigrid {
   std::vector<int> cell_of_particle_, population_, compact_, next_;
   std::vector<int> home_of_further_cell_, suspect_cells_;    ///< cells of the grid, both in ascending order
   std::vector<std::array<float, corners * corners>> element_;
-  Eigen::MatrixXd dense_;
+  ConnectedParts parts_;
+  std::vector<int> around_, corner_of_;
 };
 
 }  // namespace tern::fluid

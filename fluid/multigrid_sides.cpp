@@ -14,34 +14,6 @@ namespace {
 /// being small: parts beyond this number share the last node.
 constexpr int most_nodes_at_a_place = 4;
 
-/// Connected parts of a few things, by union and find.
-class Parts {
- public:
-  void reset(int n) {
-    above_.resize(n);
-    std::iota(above_.begin(), above_.end(), 0);
-  }
-  void join(int a, int b) { above_[std::max(top(a), top(b))] = std::min(top(a), top(b)); }
-  /// Numbers the parts by their first member; afterwards number(a) < count().
-  void count_parts() {
-    count_ = 0;
-    number_.resize(above_.size());
-    for (int a = 0; a < static_cast<int>(above_.size()); ++a)
-      number_[a] = top(a) == a ? std::min(count_++, most_nodes_at_a_place - 1) : number_[top(a)];
-    count_ = std::min(count_, most_nodes_at_a_place);
-  }
-  int count() const { return count_; }
-  int number(int a) const { return number_[a]; }
-
- private:
-  int top(int a) const {
-    while (above_[a] != a) a = above_[a];
-    return a;
-  }
-  std::vector<int> above_, number_;
-  int count_ = 0;
-};
-
 /// Place of `value` in a short list, or -1.
 int place_in(const std::vector<int>& list, int value) {
   const auto found = std::find(list.begin(), list.end(), value);
@@ -79,8 +51,8 @@ void Multigrid<D>::split_cells(const std::vector<int>& beside_body, int cells) {
   for (int i = n - 1; i >= 0; --i)
     if (suspect_of(i) >= 0) member[--start[suspect_of(i) + 1]] = i;
   // start[k + 1] is now where cell k begins.
-  Parts parts;
-  std::vector<int> own;
+  auto& parts = parts_;
+  auto& own = around_;
   const int suspects = static_cast<int>(suspect_cells_.size());
   for (int k = 0; k < suspects; ++k) {
     const int first = start[k + 1], last = k + 2 <= suspects ? start[k + 2] : static_cast<int>(member.size());
@@ -90,7 +62,7 @@ void Multigrid<D>::split_cells(const std::vector<int>& beside_body, int cells) {
       matrix_->for_edges(own[a], [&](int j, float) {
         if (suspect_of(j) == k) parts.join(static_cast<int>(a), place_in(own, j));
       });
-    parts.count_parts();
+    parts.count_parts(most_nodes_at_a_place);
     const int before = cells + static_cast<int>(home_of_further_cell_.size()) - 1;
     home_of_further_cell_.insert(home_of_further_cell_.end(), parts.count() - 1, suspect_cells_[k]);
     for (std::size_t a = 0; a < own.size(); ++a)
@@ -111,8 +83,8 @@ void Multigrid<D>::split_places(const std::array<int, D>& cells) {
 
   int grid_cells = 1;
   for (int c = 0; c < D; ++c) grid_cells *= cells[c];
-  Parts parts;
-  std::vector<int> around, corner_of;
+  auto& parts = parts_;
+  auto &around = around_, &corner_of = corner_of_;
   for (int suspect : level.suspects) {
     around.clear();
     corner_of.clear();
@@ -141,7 +113,7 @@ void Multigrid<D>::split_places(const std::array<int, D>& cells) {
           const int b = place_in(around, compact_[cell_of_particle_[j]]);
           if (b >= 0) parts.join(static_cast<int>(a), b);
         });
-    parts.count_parts();
+    parts.count_parts(most_nodes_at_a_place);
     const int before = static_cast<int>(level.nodes()) - 1;
     for (int k = 1; k < parts.count(); ++k) {
       level.further.emplace_back(flat_index<D>(level.coordinate[suspect], level.size), static_cast<int>(level.nodes()));
@@ -162,8 +134,8 @@ void Multigrid<D>::split_coarse_places(Level& fine, Level& coarse, const std::ar
       if (parent >= 0) coarse.suspects.push_back(parent);
   sort_and_make_unique(coarse.suspects);
 
-  Parts parts;
-  std::vector<int> around, corner_of;
+  auto& parts = parts_;
+  auto &around = around_, &corner_of = corner_of_;
   for (int suspect : coarse.suspects) {
     around.clear();
     corner_of.clear();
@@ -189,7 +161,7 @@ void Multigrid<D>::split_coarse_places(Level& fine, Level& coarse, const std::ar
         const int b = place_in(around, other);
         if (b >= 0) parts.join(static_cast<int>(a), b);
       });
-    parts.count_parts();
+    parts.count_parts(most_nodes_at_a_place);
     const int before = static_cast<int>(coarse.nodes()) - 1;
     for (int k = 1; k < parts.count(); ++k) {
       coarse.further.emplace_back(flat_index<D>(coarse.coordinate[suspect], coarse.size), static_cast<int>(coarse.nodes()));

@@ -225,6 +225,7 @@ void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& per
       complete_row<decltype(periodic)::value, D>(constants, period, position, i, kept, neighbours.row_offset[0], neighbours);
     });
   }
+  neighbours.beside_body.reserve(n);
   neighbours.beside_body.insert(neighbours.beside_body.end(), affected.begin(), affected.end());
 }
 
