@@ -80,19 +80,62 @@ TEST(DeformationGradient, IsExactInAnAffinePatch) {
   affine_patch<3>();
 }
 
-// Seen to fail: with F^-1 in place of F^-T, P is 2 mu.
-TEST(Stress, VanishesUnderARotationByNinetyDegrees) {
-  const auto structure = block<3>(5);
-  const auto reference = build_reference<3>(structure);
+/// Largest error of F in a body under a displacement that is quadratic in X, relative to the largest |H|.
+template <int D>
+double quadratic_patch_error() {
+  const auto reference = build_reference<D>(block<D>(6));
   auto state = state_at_rest(reference, 0);
   auto work = workspace_for(reference);
-  set_rows<3>(reference, state.displacement,
-              [](const Vector<3>& x) { return Vector<3>(-x[1] - x[0], x[0] - x[1], 0.0); });
+  set_rows<D>(reference, state.displacement, [](const Vector<D>& x) {
+    Vector<D> d = 0.1 * x;
+    d[0] += 0.02 * x[0] * x[1] - 0.01 * x[1] * x[1];
+    d[D - 1] += 0.03 * x[0] * x[0] - 0.02 * x[0] * x[D - 1];
+    return d;
+  });
+  deformation_gradient(reference, state, work);
+  double error = 0, largest = 0;
+  for (const auto row : reference.particle_row) {
+    const Vector<D> x = reference.position_of(row);
+    Matrix<D> h = 0.1 * Matrix<D>::Identity();
+    h(0, 0) += 0.02 * x[1];
+    h(0, 1) += 0.02 * x[0] - 0.02 * x[1];
+    h(D - 1, 0) += 0.06 * x[0] - 0.02 * x[D - 1];
+    h(D - 1, D - 1) -= 0.02 * x[0];
+    largest = std::max(largest, h.norm());
+    error = std::max(error, (deformation_gradient_of<D>(work, row) - Matrix<D>::Identity() - h).norm());
+  }
+  return error / largest;
+}
+
+// At every particle, those of faces, edges and corners included. Seen to fail: with the linear basis alone, 0.2.
+TEST(DeformationGradient, IsExactInAQuadraticPatch) {
+  EXPECT_LT(quadratic_patch_error<2>(), 1e-12);
+  EXPECT_LT(quadratic_patch_error<3>(), 1e-12);
+}
+
+template <int D>
+double stress_under_a_right_angle_over_mu() {
+  const auto reference = build_reference<D>(block<D>(5));
+  auto state = state_at_rest(reference, 0);
+  auto work = workspace_for(reference);
+  set_rows<D>(reference, state.displacement, [](const Vector<D>& x) {
+    Vector<D> d = Vector<D>::Zero();
+    d[0] = -x[1] - x[0];
+    d[1] = x[0] - x[1];
+    return d;
+  });
   evaluate(reference, state, work);
-  const double mu = reference.bodies[0].material.mu;
+  double largest = 0;
   for (const auto row : reference.particle_row)
-    for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < 3; ++b) EXPECT_LT(std::abs(work.stress[a][b][row]), 1e-9 * mu);
+    for (int a = 0; a < D; ++a)
+      for (int b = 0; b < D; ++b) largest = std::max(largest, std::abs(work.stress[a][b][row]));
+  return largest / reference.bodies[0].material.mu;
+}
+
+// Seen to fail: with F^-1 in place of F^-T, P is 2 mu.
+TEST(Stress, VanishesUnderARotationByNinetyDegrees) {
+  EXPECT_LT(stress_under_a_right_angle_over_mu<2>(), 1e-9);
+  EXPECT_LT(stress_under_a_right_angle_over_mu<3>(), 1e-9);
 }
 
 // Small uniaxial strain: P_11 = (lambda + 2 mu) e, P_22 = lambda e. Seen to fail: with mu in place of lambda.
