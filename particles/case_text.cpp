@@ -102,8 +102,9 @@ std::string explain_text(const Case& scene) {
     for (std::size_t i = 0; i < e.bodies.size(); ++i) {
       const StructureBody& body = scene.structure->bodies[i];
       text += fmt::format(
-          "* The elastic body '{}': neo-Hookean{}, {} kg/m^3, E = {} Pa, Poisson's ratio {}, {:.3g} mm thick; {}.\n",
-          body.name, scene.dimension == 2 ? " in plane strain" : "", body.density, body.young_modulus,
+          "* The elastic body '{}': {}{}, {} kg/m^3, E = {} Pa, Poisson's ratio {}, {:.3g} mm thick; {}.\n",
+          body.name, body.law == MaterialLaw::neo_hookean ? "neo-Hookean" : "St Venant-Kirchhoff",
+          scene.dimension == 3 ? "" : body.plane_stress ? " in plane stress" : " in plane strain", body.density, body.young_modulus,
           body.poisson_ratio, 1e3 * e.bodies[i].thickness,
           body.clamps.empty() ? "free"
                               : fmt::format("{} of {} particles clamped", e.bodies[i].clamped, e.bodies[i].particles));

@@ -13,10 +13,12 @@ void advance_window(const Reference<D>& reference, Ticks duration, int sub_steps
     // The kick that ends a sub-step and the one that begins the next are the same force for half a step each.
     kick(reference, work, n == 0 ? 0.5 * dt : dt, state);
     drift(reference, dt, state);
+    state.clamp_work += 0.5 * dt * clamp_power(reference, state);            // by the forces at the begin of the drift
     deformation_gradient(reference, state, work);                            // F_i, and L_i for the reconstruction
-    first_piola_kirchhoff(reference, state, begin + (n + 1) * dt, work);     // P(F), seed paper eq. 4
+    first_piola_kirchhoff(reference, state, begin + (n + 1) * dt, work);     // P, Q of W(F, K)
     stabilising_forces(reference, dt, state, work);                          // Riemann diffusion, hourglass penalty
-    internal_force(reference, work, state);                                  // -dE/dx of sum V Psi(F)
+    internal_force(reference, work, state);                                  // -dE/dx of sum V W(F, K)
+    state.clamp_work += 0.5 * dt * clamp_power(reference, state);            // and at its end
   }
   kick(reference, work, 0.5 * dt, state);
   state.time += duration;

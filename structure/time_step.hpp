@@ -7,11 +7,11 @@
 
 namespace tern::structure {
 
-/// H_i = sum_j V_j (d_j - d_i) x g_ij and, when `work` is used by the diffusion, L_i likewise from the velocities.
+/// H_i = sum_j V_j (d_j - d_i) x g_ij, its derivatives K_i and, when `work` is used by the diffusion, L_i from the velocities.
 template <int D>
 void deformation_gradient(const Reference<D>& reference, const State<D>& state, Workspace<D>& work);
 
-/// P(F) of every row (seed paper eq. 4). Throws NumericalFailure when J <= 0 or not finite, naming particle and `time_s`.
+/// P and Q of every row. Throws NumericalFailure when J <= 0 or not finite, naming particle and `time_s`.
 template <int D>
 void first_piola_kirchhoff(const Reference<D>& reference, const State<D>& state, double time_s, Workspace<D>& work);
 
@@ -24,13 +24,17 @@ void stabilising_forces(const Reference<D>& reference, double dt, State<D>& stat
 template <int D>
 void internal_force(const Reference<D>& reference, const Workspace<D>& work, State<D>& state);
 
-/// v += dt (f_internal + f_external) / m; zero where clamped.
+/// v += dt (f_internal + f_external) / m, after the mass damping; unchanged where clamped.
 template <int D>
 void kick(const Reference<D>& reference, const Workspace<D>& work, double dt, State<D>& state);
 
 /// d += dt v.
 template <int D>
 void drift(const Reference<D>& reference, double dt, State<D>& state);
+
+/// Power of the clamps that move, sum of their reaction times their velocity [W/m^(3-D)].
+template <int D>
+double clamp_power(const Reference<D>& reference, const State<D>& state);
 
 /// Largest stable sub-step [s]: courant dx/(c + |v|max), c the pressure wave speed at the strongest compression.
 template <int D>

@@ -54,6 +54,35 @@ TEST(InternalForce, IsTheNegativeGradientOfTheStrainEnergy) {
   EXPECT_LT(gradient_error<3>(block<3>(4)), 1e-8) << "seed " << seed;
 }
 
+// Seen to fail: without the quadratic term of the strain of St Venant-Kirchhoff together with F33 of plane stress held at 1, and
+// without the part of the strain gradient in P and Q.
+TEST(InternalForce, IsTheNegativeGradientOfTheStrainEnergyForEveryMaterial) {
+  for (const MaterialLaw law : {MaterialLaw::neo_hookean, MaterialLaw::st_venant_kirchhoff})
+    for (const bool plane_stress : {false, true}) {
+      StructureCase structure = block<2>(6);
+      structure.bodies[0].law = law;
+      structure.bodies[0].plane_stress = plane_stress;
+      EXPECT_LT(gradient_error<2>(structure), 1e-8) << "seed " << seed;
+    }
+  StructureCase structure = block<3>(4);
+  structure.bodies[0].law = MaterialLaw::st_venant_kirchhoff;
+  EXPECT_LT(gradient_error<3>(structure), 1e-8) << "seed " << seed;
+}
+
+/// A block with a region clamped in its middle: faces, edges and corners of a clamp.
+template <int D>
+StructureCase pinned_block(double n) {
+  StructureCase structure = block<D>(n);
+  structure.bodies[0].clamps = {box({-1, -1, -1}, {n / 2, n / 2 - 0.6, n / 2})};
+  return structure;
+}
+
+// Also what the clamp feels is the gradient, at its face particles. Seen to fail: with energy in the face particles.
+TEST(InternalForce, IsTheNegativeGradientOfTheStrainEnergyBesideAClamp) {
+  EXPECT_LT(gradient_error<2>(pinned_block<2>(8)), 1e-8) << "seed " << seed;
+  EXPECT_LT(gradient_error<3>(pinned_block<3>(6)), 1e-8) << "seed " << seed;
+}
+
 /// A ball: lattice lines of every length, blocks of four that begin and end anywhere.
 template <int D>
 StructureCase ball() {
