@@ -290,6 +290,10 @@ StructureCase read_structure(const Setting& setting, int dimension, const fs::pa
   structure.numerics.riemann_diffusion = number(numerics, "riemann_diffusion");
   structure.numerics.hourglass_penalty = number(numerics, "hourglass_penalty");
   structure.numerics.courant = number(numerics, "courant");
+  const std::string integrator = text(numerics, "integrator");
+  structure.numerics.integrator = integrator == "implicit" ? Integrator::implicit_steps
+                                  : integrator == "auto"   ? Integrator::automatic
+                                                           : Integrator::explicit_steps;
   return structure;
 }
 

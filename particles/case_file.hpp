@@ -18,6 +18,7 @@ namespace tern {
 enum class GradientForm { sum, blend };           ///< pairwise sum form, or corrected interior blended with it
 enum class Preconditioner { multigrid, jacobi };
 enum class CouplingAlgorithm { cm0, cm2 };        ///< explicit; predict-project-correct
+enum class Integrator { explicit_steps, implicit_steps, automatic };
 enum class MaterialLaw { neo_hookean, st_venant_kirchhoff };
 enum class InterfaceScheme { riemann, pressure }; ///< with or without the Riemann dissipation
 
@@ -100,6 +101,7 @@ struct StructureNumerics {
   double riemann_diffusion = 1.0;        ///< chi of the complete-Riemann diffusion; 0 = off
   double hourglass_penalty = 0.05;       ///< alpha of the zero-energy-mode penalty; 0 = off
   double courant = 0.3;                  ///< dx_s/(c_p + |v|max) fraction
+  Integrator integrator = Integrator::explicit_steps;
 };
 
 struct StructureCase {

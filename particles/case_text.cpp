@@ -109,6 +109,16 @@ std::string explain_text(const Case& scene) {
           body.clamps.empty() ? "free"
                               : fmt::format("{} of {} particles clamped", e.bodies[i].clamped, e.bodies[i].particles));
     }
+    for (const ClampCase& clamp : scene.structure->clamps)
+      if (clamp.motion) text += fmt::format("* The clamp '{}' of '{}', which moves.\n", clamp.name, clamp.body);
+    for (const LoadCase& load : scene.structure->loads) {
+      const bool pressure = load.kind == LoadCase::Kind::pressure;
+      std::string value = load.value[0].text();
+      for (int d = 1; d < scene.dimension && !pressure; ++d) value += ", " + load.value[d].text();
+      text += fmt::format("* The {} '{}' on '{}', ({}) {}.\n",
+                          pressure ? "pressure" : load.kind == LoadCase::Kind::traction ? "traction" : "body load",
+                          load.name, load.body, value, load.kind == LoadCase::Kind::body_force ? "N/m^3" : "Pa");
+    }
   }
   for (int d = 0; d < scene.dimension; ++d) {
     if (!scene.periodic[d]) continue;

@@ -177,6 +177,9 @@ const std::vector<Parameter>& parameters() {
        "Coefficient alpha of the penalty on zero-energy modes; 0 = off."},
       {"structure.numerics", "courant", Type::number, "-", "0.3", above_to(0, 0.6), {},
        "Sub-step as a fraction of dx_s/(c_p + |v|max)."},
+      {"structure.numerics", "integrator", Type::choice, "", "\"explicit\"", any, {"explicit", "implicit", "auto"},
+       "Explicit sub-steps with diffusion and penalty; implicit steps of at most 100 sub-steps, without them; auto: whichever "
+       "is cheaper, by a count of what the implicit steps take."},
 
       {"coupling", "algorithm", Type::choice, "", "\"CM2\"", any, {"CM0", "CM2"},
        "CM2: predict, project, correct; CM0: explicit staggering, unstable where the fluid's added mass exceeds the "

@@ -57,6 +57,13 @@ void deformation_gradient(const Reference<D>& reference, const State<D>& state, 
     gradients<D, false>(reference, state, work);
 }
 
+template <int D>
+void displacement_gradients(const Reference<D>& reference, const State<D>& state, Workspace<D>& work) {
+  gradients<D, false>(reference, state, work);
+}
+
+template void displacement_gradients<2>(const Reference<2>&, const State<2>&, Workspace<2>&);
+template void displacement_gradients<3>(const Reference<3>&, const State<3>&, Workspace<3>&);
 template void deformation_gradient<2>(const Reference<2>&, const State<2>&, Workspace<2>&);
 template void deformation_gradient<3>(const Reference<3>&, const State<3>&, Workspace<3>&);
 

@@ -155,10 +155,9 @@ void strain_gradient(const Material& material, double factor, const Lanes (&f)[D
   }
 }
 
-}  // namespace
-
+/// Stresses of all blocks; returns the lowest one that failed, or their number.
 template <int D>
-void first_piola_kirchhoff(const Reference<D>& reference, const State<D>& state, double time_s, Workspace<D>& work) {
+std::ptrdiff_t stresses_of_blocks(const Reference<D>& reference, Workspace<D>& work) {
   constexpr int pairs = curvature_components<D>;
   const double *h[D][D], *k[D][pairs];
   double *p[D][D], *q[D][pairs];
@@ -202,8 +201,24 @@ void first_piola_kirchhoff(const Reference<D>& reference, const State<D>& state,
       for (int c = 0; c < pairs; ++c) store(q[a][c] + block.row, double_stress[a][c]);
     }
   });
-  if (failed < blocks) fail(reference, state, time_s, work, reference.blocks[failed].row);
+  return failed;
 }
+
+}  // namespace
+
+template <int D>
+bool stresses(const Reference<D>& reference, Workspace<D>& work) {
+  return stresses_of_blocks(reference, work) == static_cast<std::ptrdiff_t>(reference.blocks.size());
+}
+
+template <int D>
+void first_piola_kirchhoff(const Reference<D>& reference, const State<D>& state, double time_s, Workspace<D>& work) {
+  const auto failed = static_cast<std::size_t>(stresses_of_blocks(reference, work));
+  if (failed < reference.blocks.size()) fail(reference, state, time_s, work, reference.blocks[failed].row);
+}
+
+template bool stresses<2>(const Reference<2>&, Workspace<2>&);
+template bool stresses<3>(const Reference<3>&, Workspace<3>&);
 
 template void first_piola_kirchhoff<2>(const Reference<2>&, const State<2>&, double, Workspace<2>&);
 template void first_piola_kirchhoff<3>(const Reference<3>&, const State<3>&, double, Workspace<3>&);

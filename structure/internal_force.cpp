@@ -61,6 +61,16 @@ void internal_force(const Reference<D>& reference, const Workspace<D>& work, Sta
     forces<D, false>(reference, work, state);
 }
 
+template <int D>
+bool elastic_force(const Reference<D>& reference, State<D>& state, Workspace<D>& work) {
+  displacement_gradients(reference, state, work);
+  if (!stresses(reference, work)) return false;
+  forces<D, false>(reference, work, state);
+  return true;
+}
+
+template bool elastic_force<2>(const Reference<2>&, State<2>&, Workspace<2>&);
+template bool elastic_force<3>(const Reference<3>&, State<3>&, Workspace<3>&);
 template void internal_force<2>(const Reference<2>&, const Workspace<2>&, State<2>&);
 template void internal_force<3>(const Reference<3>&, const Workspace<3>&, State<3>&);
 

@@ -11,6 +11,8 @@
 
 #include "particles/error.hpp"
 #include "structure/energy.hpp"
+#include "structure/implicit_step.hpp"
+#include "structure/integrator_choice.hpp"
 #include "structure/loads.hpp"
 #include "structure/material_point.hpp"
 #include "structure/reference.hpp"
@@ -33,7 +35,10 @@ struct Structure<D>::Parts {
   State<D> state, saved;
   Workspace<D> work;
   Ticks duration = 0;    // of the present window
-  int sub_steps = 0;
+  int sub_steps = 0;     // explicit ones it takes, or would take
+  std::unique_ptr<ImplicitStep<D>> implicit;  // null when the integrator is explicit
+  IntegratorChoice choice;
+  bool always_implicit = false, implicit_window = false;
 
   explicit Parts(const Case& scene)
       : reference(build_reference<D>(scene.structure.value())),
@@ -52,6 +57,14 @@ struct Structure<D>::Parts {
       const auto& velocity = scene.structure->bodies[reference.particle_body[p]].velocity;
       for (int a = 0; a < D; ++a) state.velocity[a][row] = velocity[a](0, x[0], x[1], x[2]);
     }
+    if (scene.structure->numerics.integrator != Integrator::explicit_steps)
+      implicit = std::make_unique<ImplicitStep<D>>(reference);
+    always_implicit = scene.structure->numerics.integrator == Integrator::implicit_steps;
+    all_forces();
+  }
+
+  /// Internal force of the present state with everything explicit steps need.
+  void all_forces() {
     deform();
     stabilising_forces(reference, 0, state, work);
     internal_force(reference, work, state);
@@ -101,7 +114,10 @@ struct Structure<D>::Parts {
     for (std::size_t k = 0; k < attachment.row.size(); ++k)
       for (int a = 0; a < D; ++a) work.external_force[a][attachment.row[k]] += state.load.force[k][a];
     loads.add_to(work.external_force);
-    advance_window(reference, duration, sub_steps, state, work);
+    const ImplicitCounts before = implicit ? implicit->counts() : ImplicitCounts{};
+    advance_window(reference, duration, sub_steps, implicit_window ? implicit.get() : nullptr, state, work);
+    if (implicit_window)
+      choice.add(implicit->counts().evaluations - before.evaluations, implicit->counts().factors - before.factors);
     double total = 0, by_gravity = 0, by_loads = 0;
     for (int a = 0; a < D; ++a)
       for (const auto row : reference.particle_row) {
@@ -139,6 +155,14 @@ Surface<D> Structure<D>::trial(Ticks begin, Ticks duration) {
   p.saved = p.state;
   const double dt = stable_sub_step(p.reference, p.courant, p.state, p.work);
   p.sub_steps = std::max(1, static_cast<int>(std::ceil(seconds(duration) / dt)));
+  if (p.implicit) {
+    const bool was_implicit = p.implicit_window;
+    p.implicit_window = p.always_implicit || p.choice.prefers_implicit(p.sub_steps);
+    if (was_implicit && !p.implicit_window) {
+      p.all_forces();
+      p.saved = p.state;
+    }
+  }
   p.update_forces();
   p.advance();
   return present_surface(p.attachment, p.reference, p.state, p.work);
