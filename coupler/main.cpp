@@ -58,7 +58,7 @@ void run(const CommandLine& command, const Case& scene, RunReport& report) {
     Recorder recorder(command.out,
                       joined(gauge_columns(scene, GaugeOwner::fluid), gauge_columns(scene, GaugeOwner::structure),
                              gauge_columns(scene, GaugeOwner::coupler)),
-                      joined(fluid_energy_columns(), structure_energy_columns(), Totals::columns()), scene.output.gauge_interval);
+                      joined(fluid_energy_columns(), structure_energy_columns(scene), Totals::columns()), scene.output.gauge_interval);
     Progress progress(scene.end_time, command.quiet);
     channel.welcome(static_cast<std::uint32_t>(properties.body.size()));
 

@@ -1,5 +1,5 @@
 // Step limits: dt = C sqrt(dx/|g|), dt = C dx/u with u = sqrt(2 |g| H) for a fluid that is free to fall by H, and for
-// a viscous one dt = C h^2/nu, and for the structure dt_s = C dx_s/c_p, c_p^2 = E (1 - nu)/(rho (1 + nu)(1 - 2 nu)).
+// a viscous one dt = C h^2/nu, and for the structure dt_s = C dx_s/c_p, c_p^2 = E (1 - nu)/(rho (1 + nu)(1 - 2 nu)), in plane stress E/(rho (1 - nu^2)).
 // Added mass of a cantilever of free length L in its first mode: rho_f L/1.875 per wet face, over rho_s T.
 
 #include "particles/case_estimate.hpp"
@@ -40,7 +40,9 @@ BodyEstimate estimate_body(const Case& scene, const StructureBody& body) {
   }
   for (const Vector<D>& x : sample_surface<D>(body.shape, body.spacing).position) result.surface_points += !clamped(x);
   const double nu = body.poisson_ratio;
-  result.wave_speed = std::sqrt(body.young_modulus * (1 - nu) / (body.density * (1 + nu) * (1 - 2 * nu)));
+  result.wave_speed = body.plane_stress
+                          ? std::sqrt(body.young_modulus / (body.density * (1 - nu * nu)))
+                          : std::sqrt(body.young_modulus * (1 - nu) / (body.density * (1 + nu) * (1 - 2 * nu)));
   result.sub_step = scene.structure->numerics.courant * body.spacing / result.wave_speed;
   result.thickness = thin_section<D>(body);
   const double length = (high - low).maxCoeff() + body.spacing;

@@ -116,25 +116,25 @@ Shape read_shape(const Setting& setting, int dimension) {
   return shape;
 }
 
-// An expression of the motion of a wall: it depends on t alone and is 0 at t = 0.
+// An expression of the motion of a wall or clamp ("wall 'gate'"): it depends on t alone and is 0 at t = 0.
 void check_motion(const Expression& expression, const std::string& where, const std::string& what, const std::string& unit,
-                  const std::string& wall) {
+                  const std::string& mover) {
   if (expression.depends_on('x') || expression.depends_on('y') || expression.depends_on('z')) {
-    throw BadInput(fmt::format("{}: the {} '{}' of the wall '{}' depends on the place, but a rigid wall moves as a "
-                               "whole; use t only.",
-                               where, what, expression.text(), wall));
+    throw BadInput(fmt::format("{}: the {} '{}' of the {} depends on the place, but it moves as a rigid whole; use t "
+                               "only.",
+                               where, what, expression.text(), mover));
   }
   if (std::abs(expression(0)) > 1e-9) {
-    throw BadInput(fmt::format("{}: the {} '{}' of the wall '{}' is {} {} at t = 0 instead of 0; subtract it, or "
-                               "shift the wall's shape.",
-                               where, what, expression.text(), wall, expression(0), unit));
+    throw BadInput(fmt::format("{}: the {} '{}' of the {} is {} {} at t = 0 instead of 0; subtract it, or shift "
+                               "its shape.",
+                               where, what, expression.text(), mover, expression(0), unit));
   }
 }
 
-std::optional<RigidMotion> read_motion(const Setting& setting, const std::string& wall, int dimension,
+std::optional<RigidMotion> read_motion(const Setting& setting, const std::string& mover, int dimension,
                                        const fs::path& folder) {
   const auto fail = [&](const Setting& at, const std::string& sentence) {
-    throw BadInput(fmt::format("{}: the wall '{}' {}", at.where, wall, sentence));
+    throw BadInput(fmt::format("{}: the {} {}", at.where, mover, sentence));
   };
   const Setting *displacement = setting.find("displacement"), *rotation = setting.find("rotation");
   const Setting *file = setting.find("motion_file"), *pivot = setting.find("pivot"), *axis = setting.find("axis");
@@ -144,11 +144,11 @@ std::optional<RigidMotion> read_motion(const Setting& setting, const std::string
   if (displacement) {
     motion.displacement = expressions(*displacement);
     for (const Expression& component : motion.displacement)
-      check_motion(component, displacement->where, "displacement", "m", wall);
+      check_motion(component, displacement->where, "displacement", "m", mover);
   }
   if (rotation) {
     motion.rotation = rotation->type == Setting::Type::text ? Expression(rotation->text) : Expression(rotation->number);
-    check_motion(motion.rotation, rotation->where, "rotation", "rad", wall);
+    check_motion(motion.rotation, rotation->where, "rotation", "rad", mover);
   }
   if (file) {
     const fs::path path = folder / file->text;
@@ -199,7 +199,7 @@ WallCase read_wall(const Setting& setting, int dimension, const fs::path& folder
       throw BadInput(fmt::format("{}: the wall '{}' has no face {} in 2D; remove it.", open.where, wall.name, face));
     }
   }
-  wall.motion = read_motion(setting, wall.name, dimension, folder);
+  wall.motion = read_motion(setting, "wall '" + wall.name + "'", dimension, folder);
   return wall;
 }
 
@@ -228,7 +228,35 @@ FluidCase read_fluid(const Setting& setting, int dimension) {
   return fluid;
 }
 
-StructureCase read_structure(const Setting& setting, int dimension) {
+ClampCase read_clamp(const Setting& setting, int dimension, const fs::path& folder) {
+  ClampCase clamp{text(setting, "name"), text(setting, "body"), read_shape(setting.at("region"), dimension), std::nullopt};
+  clamp.motion = read_motion(setting, "clamp '" + clamp.name + "'", dimension, folder);
+  return clamp;
+}
+
+LoadCase read_load(const Setting& setting, int dimension) {
+  LoadCase load;
+  load.name = text(setting, "name");
+  load.body = text(setting, "body");
+  if (const Setting* region = setting.find("region")) load.region = read_shape(*region, dimension);
+  const Setting *traction = setting.find("traction"), *pressure = setting.find("pressure"),
+                *body_force = setting.find("body_force");
+  const int given = (traction != nullptr) + (pressure != nullptr) + (body_force != nullptr);
+  if (given != 1) {
+    throw BadInput(fmt::format("{}: the load '{}' has {} of traction, pressure and body_force; give exactly one.",
+                               setting.where, load.name, given == 0 ? "none" : "several"));
+  }
+  if (pressure) {
+    load.kind = LoadCase::Kind::pressure;
+    load.value[0] = pressure->type == Setting::Type::text ? Expression(pressure->text) : Expression(pressure->number);
+  } else {
+    load.kind = traction ? LoadCase::Kind::traction : LoadCase::Kind::body_force;
+    load.value = expressions(traction ? *traction : *body_force);
+  }
+  return load;
+}
+
+StructureCase read_structure(const Setting& setting, int dimension, const fs::path& folder) {
   StructureCase structure;
   for (const Setting& item : setting.at("body").items) {
     StructureBody body;
@@ -240,13 +268,32 @@ StructureCase read_structure(const Setting& setting, int dimension) {
     body.poisson_ratio = number(item, "poisson_ratio");
     for (const Setting& clamp : item.at("clamp").items) body.clamps.push_back(read_shape(clamp, dimension));
     body.velocity = expressions_or_zero(item, "velocity");
+    body.law = text(item, "material") == "st_venant_kirchhoff" ? MaterialLaw::st_venant_kirchhoff : MaterialLaw::neo_hookean;
+    if (const Setting* plane = item.find("plane")) {
+      if (dimension == 3)
+        throw BadInput(fmt::format("{}: the body '{}' is in plane {}, which has no meaning in 3D; remove it.", plane->where,
+                                   body.name, plane->text));
+      body.plane_stress = plane->text == "stress";
+    }
+    if (item.find("mass_damping")) body.mass_damping = number(item, "mass_damping");
     structure.bodies.push_back(std::move(body));
   }
+  if (const Setting* clamps = setting.find("clamp"))
+    for (const Setting& clamp : clamps->items) structure.clamps.push_back(read_clamp(clamp, dimension, folder));
+  for (const ClampCase& clamp : structure.clamps)
+    for (StructureBody& body : structure.bodies)
+      if (body.name == clamp.body) body.clamps.push_back(clamp.region);
+  if (const Setting* loads = setting.find("load"))
+    for (const Setting& load : loads->items) structure.loads.push_back(read_load(load, dimension));
   const Setting& numerics = setting.at("numerics");
   structure.numerics.smoothing_length_ratio = number(numerics, "smoothing_length_ratio");
   structure.numerics.riemann_diffusion = number(numerics, "riemann_diffusion");
   structure.numerics.hourglass_penalty = number(numerics, "hourglass_penalty");
   structure.numerics.courant = number(numerics, "courant");
+  const std::string integrator = text(numerics, "integrator");
+  structure.numerics.integrator = integrator == "implicit" ? Integrator::implicit_steps
+                                  : integrator == "auto"   ? Integrator::automatic
+                                                           : Integrator::explicit_steps;
   return structure;
 }
 
@@ -265,6 +312,7 @@ const std::map<std::string, GaugeKeys>& gauge_keys() {
       {"interface_force", {Kind::interface_force, {"body"}, {}}},
       {"force", {Kind::force, {"wall"}, {"at"}}},
       {"wall_pressure", {Kind::wall_pressure, {"wall", "at"}, {"diameter"}}},
+      {"reaction", {Kind::reaction, {"body"}, {"clamp", "at"}}},
       {"flux", {Kind::flux, {"from", "to"}, {}}},
   };
   return keys;
@@ -276,7 +324,7 @@ GaugeCase read_gauge(const Setting& setting, const Case& scene) {
   GaugeCase gauge;
   gauge.kind = keys.kind;
   gauge.name = text(setting, "name");
-  for (const std::string key : {"body", "wall", "at", "diameter", "from", "to"}) {
+  for (const std::string key : {"body", "clamp", "wall", "at", "diameter", "from", "to"}) {
     const Setting* value = setting.find(key);
     const bool needed = std::count(keys.required.begin(), keys.required.end(), key) > 0;
     if (value ? needed || std::count(keys.optional.begin(), keys.optional.end(), key) > 0 : !needed) continue;
@@ -285,6 +333,7 @@ GaugeCase read_gauge(const Setting& setting, const Case& scene) {
                                needed ? "give" : "remove"));
   }
   if (setting.find("body")) gauge.body = text(setting, "body");
+  if (setting.find("clamp")) gauge.clamp = text(setting, "clamp");
   if (setting.find("wall")) gauge.wall = text(setting, "wall");
   for (const WallCase& wall : scene.walls)
     if (wall.name == gauge.wall && wall.motion) gauge.at = wall.motion->pivot;
@@ -313,7 +362,7 @@ Case convert(const Setting& settings, const fs::path& folder) {
   }
   if (const Setting* fluid = settings.find("fluid")) scene.fluid = read_fluid(*fluid, scene.dimension);
   if (const Setting* structure = settings.find("structure"))
-    scene.structure = read_structure(*structure, scene.dimension);
+    scene.structure = read_structure(*structure, scene.dimension, folder);
   if (const Setting* coupling = settings.find("coupling")) {
     scene.coupling.algorithm = text(*coupling, "algorithm") == "CM0" ? CouplingAlgorithm::cm0 : CouplingAlgorithm::cm2;
     scene.coupling.scheme =
@@ -354,6 +403,10 @@ Case read_case(const std::string& name_or_path, const CaseOptions& options) {
   std::string hashed = scene.settings;
   for (const WallCase& wall : scene.walls)
     if (wall.motion && wall.motion->table) hashed += wall.motion->table->text();
+  if (scene.structure) {
+    for (const ClampCase& clamp : scene.structure->clamps)
+      if (clamp.motion && clamp.motion->table) hashed += clamp.motion->table->text();
+  }
   scene.hash = hash_of(hashed);
   check_scene(scene, settings);
   return scene;

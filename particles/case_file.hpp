@@ -18,6 +18,8 @@ namespace tern {
 enum class GradientForm { sum, blend };           ///< pairwise sum form, or corrected interior blended with it
 enum class Preconditioner { multigrid, jacobi };
 enum class CouplingAlgorithm { cm0, cm2 };        ///< explicit; predict-project-correct
+enum class Integrator { explicit_steps, implicit_steps, automatic };
+enum class MaterialLaw { neo_hookean, st_venant_kirchhoff };
 enum class InterfaceScheme { riemann, pressure }; ///< with or without the Riemann dissipation
 
 /// Rigid walls. A container holds the fluid inside its shape; an obstacle is solid itself.
@@ -65,8 +67,33 @@ struct StructureBody {
   double density = 0;          ///< rho_0 [kg/m^3]
   double young_modulus = 0;    ///< [Pa]
   double poisson_ratio = 0;    ///< [-]
-  std::vector<Shape> clamps;   ///< particles inside are fixed
+  MaterialLaw law = MaterialLaw::neo_hookean;
+  bool plane_stress = false;   ///< 2D: plane stress instead of plane strain
+  double mass_damping = 0;     ///< [1/s]; 0 = not evaluated
+  std::vector<Shape> clamps;   ///< particles inside are clamped; regions of the named clamps included
   VectorExpression velocity;   ///< initial velocity [m/s] in x, y, z
+};
+
+/// A clamp with a name: it can move, and its reaction can be measured.
+struct ClampCase {
+  std::string name;
+  std::string body;
+  Shape region;
+  std::optional<RigidMotion> motion;  ///< absent for a fixed clamp
+};
+
+/// What acts on a body from outside, by expressions in t and the place in the undeformed body.
+struct LoadCase {
+  enum class Kind {
+    traction,   ///< force per undeformed area, of constant direction [Pa]
+    pressure,   ///< against the normal of the present surface [Pa]
+    body_force  ///< force per undeformed volume [N/m^3]
+  };
+  Kind kind = Kind::traction;
+  std::string name;
+  std::string body;
+  std::optional<Shape> region;  ///< part of the undeformed body; absent = all of its surface (volume)
+  VectorExpression value;       ///< of a pressure: the first entry
 };
 
 struct StructureNumerics {
@@ -74,10 +101,13 @@ struct StructureNumerics {
   double riemann_diffusion = 1.0;        ///< chi of the complete-Riemann diffusion; 0 = off
   double hourglass_penalty = 0.05;       ///< alpha of the zero-energy-mode penalty; 0 = off
   double courant = 0.3;                  ///< dx_s/(c_p + |v|max) fraction
+  Integrator integrator = Integrator::explicit_steps;
 };
 
 struct StructureCase {
   std::vector<StructureBody> bodies;
+  std::vector<ClampCase> clamps;
+  std::vector<LoadCase> loads;
   StructureNumerics numerics;
 };
 
@@ -98,13 +128,15 @@ struct GaugeCase {
     interface_force,///< total force of the fluid on a body: D columns [N/m^(3-D)]
     force,          ///< of the fluid on a rigid wall, and its moment about `at`: D [N/m^(3-D)] and 1 or 3 [N m/m^(3-D)] columns
     wall_pressure,  ///< mean over a sensor of `diameter` at the point `at` of a wall [Pa]; 0 where it is dry
+    reaction,       ///< with which a clamp, or all clamps of a body, hold it, and the moment about `at`: columns as of force
     flux            ///< volume that crosses the line (2D) or rectangle (3D) from `from` to `to` in a second [m^D/s]
   };
   Kind kind = Kind::pressure;
   std::string name;
-  std::string body;                ///< displacement, interface_force
+  std::string body;                ///< displacement, interface_force, reaction
+  std::string clamp;               ///< reaction; empty = all clamps of the body
   std::string wall;                ///< force, wall_pressure
-  std::array<double, 3> at{};      ///< force, wall_pressure: a point of the wall at t = 0, which moves with it
+  std::array<double, 3> at{};      ///< force, wall_pressure: a point of the wall at t = 0, which moves with it; reaction: fixed
   double diameter = 0;             ///< wall_pressure [m]
   std::array<double, 3> from{}, to{};  ///< flux
 };

@@ -29,6 +29,7 @@ class SceneCheck {
     check_walls();
     set_default_domain();
     check_domain();
+    check_structure();
     check_placement<D>(scene_, settings_);
     check_gauges();
   }
@@ -53,9 +54,9 @@ class SceneCheck {
   }
 
   void check_names() const {
-    for (const std::string table : {"wall", "gauge", "structure"}) {
-      const Setting* list = settings_.find(table);
-      if (list && table == "structure") list = list->find("body");
+    for (const std::string table : {"wall", "gauge", "structure.body", "structure.clamp", "structure.load"}) {
+      const Setting* list = settings_.find(table.substr(0, table.find('.')));
+      if (list && table.find('.') != std::string::npos) list = list->find(table.substr(table.find('.') + 1));
       if (!list) continue;
       std::set<std::string> seen;
       for (const Setting& item : list->items) {
@@ -68,7 +69,7 @@ class SceneCheck {
         }
         if (!seen.insert(name).second) {
           fail(item.at("name").where, fmt::format("the name '{}' is used twice in [[{}]]; give each its own.", name,
-                                                  table == "structure" ? "structure.body" : table));
+                                                  table));
         }
       }
     }
@@ -205,12 +206,57 @@ class SceneCheck {
     }
   }
 
+  // The elastic body that a clamp, a load or a gauge names.
+  const StructureBody& body_named(const std::string& name, const std::string& where, const std::string& what) const {
+    const auto body = std::find_if(structure().begin(), structure().end(), [&](const auto& b) { return b.name == name; });
+    if (body != structure().end()) return *body;
+    std::vector<std::string> names;
+    for (const StructureBody& known : structure()) names.push_back(known.name);
+    fail(where, fmt::format("the {} names the elastic body '{}', but {}.", what, name,
+                            names.empty() ? "the case has no [structure]"
+                                          : fmt::format("there is only '{}'", fmt::join(names, "', '"))));
+  }
+
+  // Clamps and loads name a body, and hold or load some of it.
+  void check_structure() const {
+    if (!scene_.structure) return;
+    const Setting& settings = settings_.at("structure");
+    for (std::size_t i = 0; i < scene_.structure->clamps.size(); ++i) {
+      const ClampCase& clamp = scene_.structure->clamps[i];
+      const std::string& where = settings.at("clamp").items[i].where;
+      const StructureBody& body = body_named(clamp.body, where, "clamp '" + clamp.name + "'");
+      const auto particles = fill_lattice<D>(body.shape, body.spacing);
+      if (std::none_of(particles.begin(), particles.end(), [&](const auto& x) { return contains<D>(clamp.region, x); })) {
+        fail(where, fmt::format("the region of the clamp '{}' holds no particle of the body '{}'; enlarge it to at least one "
+                                "spacing, {:.3g} m, of the body.",
+                                clamp.name, clamp.body, body.spacing));
+      }
+    }
+    for (std::size_t i = 0; i < scene_.structure->loads.size(); ++i) {
+      const LoadCase& load = scene_.structure->loads[i];
+      const std::string& where = settings.at("load").items[i].where;
+      const StructureBody& body = body_named(load.body, where, "load '" + load.name + "'");
+      const bool on_volume = load.kind == LoadCase::Kind::body_force;
+      const auto points = on_volume ? fill_lattice<D>(body.shape, body.spacing)
+                                    : sample_surface<D>(body.shape, body.spacing).position;
+      const auto is_loaded = [&](const Vector<D>& x) {
+        const bool clamped = std::any_of(body.clamps.begin(), body.clamps.end(), [&](const Shape& c) { return contains<D>(c, x); });
+        return !clamped && (!load.region || contains<D>(*load.region, x));
+      };
+      if (std::none_of(points.begin(), points.end(), is_loaded)) {
+        fail(where, fmt::format("the load '{}' acts on nothing: no {} of the body '{}' lies in its region outside the clamps; "
+                                "move or enlarge the region (a surface has to lie inside it, not on its edge).",
+                                load.name, on_volume ? "particle" : "point of the surface", load.body));
+      }
+    }
+  }
+
   void check_gauges() const {
     for (std::size_t i = 0; i < scene_.gauges.size(); ++i) {
       const GaugeCase& gauge = scene_.gauges[i];
       const std::string& where = settings_.at("gauge").items[i].where;
       using Kind = GaugeCase::Kind;
-      if (gauge.kind != Kind::displacement && !scene_.fluid) {
+      if (gauge.kind != Kind::displacement && gauge.kind != Kind::reaction && !scene_.fluid) {
         fail(where,
              fmt::format("the gauge '{}' measures the fluid, but the case has no [fluid]; remove it.", gauge.name));
       }
@@ -227,21 +273,29 @@ class SceneCheck {
       }
       if (gauge.kind == Kind::flux) check_flux(gauge, where);
       if (gauge.kind == Kind::force || gauge.kind == Kind::wall_pressure) check_wall_gauge(gauge, at, where);
-      if (gauge.kind != Kind::displacement && gauge.kind != Kind::interface_force) continue;
-      const auto body =
-          std::find_if(structure().begin(), structure().end(), [&](const auto& b) { return b.name == gauge.body; });
-      if (body == structure().end()) {
-        std::vector<std::string> names;
-        for (const StructureBody& known : structure()) names.push_back(known.name);
-        fail(where, fmt::format("the gauge '{}' names the elastic body '{}', but {}.", gauge.name, gauge.body,
-                                names.empty() ? "the case has no [structure]"
-                                              : fmt::format("there is only '{}'", fmt::join(names, "', '"))));
-      }
-      if (gauge.kind == Kind::displacement && signed_distance<D>(body->shape, at) > 1e-6 * body->spacing) {
+      if (gauge.kind != Kind::displacement && gauge.kind != Kind::interface_force && gauge.kind != Kind::reaction) continue;
+      const StructureBody& body = body_named(gauge.body, where, "gauge '" + gauge.name + "'");
+      if (gauge.kind == Kind::reaction) check_reaction(gauge, body, where);
+      if (gauge.kind == Kind::displacement && signed_distance<D>(body.shape, at) > 1e-6 * body.spacing) {
         fail(where, fmt::format("the gauge '{}' at {} is no point of the undeformed body '{}'; move it by {:.3g} m.",
-                                gauge.name, text(at), gauge.body, signed_distance<D>(body->shape, at)));
+                                gauge.name, text(at), gauge.body, signed_distance<D>(body.shape, at)));
       }
     }
+  }
+
+  void check_reaction(const GaugeCase& gauge, const StructureBody& body, const std::string& where) const {
+    if (body.clamps.empty())
+      fail(where, fmt::format("the gauge '{}' measures the reaction of the body '{}', which has no clamp; give it one.",
+                              gauge.name, gauge.body));
+    const auto& clamps = scene_.structure->clamps;
+    if (gauge.clamp.empty() || std::any_of(clamps.begin(), clamps.end(), [&](const ClampCase& c) {
+          return c.name == gauge.clamp && c.body == gauge.body;
+        })) {
+      return;
+    }
+    fail(where, fmt::format("the gauge '{}' names the clamp '{}', but the body '{}' has no [[structure.clamp]] of this name; "
+                            "correct it, or leave it out for all clamps of the body.",
+                            gauge.name, gauge.clamp, gauge.body));
   }
 
   void check_flux(const GaugeCase& gauge, const std::string& where) const {

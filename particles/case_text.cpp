@@ -102,11 +102,22 @@ std::string explain_text(const Case& scene) {
     for (std::size_t i = 0; i < e.bodies.size(); ++i) {
       const StructureBody& body = scene.structure->bodies[i];
       text += fmt::format(
-          "* The elastic body '{}': neo-Hookean{}, {} kg/m^3, E = {} Pa, Poisson's ratio {}, {:.3g} mm thick; {}.\n",
-          body.name, scene.dimension == 2 ? " in plane strain" : "", body.density, body.young_modulus,
+          "* The elastic body '{}': {}{}, {} kg/m^3, E = {} Pa, Poisson's ratio {}, {:.3g} mm thick; {}.\n",
+          body.name, body.law == MaterialLaw::neo_hookean ? "neo-Hookean" : "St Venant-Kirchhoff",
+          scene.dimension == 3 ? "" : body.plane_stress ? " in plane stress" : " in plane strain", body.density, body.young_modulus,
           body.poisson_ratio, 1e3 * e.bodies[i].thickness,
           body.clamps.empty() ? "free"
                               : fmt::format("{} of {} particles clamped", e.bodies[i].clamped, e.bodies[i].particles));
+    }
+    for (const ClampCase& clamp : scene.structure->clamps)
+      if (clamp.motion) text += fmt::format("* The clamp '{}' of '{}', which moves.\n", clamp.name, clamp.body);
+    for (const LoadCase& load : scene.structure->loads) {
+      const bool pressure = load.kind == LoadCase::Kind::pressure;
+      std::string value = load.value[0].text();
+      for (int d = 1; d < scene.dimension && !pressure; ++d) value += ", " + load.value[d].text();
+      text += fmt::format("* The {} '{}' on '{}', ({}) {}.\n",
+                          pressure ? "pressure" : load.kind == LoadCase::Kind::traction ? "traction" : "body load",
+                          load.name, load.body, value, load.kind == LoadCase::Kind::body_force ? "N/m^3" : "Pa");
     }
   }
   for (int d = 0; d < scene.dimension; ++d) {

@@ -1,5 +1,7 @@
 #include "particles/gauges.hpp"
 
+#include <algorithm>
+
 namespace tern {
 namespace {
 
@@ -9,7 +11,8 @@ constexpr const char* axis[] = {"x", "y", "z"};
 
 GaugeOwner owner(GaugeCase::Kind kind) {
   switch (kind) {
-    case GaugeCase::Kind::displacement: return GaugeOwner::structure;
+    case GaugeCase::Kind::displacement:
+    case GaugeCase::Kind::reaction: return GaugeOwner::structure;
     case GaugeCase::Kind::interface_force: return GaugeOwner::coupler;
     case GaugeCase::Kind::pressure:
     case GaugeCase::Kind::elevation:
@@ -32,6 +35,7 @@ std::vector<std::string> gauge_columns(const GaugeCase& gauge, int dimension) {
         columns.push_back(gauge.name + ".F" + axis[c] + (dimension == 2 ? "_N_per_m" : "_N"));
       break;
     case GaugeCase::Kind::force:
+    case GaugeCase::Kind::reaction:
       for (int c = 0; c < dimension; ++c)
         columns.push_back(gauge.name + ".F" + axis[c] + (dimension == 2 ? "_N_per_m" : "_N"));
       if (dimension == 2) columns.push_back(gauge.name + ".Mz_Nm_per_m");
@@ -56,9 +60,18 @@ std::vector<std::string> gauge_columns(const Case& scene, GaugeOwner who) {
 
 std::vector<std::string> fluid_energy_columns() { return {"fluid_kinetic_J", "fluid_potential_J"}; }
 
-std::vector<std::string> structure_energy_columns() {
-  return {"structure_kinetic_J",   "structure_strain_J",  "structure_potential_J",
-          "structure_diffusion_J", "structure_penalty_J", "interface_work_on_structure_J"};
+bool has_structure_loads(const StructureCase& structure) {
+  return !structure.loads.empty() ||
+         std::any_of(structure.clamps.begin(), structure.clamps.end(), [](const auto& c) { return c.motion.has_value(); }) ||
+         std::any_of(structure.bodies.begin(), structure.bodies.end(), [](const auto& b) { return b.mass_damping > 0; });
+}
+
+std::vector<std::string> structure_energy_columns(const Case& scene) {
+  std::vector<std::string> columns{"structure_kinetic_J",   "structure_strain_J",  "structure_potential_J",
+                                   "structure_diffusion_J", "structure_penalty_J", "interface_work_on_structure_J"};
+  if (has_structure_loads(*scene.structure))
+    columns.insert(columns.end(), {"structure_damping_J", "load_work_on_structure_J", "clamp_work_on_structure_J"});
+  return columns;
 }
 
 }  // namespace tern

@@ -21,7 +21,10 @@ std::vector<std::string> gauge_columns(const Case& scene, GaugeOwner who);
 
 /// Columns of the energy accounts as the participants report them [J/m^(3-D)].
 std::vector<std::string> fluid_energy_columns();
-std::vector<std::string> structure_energy_columns();
+std::vector<std::string> structure_energy_columns(const Case& scene);
+
+/// True when loads, clamps that move or damping take part in the energy account of the structure.
+bool has_structure_loads(const StructureCase& structure);
 
 /// Values of one owner's gauges at one instant, in the order of its columns.
 using GaugeValues = std::vector<std::optional<double>>;

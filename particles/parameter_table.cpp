@@ -33,7 +33,13 @@ const std::vector<TableDefinition>& table_definitions() {
       {"fluid.body", true, Presence::required, "A region filled with fluid at the start."},
       {"fluid.numerics", false, Presence::filled, "Numerical options of the fluid."},
       {"structure", false, Presence::optional, "The elastic bodies; absent = no structure."},
-      {"structure.body", true, Presence::required, "An elastic body (compressible neo-Hookean; in 2D plane strain)."},
+      {"structure.body", true, Presence::required, "An elastic body."},
+      {"structure.clamp", true, Presence::optional,
+       "A clamp with a name, which can move and whose reaction can be measured; a region of `clamp` in [[structure.body]] "
+       "is fixed."},
+      {"structure.load", true, Presence::optional,
+       "A load on a body; exactly one of `traction`, `pressure` and `body_force`, expressions in t and in the place x, y, z "
+       "in the undeformed body."},
       {"structure.numerics", false, Presence::filled, "Numerical options of the structure."},
       {"coupling", false, Presence::filled,
        "What happens between fluid and structure; only in a case that has both."},
@@ -130,9 +136,39 @@ const std::vector<Parameter>& parameters() {
        "Density of the undeformed body."},
       {"structure.body", "young_modulus", Type::number, "Pa", "required", positive, {}, "Young's modulus E."},
       {"structure.body", "poisson_ratio", Type::number, "-", "required", between(-1, 0.5), {}, "Poisson's ratio nu."},
-      {"structure.body", "clamp", Type::shapes, "", "[]", any, {}, "Particles inside any of these shapes are fixed."},
+      {"structure.body", "clamp", Type::shapes, "", "[]", any, {}, "Particles inside any of these shapes are fixed; one layer of them is enough. The outermost ones are moved onto the face "
+       "of the region."},
+      {"structure.body", "material", Type::choice, "", "\"neo_hookean\"", any, {"neo_hookean", "st_venant_kirchhoff"},
+       "Law of the material: compressible neo-Hookean, or St Venant-Kirchhoff (which gives way under strong compression)."},
+      {"structure.body", "plane", Type::choice, "", "absent", any, {"strain", "stress"},
+       "2D only: no strain (absent, strain) or no stress across the plane."},
+      {"structure.body", "mass_damping", Type::number, "1/s", "absent", positive, {},
+       "Damping force over momentum: Rayleigh damping in proportion to the mass; for static answers about twice the lowest "
+       "angular frequency. Absent = none."},
       {"structure.body", "velocity", Type::expressions, "m/s", "absent", any, {},
        "Initial velocity, expressions in x, y, z; absent = at rest."},
+      {"structure.clamp", "name", Type::text, "", "required", any, {}, "Name of the clamp in gauges and messages; unique."},
+      {"structure.clamp", "body", Type::text, "", "required", any, {}, "The elastic body it holds."},
+      {"structure.clamp", "region", Type::shape, "", "required", any, {},
+       "Particles of the undeformed body inside this shape are held."},
+      {"structure.clamp", "displacement", Type::expressions, "m", "absent", any, {},
+       "Displacement from the initial place as expressions in t, 0 at t = 0; absent = none."},
+      {"structure.clamp", "rotation", Type::expression, "rad", "absent", any, {},
+       "Angle by which the clamp is turned about `pivot` before it is displaced, an expression in t, 0 at t = 0; positive "
+       "from x to y, in 3D by the right hand about `axis`."},
+      {"structure.clamp", "motion_file", Type::text, "", "absent", any, {},
+       "In place of both: a CSV file as of a [[wall]]."},
+      {"structure.clamp", "pivot", Type::point, "m", "absent", any, {}, "Point about which it turns, at t = 0."},
+      {"structure.clamp", "axis", Type::point, "", "absent", any, {}, "Direction of the axis of a rotation; 3D only."},
+      {"structure.load", "name", Type::text, "", "required", any, {}, "Name of the load in messages; unique."},
+      {"structure.load", "body", Type::text, "", "required", any, {}, "The elastic body it acts on."},
+      {"structure.load", "region", Type::shape, "", "absent", any, {},
+       "Part of the undeformed body that is loaded; of a traction or pressure, the surface inside it. Absent = the whole."},
+      {"structure.load", "traction", Type::expressions, "Pa", "absent", any, {},
+       "Force per undeformed area; it keeps its direction."},
+      {"structure.load", "pressure", Type::expression, "Pa", "absent", any, {},
+       "Pressure on the present surface; it turns and stretches with it."},
+      {"structure.load", "body_force", Type::expressions, "N/m^3", "absent", any, {}, "Force per undeformed volume."},
       {"structure.numerics", "smoothing_length_ratio", Type::number, "-", "1.3", from_to(1.0, 2.5), {},
        "Smoothing length over particle spacing, h0/dx_s."},
       {"structure.numerics", "riemann_diffusion", Type::number, "-", "1.0", from_to(0, 2), {},
@@ -141,6 +177,9 @@ const std::vector<Parameter>& parameters() {
        "Coefficient alpha of the penalty on zero-energy modes; 0 = off."},
       {"structure.numerics", "courant", Type::number, "-", "0.3", above_to(0, 0.6), {},
        "Sub-step as a fraction of dx_s/(c_p + |v|max)."},
+      {"structure.numerics", "integrator", Type::choice, "", "\"explicit\"", any, {"explicit", "implicit", "auto"},
+       "Explicit sub-steps with diffusion and penalty; implicit steps of at most 100 sub-steps, without them; auto: whichever "
+       "is cheaper, by a count of what the implicit steps take."},
 
       {"coupling", "algorithm", Type::choice, "", "\"CM2\"", any, {"CM0", "CM2"},
        "CM2: predict, project, correct; CM0: explicit staggering, unstable where the fluid's added mass exceeds the "
@@ -156,17 +195,20 @@ const std::vector<Parameter>& parameters() {
        "Coefficient C; 1 is advised, 5 over-predicts impact loads."},
 
       {"gauge", "kind", Type::choice, "", "required", any,
-       {"displacement", "pressure", "elevation", "front", "interface_force", "force", "wall_pressure", "flux"},
+       {"displacement", "pressure", "elevation", "front", "interface_force", "force", "wall_pressure", "reaction", "flux"},
        "displacement of a body's material point [m]; pressure of the fluid at a point [Pa]; elevation of the free "
        "surface at a place [m]; front: largest x the connected fluid reaches [m]; interface_force on a body "
        "[N/m^(3-D)]; force on a rigid wall [N/m^(3-D)] and its moment [N m/m^(3-D)]; wall_pressure: mean over a sensor "
-       "on a rigid wall [Pa]; flux through a line or rectangle [m^D/s]."},
+       "on a rigid wall [Pa]; reaction: force [N/m^(3-D)] and moment [N m/m^(3-D)] with which a clamp, or all clamps of a "
+       "body, hold it; flux through a line or rectangle [m^D/s]."},
       {"gauge", "name", Type::text, "", "required", any, {}, "Name of the column; unique."},
-      {"gauge", "body", Type::text, "", "absent", any, {}, "Elastic body; displacement and interface_force need it."},
+      {"gauge", "body", Type::text, "", "absent", any, {}, "Elastic body; displacement, interface_force and reaction need it."},
+      {"gauge", "clamp", Type::text, "", "absent", any, {},
+       "A named clamp of the body, of a reaction; absent = all clamps of the body."},
       {"gauge", "at", Type::point, "m", "absent", any, {},
        "Where: displacement (in the undeformed body), pressure, elevation (whose y entry is not used) and wall_pressure (on "
        "the wall at t = 0) need it; force: the point of the moment, default the wall's pivot, else the origin. On a wall "
-       "that moves, it moves along."},
+       "that moves, it moves along. Reaction: the point of the moment, fixed in space, default the origin."},
       {"gauge", "wall", Type::text, "", "absent", any, {}, "Rigid wall; force and wall_pressure need it."},
       {"gauge", "diameter", Type::number, "m", "absent", positive, {},
        "Of the sensor of a wall_pressure; absent = one spacing of the fluid."},

@@ -1,7 +1,7 @@
-// Gradient of second-order consistency by weighted least squares: with the basis b_ij = {X_ji/h, X_ji x X_ji / h^2},
+// Derivatives of second-order consistency by weighted least squares: with the basis b_ij = {X_ji/h, X_ji x X_ji / h^2},
 //   A_i = sum_j V w_ij b_ij b_ij^T,   g_ij = w_ij [A_i^-1 b_ij]_{1..D} / h
-// is exact for every quadratic field. With the linear part of the basis alone it is exact for linear fields; that is the
-// fallback where A_i is singular (fewer than three layers across).
+// is exact for every quadratic field, and the remaining entries are its second derivatives. With the linear part of the
+// basis alone it is exact for linear fields; that is the fallback where A_i is singular (fewer than three layers across).
 
 #include "structure/gradient_vectors.hpp"
 
@@ -26,7 +26,7 @@ Eigen::Matrix<double, Size, 1> basis(const Vector<D>& offset, double h) {
 }
 
 template <int D, int Size>
-std::vector<Vector<D>> least_squares(std::span<const Vector<D>> offsets, double volume, const Kernel<D>& kernel) {
+std::vector<DerivativeVectors<D>> least_squares(std::span<const Vector<D>> offsets, double volume, const Kernel<D>& kernel) {
   const double h = kernel.smoothing_length();
   Eigen::Matrix<double, Size, Size> moments = Eigen::Matrix<double, Size, Size>::Zero();
   for (const Vector<D>& offset : offsets) {
@@ -38,26 +38,33 @@ std::vector<Vector<D>> least_squares(std::span<const Vector<D>> offsets, double 
   if (!(values[0] > 0) || values[Size - 1] > largest_condition_number * values[0]) return {};
   const Eigen::Matrix<double, Size, Size> inverse =
       eigen.eigenvectors() * values.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
-  std::vector<Vector<D>> g;
-  g.reserve(offsets.size());
+  std::vector<DerivativeVectors<D>> derivatives;
+  derivatives.reserve(offsets.size());
   for (const Vector<D>& offset : offsets) {
-    const Eigen::Matrix<double, Size, 1> solution = inverse * basis<D, Size>(offset, h);
-    g.push_back(kernel.value(offset.norm()) / h * solution.template head<D>());
+    const Eigen::Matrix<double, Size, 1> solution = kernel.value(offset.norm()) * inverse * basis<D, Size>(offset, h);
+    DerivativeVectors<D> d;
+    d.gradient = solution.template head<D>() / h;
+    if constexpr (Size > D) {
+      for (int a = 0, n = D; a < D; ++a)
+        for (int c = a; c < D; ++c, ++n) d.curvature[n - D] = (a == c ? 2 : 1) * solution[n] / (h * h);
+    }
+    derivatives.push_back(d);
   }
-  return g;
+  return derivatives;
 }
 
 }  // namespace
 
 template <int D>
-std::vector<Vector<D>> gradient_vectors(std::span<const Vector<D>> offsets, double volume, double smoothing_length) {
+std::vector<DerivativeVectors<D>> derivative_vectors(std::span<const Vector<D>> offsets, double volume,
+                                                     double smoothing_length) {
   const Kernel<D> kernel(smoothing_length);
-  auto g = least_squares<D, D + D * (D + 1) / 2>(offsets, volume, kernel);
-  if (g.empty()) g = least_squares<D, D>(offsets, volume, kernel);
-  return g;
+  auto derivatives = least_squares<D, D + curvature_components<D>>(offsets, volume, kernel);
+  if (derivatives.empty()) derivatives = least_squares<D, D>(offsets, volume, kernel);
+  return derivatives;
 }
 
-template std::vector<Vector<2>> gradient_vectors<2>(std::span<const Vector<2>>, double, double);
-template std::vector<Vector<3>> gradient_vectors<3>(std::span<const Vector<3>>, double, double);
+template std::vector<DerivativeVectors<2>> derivative_vectors<2>(std::span<const Vector<2>>, double, double);
+template std::vector<DerivativeVectors<3>> derivative_vectors<3>(std::span<const Vector<3>>, double, double);
 
 }  // namespace tern::structure

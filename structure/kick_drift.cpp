@@ -1,5 +1,8 @@
 // Velocity Verlet:  v += dt (f_internal + f_external)/m,   d += dt v.
-// Clamped rows and rows without particle have 1/m = 0: they keep their velocity of zero.
+// Clamped rows and rows without particle have 1/m = 0: they keep the velocity they are given.
+// Mass damping alpha (the first term of Rayleigh's) decays the velocity by exp(-alpha dt) in the same kick.
+
+#include <cmath>
 
 #include "structure/time_step.hpp"
 
@@ -8,11 +11,26 @@ namespace tern::structure {
 template <int D>
 void kick(const Reference<D>& reference, const Workspace<D>& work, double dt, State<D>& state) {
   for_each_block(static_cast<std::ptrdiff_t>(reference.blocks.size()), [&](std::ptrdiff_t n) {
-    const std::ptrdiff_t i = reference.blocks[n].row;
-    const Lanes factor = dt * load(reference.inverse_mass.data() + i);
+    const Block& block = reference.blocks[n];
+    const std::ptrdiff_t i = block.row;
+    const Lanes inverse_mass = load(reference.inverse_mass.data() + i);
+    const double damping = reference.bodies[block.body].mass_damping;
+    if (damping > 0) {
+      const double decay = std::exp(-damping * dt);
+      const Lanes one = broadcast(1), factor = inverse_mass > Lanes{} ? broadcast(decay) : one;
+      Lanes lost = {};
+      for (int a = 0; a < D; ++a) {
+        double* v = state.velocity[a].data() + i;
+        const Lanes before = load(v);
+        lost += before * before * (1 - factor * factor);
+        store(v, factor * before);
+      }
+      state.damping_loss[n] += 0.5 * load(reference.mass.data() + i) * lost;
+    }
     for (int a = 0; a < D; ++a) {
       double* v = state.velocity[a].data() + i;
-      store(v, load(v) + factor * (load(state.internal_force[a].data() + i) + load(work.external_force[a].data() + i)));
+      store(v, load(v) + dt * inverse_mass *
+                             (load(state.internal_force[a].data() + i) + load(work.external_force[a].data() + i)));
     }
   });
 }
@@ -28,6 +46,19 @@ void drift(const Reference<D>& reference, double dt, State<D>& state) {
   });
 }
 
+template <int D>
+double clamp_power(const Reference<D>& reference, const State<D>& state) {
+  double power = 0;
+  for (const Clamp& clamp : reference.clamps) {
+    if (!clamp.motion) continue;
+    for (const auto row : clamp.row)
+      for (int a = 0; a < D; ++a) power -= state.internal_force[a][row] * state.velocity[a][row];
+  }
+  return power;
+}
+
+template double clamp_power<2>(const Reference<2>&, const State<2>&);
+template double clamp_power<3>(const Reference<3>&, const State<3>&);
 template void kick<2>(const Reference<2>&, const Workspace<2>&, double, State<2>&);
 template void kick<3>(const Reference<3>&, const Workspace<3>&, double, State<3>&);
 template void drift<2>(const Reference<2>&, double, State<2>&);

@@ -19,17 +19,23 @@ namespace {
 using namespace tern;
 using proto::Kind;
 
-/// Sub-steps between two looks at interruption, progress and the stable sub-step.
-constexpr double sub_steps_per_window = 100;
+/// Sub-steps between two looks at interruption, progress and the stable sub-step; forces and motions that change in time are
+/// constant over them, so there are fewer where there are such.
+double sub_steps_per_window(const Case& scene) {
+  bool varies = !scene.structure->loads.empty();
+  for (const ClampCase& clamp : scene.structure->clamps) varies |= clamp.motion.has_value();
+  for (const Expression& component : scene.gravity) varies |= !component.is_constant();
+  return varies ? 10 : 100;
+}
 
 /// The whole run in this process, without surface load.
 template <int D>
 void run_alone(const CommandLine& command, const Case& scene, RunReport& report) {
   structure::Structure<D> structure(scene);
-  const structure::DisplacementGauges<D> gauges(scene, structure);
+  const structure::StructureGauges<D> gauges(scene, structure);
   structure::Measures measures;
   FrameWriter frames(command.out, "structure");
-  Recorder recorder(command.out, gauge_columns(scene, GaugeOwner::structure), structure_energy_columns(),
+  Recorder recorder(command.out, gauge_columns(scene, GaugeOwner::structure), structure_energy_columns(scene),
                     scene.output.gauge_interval);
   Progress progress(scene.end_time, command.quiet);
   const Ticks end = to_ticks(scene.end_time);
@@ -37,10 +43,11 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report)
   double& compute_s = report.timing("compute");
   double& output_s = report.timing("output");
 
+  const double window = sub_steps_per_window(scene);
   long step = 0;
   const auto write_output = [&](bool frame) {
     ScopedTimer timer(output_s);
-    recorder.account(structure.time(), gauges.values(structure), structure::energy_values(structure));
+    recorder.account(structure.time(), gauges.values(structure), structure::energy_values(scene, structure));
     if (frame) structure::write_frame(structure, frames, step);
     measures.report(structure, report);
     report.update();
@@ -50,7 +57,7 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report)
     const Stopwatch watch;
     const Ticks frame_time = frame_times.next(now);
     const Ticks left = std::min(frame_time, gauge_times.next(now)) - now;
-    const auto windows = static_cast<Ticks>(seconds(left) / (sub_steps_per_window * structure.largest_sub_step())) + 1;
+    const auto windows = static_cast<Ticks>(seconds(left) / (window * structure.largest_sub_step())) + 1;
     const Ticks duration = std::max<Ticks>(left / windows, 1);
     {
       ScopedTimer timer(compute_s);
@@ -79,11 +86,11 @@ void run_coupled(const CommandLine& command, const Case& scene, RunReport& repor
   try {
     structure::Structure<D> structure(scene);
     structure::CoupledStructure<D> coupled(structure, scene.coupling.algorithm);
-    const structure::DisplacementGauges<D> gauges(scene, structure);
+    const structure::StructureGauges<D> gauges(scene, structure);
     structure::Measures measures;
     FrameWriter frames(command.out, "structure");
     const auto account = [&] {
-      return proto::account(structure::energy_values(structure), gauges.values(structure));
+      return proto::account(structure::energy_values(scene, structure), gauges.values(structure));
     };
 
     wire::Hello hello;

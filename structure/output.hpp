@@ -10,21 +10,25 @@
 
 namespace tern::structure {
 
-/// The displacement gauges of a scene, found once.
+/// The gauges of a scene that belong to the structure, their material points found once.
 template <int D>
-class DisplacementGauges {
+class StructureGauges {
  public:
-  /// Throws BadInput for a gauge outside its body.
-  DisplacementGauges(const Case& scene, const Structure<D>& structure);
+  /// Throws BadInput for a gauge outside its body or at a clamp that does not exist.
+  StructureGauges(const Case& scene, const Structure<D>& structure);
   GaugeValues values(const Structure<D>& structure) const;
 
  private:
-  std::vector<MaterialPoint> points_;
+  struct Gauge {
+    GaugeCase input;
+    MaterialPoint point;
+  };
+  std::vector<Gauge> gauges_;
 };
 
-/// In the order of structure_energy_columns().
+/// In the order of structure_energy_columns(scene).
 template <int D>
-std::vector<double> energy_values(const Structure<D>& structure);
+std::vector<double> energy_values(const Case& scene, const Structure<D>& structure);
 
 /// Appends the present state.
 template <int D>

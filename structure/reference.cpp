@@ -23,12 +23,25 @@ using Cell = std::array<int, D>;
 
 constexpr std::int32_t no_row = -1;
 
+/// What a cell of the lattice holds. From `face` on: a particle on the face of a clamp, plus three to the power of the
+/// axis times its shift along the axis (0, 1, 2 for -1/2, 0, 1/2 spacings).
+using Content = std::uint16_t;
+constexpr Content hidden = 0;  // nothing, or a particle inside a clamp
+constexpr Content free_particle = 1;
+constexpr Content face = 2;
+
 /// The lattice of one body: where each cell went.
 template <int D>
 struct Lattice {
   std::array<int, D> size{};
   std::vector<std::int32_t> row;      // per cell, no_row where empty
-  std::vector<std::uint32_t> pattern; // per cell: which neighbours it has, an index into gradients
+  std::vector<Content> content;       // per cell
+  std::vector<std::uint32_t> pattern; // per cell: which neighbours it has, an index into the derivative vectors
+
+  Content content_of(const Cell<D>& cell) const {
+    const auto n = index(cell);
+    return n < 0 ? hidden : content[n];
+  }
 
   /// -1 outside.
   std::ptrdiff_t index(const Cell<D>& cell) const {
@@ -111,38 +124,88 @@ std::int32_t number_rows(const std::vector<Cell<D>>& cells, std::int32_t next_ro
   return next_row;
 }
 
-/// Gradient vectors for every occurring set of neighbours; one entry per offset, zero where the neighbour is absent.
+/// Shift of a cell's particle from the middle of the cell, in spacings.
 template <int D>
-std::vector<std::vector<Vector<D>>> gradients_of(const std::vector<Cell<D>>& cells, const std::vector<Cell<D>>& offsets,
-                                                 const Body& body, Lattice<D>& lattice) {
-  std::map<std::vector<bool>, std::uint32_t> known;
-  std::vector<std::vector<Vector<D>>> gradients;
+Vector<D> shift_of(Content content) {
+  Vector<D> shift = Vector<D>::Zero();
+  if (content < face) return shift;
+  for (int a = 0, code = content - face; a < D; ++a, code /= 3) shift[a] = 0.5 * (code % 3 - 1);
+  return shift;
+}
+
+/// Decides what free particles see of the clamped ones: those with a free cell beside them (across a face of the cell or,
+/// where there is none, an edge or a corner) are shifted towards it.
+template <int D>
+void place_faces(const std::vector<Cell<D>>& cells, const Reference<D>& reference, Lattice<D>& lattice) {
+  const auto beside = offsets_within<D>(std::sqrt(D) + 1e-6);
+  const auto is_free = [&](const Cell<D>& cell) {
+    const auto n = lattice.index(cell);
+    return n >= 0 && lattice.row[n] != no_row && reference.inverse_mass[lattice.row[n]] > 0;
+  };
+  lattice.content.assign(lattice.row.size(), hidden);
+  for (const auto& cell : cells) {
+    Content& content = lattice.content[lattice.index(cell)];
+    if (is_free(cell)) {
+      content = free_particle;
+      continue;
+    }
+    Cell<D> towards{};
+    bool found = false;
+    for (int order = 1; order <= D && !found; ++order)
+      for (const auto& offset : beside) {
+        int squared = 0;
+        for (int a = 0; a < D; ++a) squared += offset[a] * offset[a];
+        if (squared != order || !is_free(shifted<D>(cell, offset))) continue;
+        found = true;
+        for (int a = 0; a < D; ++a) towards[a] += offset[a];
+      }
+    if (!found) continue;
+    int code = 0;
+    for (int a = D - 1; a >= 0; --a) code = 3 * code + 1 + (towards[a] > 0) - (towards[a] < 0);
+    content = static_cast<Content>(face + code);
+  }
+}
+
+/// X_j - X_i for the particle of the cell at `offset` from `cell`.
+template <int D>
+Vector<D> offset_between(const Lattice<D>& lattice, const Cell<D>& cell, const Cell<D>& offset, double spacing) {
+  Vector<D> x = shift_of<D>(lattice.content_of(shifted<D>(cell, offset))) - shift_of<D>(lattice.content_of(cell));
+  for (int a = 0; a < D; ++a) x[a] += offset[a];
+  return spacing * x;
+}
+
+/// Derivative vectors for every occurring neighbourhood; one entry per offset, zero where there is no neighbour.
+template <int D>
+std::vector<std::vector<DerivativeVectors<D>>> derivatives_of(const std::vector<Cell<D>>& cells,
+                                                              const std::vector<Cell<D>>& offsets, const Body& body,
+                                                              Lattice<D>& lattice) {
+  std::map<std::vector<Content>, std::uint32_t> known;
+  std::vector<std::vector<DerivativeVectors<D>>> derivatives;
   lattice.pattern.assign(lattice.row.size(), 0);
   for (const auto& cell : cells) {
-    std::vector<bool> present(offsets.size());
+    const Content own = lattice.content_of(cell);
+    if (own == hidden) continue;
+    std::vector<Content> contents{own};
     std::vector<Vector<D>> relative;
-    for (std::size_t o = 0; o < offsets.size(); ++o) {
-      const auto n = lattice.index(shifted<D>(cell, offsets[o]));
-      present[o] = n >= 0 && lattice.row[n] != no_row;
-      if (!present[o]) continue;
-      Vector<D> x;
-      for (int a = 0; a < D; ++a) x[a] = offsets[o][a] * body.spacing;
-      relative.push_back(x);
+    for (const auto& offset : offsets) {
+      contents.push_back(lattice.content_of(shifted<D>(cell, offset)));
+      if (contents.back() != hidden) relative.push_back(offset_between<D>(lattice, cell, offset, body.spacing));
     }
-    const auto [entry, is_new] = known.try_emplace(present, static_cast<std::uint32_t>(gradients.size()));
+    const auto [entry, is_new] = known.try_emplace(contents, static_cast<std::uint32_t>(derivatives.size()));
     lattice.pattern[lattice.index(cell)] = entry->second;
     if (!is_new) continue;
-    const auto g = gradient_vectors<D>(relative, std::pow(body.spacing, D), body.smoothing_length);
-    if (g.empty())
+    const auto found = derivative_vectors<D>(relative, std::pow(body.spacing, D), body.smoothing_length);
+    if (found.empty() && own == free_particle)
       throw BadInput(fmt::format(
           "Body '{}': a particle has {} neighbours within {:.3g} m, which do not span {} dimensions, so no strain can be "
           "computed there; make the spacing ({:.3g} m) at most half of the smallest thickness (a quarter is recommended).",
           body.name, relative.size(), 2 * body.smoothing_length, D, body.spacing));
-    gradients.emplace_back(offsets.size(), Vector<D>::Zero());
+    derivatives.emplace_back(offsets.size());
+    if (found.empty()) continue;
     for (std::size_t o = 0, n = 0; o < offsets.size(); ++o)
-      if (present[o]) gradients.back()[o] = g[n++];
+      if (contents[o + 1] != hidden) derivatives.back()[o] = found[n++];
   }
-  return gradients;
+  return derivatives;
 }
 
 /// One neighbour of a block before it is stored.
@@ -160,8 +223,10 @@ class StencilStore {
   explicit StencilStore(Reference<D>& reference) : reference_(reference) {}
 
   /// `entries` by row offset.
-  std::uint32_t add(const std::map<std::int32_t, Entry<D>>& entries, const Lanes (&gradient_sum)[D]) {
+  std::uint32_t add(const std::map<std::int32_t, Entry<D>>& entries, const Lanes (&gradient_sum)[D],
+                    const Lanes (&curvature_sum)[curvature_components<D>]) {
     std::string content(reinterpret_cast<const char*>(gradient_sum), sizeof gradient_sum);
+    content.append(reinterpret_cast<const char*>(curvature_sum), sizeof curvature_sum);
     for (const auto& [offset, entry] : entries) {
       content.append(reinterpret_cast<const char*>(&offset), sizeof offset);
       content.append(reinterpret_cast<const char*>(&entry.slot), sizeof entry.slot);
@@ -172,6 +237,7 @@ class StencilStore {
     if (is_new) {
       Stencil<D> stencil;
       std::copy_n(gradient_sum, D, stencil.gradient_sum);
+      std::copy_n(curvature_sum, curvature_components<D>, stencil.curvature_sum);
       stencil.first = static_cast<std::uint32_t>(reference_.neighbours.size());
       stencil.count = static_cast<std::uint32_t>(entries.size());
       stencil.first_pair = static_cast<std::uint32_t>(reference_.pairs.size());
@@ -199,7 +265,7 @@ void add_blocks(const std::vector<Cell<D>>& cells, const StructureNumerics& nume
   const Body& body = reference.bodies[body_index];
   const Kernel<D> kernel(body.smoothing_length);
   const auto offsets = offsets_within<D>(kernel.support() / body.spacing);
-  const auto gradients = gradients_of<D>(cells, offsets, body, lattice);
+  const auto derivatives = derivatives_of<D>(cells, offsets, body, lattice);
   const double volume = std::pow(body.spacing, D);
   reference.pair_slots = std::max(reference.pair_slots, static_cast<std::int32_t>(offsets.size() / 2));
 
@@ -207,39 +273,66 @@ void add_blocks(const std::vector<Cell<D>>& cells, const StructureNumerics& nume
   for (const auto& cell : cells) cell_of_row[lattice.row[lattice.index(cell)] - first_row] = &cell;
 
   for (std::int32_t row = first_row; row < end_row; row += lane_count) {
-    Block block{row, 0, body_index, false, false};
+    Block block{row, 0, body_index, false};
     std::map<std::int32_t, Entry<D>> entries;
-    Lanes gradient_sum[D] = {};
+    Lanes gradient_sum[D] = {}, curvature_sum[curvature_components<D>] = {};
     for (int lane = 0; lane < lane_count; ++lane) {
       const Cell<D>* cell = cell_of_row[row - first_row + lane];
-      if (cell == nullptr) continue;
-      if (reference.inverse_mass[row + lane] > 0) block.moves = block.deforms = true;
-      const auto& own = gradients[lattice.pattern[lattice.index(*cell)]];
+      if (cell == nullptr || lattice.content_of(*cell) == hidden) continue;
+      block.deforms = true;
+      const bool is_free = lattice.content_of(*cell) == free_particle;
+      const auto& own = derivatives[lattice.pattern[lattice.index(*cell)]];
       for (std::size_t o = 0; o < offsets.size(); ++o) {
+        const Content other = lattice.content_of(shifted<D>(*cell, offsets[o]));
+        if (other == hidden) continue;
         const auto n = lattice.index(shifted<D>(*cell, offsets[o]));
-        if (n < 0 || lattice.row[n] == no_row) continue;
-        if (reference.inverse_mass[lattice.row[n]] > 0) block.deforms = true;
-        const auto& mirror = gradients[lattice.pattern[n]][offsets.size() - 1 - o];
+        const auto& mirror = derivatives[lattice.pattern[n]][offsets.size() - 1 - o];
         Entry<D>& entry = entries[lattice.row[n] - lane - row];
         entry.slot = static_cast<std::int64_t>(std::min(o, offsets.size() - 1 - o));
-        double squared = 0;
+        // Energy belongs to free particles: what a particle on a face thinks of its neighbours exerts no force.
+        const double own_volume = is_free ? volume : 0, other_volume = other == free_particle ? volume : 0;
         for (int a = 0; a < D; ++a) {
-          const double x = offsets[o][a] * body.spacing;
-          squared += x * x;
-          entry.pair.half_offset[a][lane] = 0.5 * x;
-          entry.neighbour.gradient[a][lane] = volume * own[o][a];
-          entry.neighbour.mirror_gradient[a][lane] = volume * volume * mirror[a];
-          gradient_sum[a][lane] += volume * volume * own[o][a];
+          entry.neighbour.gradient[a][lane] = volume * own[o].gradient[a];
+          entry.neighbour.mirror_gradient[a][lane] = other_volume * volume * mirror.gradient[a];
+          gradient_sum[a][lane] += own_volume * volume * own[o].gradient[a];
         }
-        const double r = std::sqrt(squared);
+        for (int c = 0; c < curvature_components<D>; ++c) {
+          entry.neighbour.curvature[c][lane] = volume * own[o].curvature[c];
+          entry.neighbour.mirror_curvature[c][lane] = other_volume * volume * mirror.curvature[c];
+          curvature_sum[c][lane] += own_volume * volume * own[o].curvature[c];
+        }
+        const Vector<D> x = offset_between<D>(lattice, *cell, offsets[o], body.spacing);
+        for (int a = 0; a < D; ++a) entry.pair.half_offset[a][lane] = 0.5 * x[a];
+        if (!is_free && other != free_particle) continue;
+        const double r = x.norm();
         entry.pair.penalty[lane] =
-            numerics.hourglass_penalty * body.material.young_modulus * volume * volume * kernel.value(r) / squared;
+            numerics.hourglass_penalty * body.material.young_modulus * volume * volume * kernel.value(r) / (r * r);
         entry.pair.diffusion[lane] =
             numerics.riemann_diffusion * body.material.density * volume * volume * kernel.gradient_weight(r) * r;
       }
     }
-    block.stencil = store.add(entries, gradient_sum);
+    block.stencil = store.add(entries, gradient_sum, curvature_sum);
     reference.blocks.push_back(block);
+  }
+}
+
+/// The named clamps and their particles; a particle of several belongs to the first.
+template <int D>
+void add_clamps(const StructureCase& structure, const std::vector<Vector<D>>& points, Reference<D>& reference) {
+  std::vector<bool> taken(points.size(), false);
+  for (const ClampCase& input : structure.clamps) {
+    Clamp clamp{input.name, 0, input.motion, {}};
+    for (std::size_t b = 0; b < reference.bodies.size(); ++b)
+      if (reference.bodies[b].name == input.body) clamp.body = static_cast<std::uint32_t>(b);
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      if (reference.particle_body[p] != clamp.body || taken[p] || !contains<D>(input.region, points[p])) continue;
+      taken[p] = true;
+      clamp.row.push_back(reference.particle_row[p]);
+    }
+    if (clamp.row.empty())
+      throw BadInput(fmt::format("The clamp '{}' holds no particle of body '{}'; enlarge its region to at least one spacing "
+                                 "({:.3g} m) of the body.", clamp.name, input.body, reference.bodies[clamp.body].spacing));
+    reference.clamps.push_back(std::move(clamp));
   }
 }
 
@@ -261,9 +354,11 @@ Reference<D> build_reference(const StructureCase& structure) {
     Body body{.name = input.name,
               .shape = input.shape,
               .clamps = input.clamps,
-              .material = Material::isotropic(input.density, input.young_modulus, input.poisson_ratio),
+              .material = Material::isotropic(input.density, input.young_modulus, input.poisson_ratio, input.law,
+                                              input.plane_stress),
               .spacing = input.spacing,
               .smoothing_length = structure.numerics.smoothing_length_ratio * input.spacing,
+              .mass_damping = input.mass_damping,
               .first = points.size(),
               .count = 0};
     const auto filled = fill_lattice<D>(input.shape, input.spacing);
@@ -280,14 +375,14 @@ Reference<D> build_reference(const StructureCase& structure) {
       reference.particle_body.push_back(static_cast<std::uint32_t>(reference.bodies.size()));
     }
     points.insert(points.end(), filled.begin(), filled.end());
+    reference.has_damping |= body.mass_damping > 0;
     reference.bodies.push_back(std::move(body));
   }
   first_row.push_back(next_row);
 
   reference.rows = static_cast<std::size_t>(next_row) + margin_rows;
   for (auto& axis : reference.position) axis.assign(reference.rows, 0);
-  reference.mass.assign(reference.rows, 0);
-  reference.inverse_mass.assign(reference.rows, 0);
+  for (auto* values : {&reference.mass, &reference.inverse_mass, &reference.volume}) values->assign(reference.rows, 0);
   for (std::size_t p = 0; p < points.size(); ++p) {
     const auto row = reference.particle_row[p];
     const Body& body = reference.bodies[reference.particle_body[p]];
@@ -295,10 +390,19 @@ Reference<D> build_reference(const StructureCase& structure) {
     reference.mass[row] = body.material.density * std::pow(body.spacing, D);
     const bool clamped = std::any_of(body.clamps.begin(), body.clamps.end(),
                                      [&](const Shape& clamp) { return contains<D>(clamp, points[p]); });
-    reference.inverse_mass[row] = clamped ? 0 : 1 / reference.mass[row];
+    if (clamped) continue;
+    reference.inverse_mass[row] = 1 / reference.mass[row];
+    reference.volume[row] = std::pow(body.spacing, D);
   }
-  for (std::uint32_t b = 0; b < reference.bodies.size(); ++b)
+  add_clamps<D>(structure, points, reference);
+  for (std::uint32_t b = 0; b < reference.bodies.size(); ++b) {
+    place_faces<D>(cells[b], reference, lattices[b]);
+    for (const auto& cell : cells[b]) {
+      const Vector<D> shift = reference.bodies[b].spacing * shift_of<D>(lattices[b].content_of(cell));
+      for (int a = 0; a < D; ++a) reference.position[a][lattices[b].row[lattices[b].index(cell)]] += shift[a];
+    }
     add_blocks<D>(cells[b], structure.numerics, b, first_row[b], first_row[b + 1], lattices[b], store, reference);
+  }
   return reference;
 }
 

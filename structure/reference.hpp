@@ -1,6 +1,11 @@
 #pragma once
 // The reference configuration: everything that never changes after the start.
 //
+// A clamp is a rigid region of a body. Of the particles in it, those beside free ones are moved onto the face of the
+// region (half a spacing towards the free side) and become its face particles: they carry the prescribed motion, have no
+// volume, and are all that the free particles see of the clamp. A displacement field has a kink at the face; a sum that
+// reached across it into the clamp would smear the kink and hold the body 0.8 spacings too deep.
+//
 // Particles live in rows of structure-of-arrays storage. Each lattice line of a body (along its longest side) occupies
 // consecutive rows and starts at a multiple of four, so that four consecutive rows (a block) share their neighbour
 // offsets and every neighbour access is one load of four consecutive values. Rows without a particle (line ends, and the
@@ -9,11 +14,14 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "particles/case_file.hpp"
+#include "particles/rigid_motion.hpp"
 #include "particles/vector.hpp"
+#include "structure/gradient_vectors.hpp"
 #include "structure/lanes.hpp"
 #include "structure/material.hpp"
 
@@ -26,6 +34,8 @@ template <int D>
 struct Neighbour {
   Lanes gradient[D];         ///< V_j g_ij [1/m]
   Lanes mirror_gradient[D];  ///< V_i V_j g_ji [m^(D-1)]
+  Lanes curvature[curvature_components<D>];         ///< V_j k_ij [1/m^2]
+  Lanes mirror_curvature[curvature_components<D>];  ///< V_i V_j k_ji [m^(D-2)]
 };
 
 /// A neighbour in a later row: the forces of the pair are computed once, from its first row.
@@ -43,14 +53,14 @@ struct Stencil {
   std::uint32_t first = 0, count = 0;       ///< range of Reference::neighbours, row_offset and pair_slot
   std::uint32_t first_pair = 0, pairs = 0;  ///< range of Reference::pairs
   Lanes gradient_sum[D] = {};               ///< V_i sum_j V_j g_ij
+  Lanes curvature_sum[curvature_components<D>] = {};  ///< V_i sum_j V_j k_ij
 };
 
 struct Block {
   std::int32_t row = 0;
   std::uint32_t stencil = 0;
   std::uint32_t body = 0;
-  bool deforms = false;  ///< false where the block and all its neighbours are clamped: F = I for ever
-  bool moves = false;    ///< some row of it is free
+  bool deforms = false;  ///< some row of it is free or on the face of a clamp
 };
 
 struct Body {
@@ -60,7 +70,16 @@ struct Body {
   Material material;
   double spacing = 0;                       ///< dx_s [m]
   double smoothing_length = 0;              ///< h_0 [m]
+  double mass_damping = 0;                  ///< [1/s]
   std::size_t first = 0, count = 0;         ///< range of Reference::particle_row
+};
+
+/// A named clamp: who is in it and how it moves.
+struct Clamp {
+  std::string name;
+  std::uint32_t body = 0;
+  std::optional<RigidMotion> motion;
+  std::vector<std::int32_t> row;  ///< of its particles
 };
 
 template <int D>
@@ -72,6 +91,7 @@ struct Reference {
   std::array<std::vector<double>, D> position;  ///< X [m]
   std::vector<double> mass;                 ///< [kg/m^(3-D)], 0 in rows without particle
   std::vector<double> inverse_mass;         ///< 0 where clamped or without particle
+  std::vector<double> volume;               ///< V [m^D], 0 where clamped or without particle
   std::vector<Block> blocks;
   std::vector<Stencil<D>> stencils;
   std::vector<Neighbour<D>> neighbours;
@@ -79,7 +99,8 @@ struct Reference {
   std::vector<std::int32_t> row_offset;     ///< first row of the neighbours minus first row of the block
   std::vector<std::int32_t> pair_slot;      ///< which array of Workspace::pair_force the pair is in: one per lattice offset
   std::int32_t pair_slots = 0;
-  bool has_penalty = false, has_diffusion = false;
+  std::vector<Clamp> clamps;
+  bool has_penalty = false, has_diffusion = false, has_damping = false;
 
   Vector<D> position_of(std::int32_t row) const {
     Vector<D> x;
@@ -88,7 +109,7 @@ struct Reference {
   }
 };
 
-/// Throws BadInput when a body holds no particle or a particle has too few neighbours to carry a gradient.
+/// Throws BadInput when a body or a named clamp holds no particle, or a particle has too few neighbours to carry a gradient.
 template <int D>
 Reference<D> build_reference(const StructureCase& structure);
 

@@ -1,5 +1,6 @@
 // Stable sub-step of the explicit integration: dt = courant dx/(c + |v|max), the minimum over the bodies. Under
-// compression the material stiffens while its reference spacing stays: c is the wave speed at the smallest stretch.
+// compression the neo-Hookean solid stiffens while its reference spacing stays, in tension the St Venant-Kirchhoff solid: c is
+// the largest wave speed at rest, at the smallest and at the largest stretch.
 
 #include <algorithm>
 #include <cmath>
@@ -9,13 +10,13 @@
 namespace tern::structure {
 namespace {
 
-/// Smallest principal stretch of F.
+/// Smallest and largest principal stretch of F.
 template <int D>
-double smallest_stretch(const Matrix<D>& f) {
+std::pair<double, double> stretches(const Matrix<D>& f) {
   const Eigen::Matrix<double, D, D> c = f.transpose() * f;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, D, D>> eigen;
   eigen.computeDirect(c, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(eigen.eigenvalues()[0], 0.0));
+  return {std::sqrt(std::max(eigen.eigenvalues()[0], 0.0)), std::sqrt(std::max(eigen.eigenvalues()[D - 1], 0.0))};
 }
 
 }  // namespace
@@ -26,16 +27,19 @@ double stable_sub_step(const Reference<D>& reference, double courant, const Stat
   deformation_gradient(reference, state, work);
   double dt = std::numeric_limits<double>::max();
   for (const Body& body : reference.bodies) {
-    double stretch = 1, speed = 0;
+    double smallest = 1, largest = 1, speed = 0;
     for (std::size_t p = body.first; p < body.first + body.count; ++p) {
       const auto row = reference.particle_row[p];
       double squared = 0;
       for (int a = 0; a < D; ++a) squared += state.velocity[a][row] * state.velocity[a][row];
       speed = std::max(speed, squared);
-      stretch = std::min(stretch, smallest_stretch<D>(deformation_gradient_of<D>(work, row)));
+      const auto [low, high] = stretches<D>(deformation_gradient_of<D>(work, row));
+      smallest = std::min(smallest, low);
+      largest = std::max(largest, high);
     }
-    const double wave_speed = std::max(body.material.pressure_wave_speed(),
-                                       body.material.wave_speed_at(std::max(stretch, least_stretch)));
+    const double wave_speed = std::max({body.material.pressure_wave_speed(),
+                                        body.material.wave_speed_at(std::max(smallest, least_stretch)),
+                                        body.material.wave_speed_at(largest)});
     dt = std::min(dt, courant * body.spacing / (wave_speed + std::sqrt(speed)));
   }
   return dt;

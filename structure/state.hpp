@@ -22,20 +22,29 @@ struct State {
   SurfaceLoad<D> load;           ///< of the last window
   double interface_work = 0;     ///< [J/m^(3-D)] since t = 0
   double gravity_work = 0;
+  double load_work = 0;          ///< of tractions, pressures and body loads
+  double clamp_work = 0;         ///< of clamps that move
   std::vector<Lanes> diffusion_loss;  ///< per block: energy dissipated by the diffusion in its pairs
   std::vector<Lanes> penalty_store;   ///< per block: energy taken up by the penalty in its pairs
+  std::vector<Lanes> damping_loss;    ///< per block: energy dissipated by the mass damping; empty without
 };
 
 template <int D>
 using RowMatrices = std::array<std::array<std::vector<double>, D>, D>;  ///< [component][direction]
 
+/// Second derivatives: [component][pair of directions, see curvature_index].
+template <int D>
+using RowCurvatures = std::array<std::array<std::vector<double>, curvature_components<D>>, D>;
+
 template <int D>
 struct Workspace {
   RowMatrices<D> displacement_gradient;  ///< H = F - I
+  RowCurvatures<D> curvature;            ///< K = d2u/dX dX [1/m]
+  RowCurvatures<D> double_stress;        ///< Q = dW/dK, W the energy density of a particle's cell [N/m]
   RowMatrices<D> velocity_gradient;      ///< L, for the reconstruction in the diffusion
   RowMatrices<D> stress;                 ///< first Piola-Kirchhoff P [Pa]
   RowVectors<D> pair_force;              ///< stabilising force on the first row of each pair: array of rows per pair slot
-  RowVectors<D> external_force;          ///< surface load and weight, constant over a window [N/m^(3-D)]
+  RowVectors<D> external_force;          ///< all that acts from outside, constant over a window [N/m^(3-D)]
 };
 
 template <int D>
@@ -46,6 +55,7 @@ State<D> state_at_rest(const Reference<D>& reference, std::size_t surface_points
   state.load.force.assign(surface_points, Vector<D>::Zero());
   state.diffusion_loss.assign(reference.blocks.size(), broadcast(0));
   state.penalty_store.assign(reference.blocks.size(), broadcast(0));
+  if (reference.has_damping) state.damping_loss.assign(reference.blocks.size(), broadcast(0));
   return state;
 }
 
@@ -55,6 +65,9 @@ Workspace<D> workspace_for(const Reference<D>& reference) {
   for (auto* matrices : {&work.displacement_gradient, &work.velocity_gradient, &work.stress})
     for (auto& component : *matrices)
       for (auto& direction : component) direction.assign(reference.rows, 0);
+  for (auto* curvatures : {&work.curvature, &work.double_stress})
+    for (auto& component : *curvatures)
+      for (auto& pair : component) pair.assign(reference.rows, 0);
   for (auto& axis : work.external_force) axis.assign(reference.rows, 0);
   if (reference.has_penalty || reference.has_diffusion)
     for (auto& axis : work.pair_force) axis.assign(reference.rows * reference.pair_slots, 0);

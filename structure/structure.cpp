@@ -2,6 +2,8 @@
 
 #include "structure/structure.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -9,6 +11,9 @@
 
 #include "particles/error.hpp"
 #include "structure/energy.hpp"
+#include "structure/implicit_step.hpp"
+#include "structure/integrator_choice.hpp"
+#include "structure/loads.hpp"
 #include "structure/material_point.hpp"
 #include "structure/reference.hpp"
 #include "structure/surface_points.hpp"
@@ -22,18 +27,24 @@ struct Structure<D>::Parts {
   SurfaceAttachment<D> attachment;
   VectorExpression gravity;
   bool has_gravity = false;
+  // Constant over the present window [N/m^(3-D)]: the weight of the particles, and the loads of the case.
+  RowVectors<D> weight;
+  Loads<D> loads;
   double courant = 0;
 
   State<D> state, saved;
-  RowVectors<D> weight;  // of the particles over the present window [N/m^(3-D)]
   Workspace<D> work;
   Ticks duration = 0;    // of the present window
-  int sub_steps = 0;
+  int sub_steps = 0;     // explicit ones it takes, or would take
+  std::unique_ptr<ImplicitStep<D>> implicit;  // null when the integrator is explicit
+  IntegratorChoice choice;
+  bool always_implicit = false, implicit_window = false;
 
   explicit Parts(const Case& scene)
       : reference(build_reference<D>(scene.structure.value())),
         attachment(attach_surface(reference)),
         gravity(scene.gravity),
+        loads(*scene.structure, reference, attachment),
         courant(scene.structure->numerics.courant),
         state(state_at_rest(reference, attachment.row.size())),
         work(workspace_for(reference)) {
@@ -46,6 +57,14 @@ struct Structure<D>::Parts {
       const auto& velocity = scene.structure->bodies[reference.particle_body[p]].velocity;
       for (int a = 0; a < D; ++a) state.velocity[a][row] = velocity[a](0, x[0], x[1], x[2]);
     }
+    if (scene.structure->numerics.integrator != Integrator::explicit_steps)
+      implicit = std::make_unique<ImplicitStep<D>>(reference);
+    always_implicit = scene.structure->numerics.integrator == Integrator::implicit_steps;
+    all_forces();
+  }
+
+  /// Internal force of the present state with everything explicit steps need.
+  void all_forces() {
     deform();
     stabilising_forces(reference, 0, state, work);
     internal_force(reference, work, state);
@@ -63,10 +82,11 @@ struct Structure<D>::Parts {
     return x;
   }
 
-  /// Weight of the free particles, taken at the middle of the window and at the positions of its begin.
-  void update_weight() {
-    if (!has_gravity) return;
+  /// Weight of the free particles and loads of the case, taken at the middle of the window and at the positions of its begin.
+  void update_forces() {
     const double t = seconds(state.time) + 0.5 * seconds(duration);
+    loads.update(t, attachment, reference, state, work);
+    if (!has_gravity) return;
     for (const auto row : reference.particle_row) {
       if (reference.inverse_mass[row] == 0) continue;
       const auto x = place(row);
@@ -74,21 +94,41 @@ struct Structure<D>::Parts {
     }
   }
 
+  /// Gives the particles of moving clamps the velocity that brings them to their place at the end of the window.
+  void begin_clamp_motion() {
+    const double end = seconds(state.time) + seconds(duration);
+    for (const Clamp& clamp : reference.clamps) {
+      if (!clamp.motion) continue;
+      const auto place_at_end = placement<D>(*clamp.motion, end);
+      for (const auto row : clamp.row) {
+        const Vector<D> x = reference.position_of(row), d = place_at_end(x) - x;
+        for (int a = 0; a < D; ++a) state.velocity[a][row] = (d[a] - state.displacement[a][row]) / seconds(duration);
+      }
+    }
+  }
+
   /// Advances the present window under state.load and counts the work of the constant forces, f . (d_end - d_begin).
   void advance() {
+    begin_clamp_motion();
     for (int a = 0; a < D; ++a) work.external_force[a] = weight[a];
     for (std::size_t k = 0; k < attachment.row.size(); ++k)
       for (int a = 0; a < D; ++a) work.external_force[a][attachment.row[k]] += state.load.force[k][a];
-    advance_window(reference, duration, sub_steps, state, work);
-    double total = 0, by_gravity = 0;
+    loads.add_to(work.external_force);
+    const ImplicitCounts before = implicit ? implicit->counts() : ImplicitCounts{};
+    advance_window(reference, duration, sub_steps, implicit_window ? implicit.get() : nullptr, state, work);
+    if (implicit_window)
+      choice.add(implicit->counts().evaluations - before.evaluations, implicit->counts().factors - before.factors);
+    double total = 0, by_gravity = 0, by_loads = 0;
     for (int a = 0; a < D; ++a)
       for (const auto row : reference.particle_row) {
         const double moved = state.displacement[a][row] - saved.displacement[a][row];
         total += work.external_force[a][row] * moved;
         by_gravity += weight[a][row] * moved;
+        if (loads.any()) by_loads += loads.force()[a][row] * moved;
       }
     state.gravity_work += by_gravity;
-    state.interface_work += total - by_gravity;
+    state.load_work += by_loads;
+    state.interface_work += total - by_gravity - by_loads;
   }
 };
 
@@ -115,7 +155,15 @@ Surface<D> Structure<D>::trial(Ticks begin, Ticks duration) {
   p.saved = p.state;
   const double dt = stable_sub_step(p.reference, p.courant, p.state, p.work);
   p.sub_steps = std::max(1, static_cast<int>(std::ceil(seconds(duration) / dt)));
-  p.update_weight();
+  if (p.implicit) {
+    const bool was_implicit = p.implicit_window;
+    p.implicit_window = p.always_implicit || p.choice.prefers_implicit(p.sub_steps);
+    if (was_implicit && !p.implicit_window) {
+      p.all_forces();
+      p.saved = p.state;
+    }
+  }
+  p.update_forces();
   p.advance();
   return present_surface(p.attachment, p.reference, p.state, p.work);
 }
@@ -194,6 +242,44 @@ Vector<D> Structure<D>::displacement(const MaterialPoint& point) const {
     for (int a = 0; a < D; ++a)
       d[a] += point.weight[n] * parts_->state.displacement[a][parts_->reference.particle_row[point.particle[n]]];
   return d;
+}
+
+template <int D>
+Reaction Structure<D>::reaction(const std::string& body, const std::string& clamp,
+                                const std::array<double, 3>& about) const {
+  const Reference<D>& reference = parts_->reference;
+  Reaction reaction;
+  const auto add = [&](std::int32_t row) {
+    std::array<double, 3> arm{}, force{};
+    for (int a = 0; a < D; ++a) {
+      arm[a] = reference.position[a][row] + parts_->state.displacement[a][row] - about[a];
+      force[a] = -parts_->state.internal_force[a][row];
+    }
+    for (int a = 0; a < 3; ++a) {
+      const int b = (a + 1) % 3, c = (a + 2) % 3;
+      reaction.force[a] += force[a];
+      reaction.moment[a] += arm[b] * force[c] - arm[c] * force[b];
+    }
+  };
+  bool found = false;
+  for (const Clamp& known : reference.clamps) {
+    if (clamp.empty() || known.name != clamp || reference.bodies[known.body].name != body) continue;
+    found = true;
+    for (const auto row : known.row) add(row);
+  }
+  for (const Body& known : reference.bodies) {
+    if (!clamp.empty() || known.name != body) continue;
+    found = true;
+    for (std::size_t p = known.first; p < known.first + known.count; ++p) {
+      const auto row = reference.particle_row[p];
+      if (reference.inverse_mass[row] == 0) add(row);
+    }
+  }
+  if (!found)
+    throw BadInput(fmt::format("A gauge asks for the reaction of {}, which does not exist; name a [[structure.body]] or one "
+                               "of its [[structure.clamp]]s.",
+                               clamp.empty() ? "body '" + body + "'" : "clamp '" + clamp + "' of body '" + body + "'"));
+  return reaction;
 }
 
 template <int D>

@@ -15,8 +15,8 @@
 
 namespace tern::structure {
 
-/// Energy account of all bodies [J/m^(3-D)]. Balance: kinetic + strain + potential + penalty + diffusion
-/// - interface_work = its value at t = 0, to the error of the time integration.
+/// Energy account of all bodies [J/m^(3-D)]. Balance: kinetic + strain + potential + penalty + diffusion + damping
+/// - interface_work - load_work - clamp_work = its value at t = 0, to the error of the time integration.
 struct Energies {
   double kinetic = 0;
   double strain = 0;
@@ -24,6 +24,9 @@ struct Energies {
   double diffusion = 0;       ///< dissipated by the Riemann diffusion since t = 0, >= 0
   double penalty = 0;         ///< taken up by the hourglass penalty since t = 0
   double interface_work = 0;  ///< done on the structure by the surface load since t = 0
+  double damping = 0;         ///< dissipated by the mass damping since t = 0, >= 0
+  double load_work = 0;       ///< done on the structure by the [[structure.load]]s since t = 0
+  double clamp_work = 0;      ///< done on the structure by clamps that move since t = 0
 };
 
 /// Linear and angular momentum about the origin of the free particles; 2D: only the last entry of `angular` is non-zero.
@@ -38,6 +41,12 @@ struct MaterialPoint {
   std::vector<double> weight;
 };
 
+/// Force and moment with which clamps hold a body; 2D: only the last entry of `moment` is non-zero.
+struct Reaction {
+  std::array<double, 3> force{};   ///< [N/m^(3-D)]
+  std::array<double, 3> moment{};  ///< [N m/m^(3-D)]
+};
+
 /// Particle fields of one frame, all of length particles(), particle by particle in the order of the bodies.
 template <int D>
 struct Fields {
@@ -47,6 +56,7 @@ struct Fields {
   std::vector<Matrix<D>> stress;        ///< Cauchy [Pa]
   std::vector<double> von_mises;        ///< [Pa]
   std::vector<double> jacobian;         ///< J = det F
+  std::vector<double> energy_density;   ///< strain energy per reference volume [J/m^3]
   std::vector<std::uint32_t> body;
   std::vector<std::uint8_t> clamped;
 };
@@ -96,6 +106,10 @@ class Structure {
   /// is farther than a spacing from it.
   MaterialPoint material_point(const std::string& body, const std::array<double, 3>& at) const;
   Vector<D> displacement(const MaterialPoint& point) const;  ///< [m]
+
+  /// Reaction of the clamp of a body with this name, or of all its clamps when the name is empty, with the moment about
+  /// `about` [m]; of the last force evaluation. Throws BadInput when there is no such clamp or body.
+  Reaction reaction(const std::string& body, const std::string& clamp, const std::array<double, 3>& about) const;
 
   /// Total load on the surface points of one body in the last window [N/m^(3-D)].
   Vector<D> total_load(const std::string& body) const;

@@ -1,28 +1,70 @@
-// One window of the structure: sub-steps of velocity Verlet (kick, drift, forces, kick) under a constant load. The page to
-// read first; each call is one equation, in the file of its name.
+// One window of the structure under a constant load: sub-steps of velocity Verlet (kick, drift, forces, kick), or implicit
+// steps (implicit_step.cpp). The page to read first; each call is one equation, in the file of its name.
 
 #include "structure/time_step.hpp"
+
+#include "structure/implicit_step.hpp"
 
 namespace tern::structure {
 
 template <int D>
-void advance_window(const Reference<D>& reference, Ticks duration, int sub_steps, State<D>& state, Workspace<D>& work) {
-  const double dt = seconds(duration) / sub_steps;
+void verlet(const Reference<D>& reference, double duration, int sub_steps, State<D>& state, Workspace<D>& work) {
+  const double dt = duration / sub_steps;
   const double begin = seconds(state.time);
   for (int n = 0; n < sub_steps; ++n) {
     // The kick that ends a sub-step and the one that begins the next are the same force for half a step each.
     kick(reference, work, n == 0 ? 0.5 * dt : dt, state);
     drift(reference, dt, state);
+    state.clamp_work += 0.5 * dt * clamp_power(reference, state);            // by the forces at the begin of the drift
     deformation_gradient(reference, state, work);                            // F_i, and L_i for the reconstruction
-    first_piola_kirchhoff(reference, state, begin + (n + 1) * dt, work);     // P(F), seed paper eq. 4
+    first_piola_kirchhoff(reference, state, begin + (n + 1) * dt, work);     // P, Q of W(F, K)
     stabilising_forces(reference, dt, state, work);                          // Riemann diffusion, hourglass penalty
-    internal_force(reference, work, state);                                  // -dE/dx of sum V Psi(F)
+    internal_force(reference, work, state);                                  // -dE/dx of sum V W(F, K)
+    state.clamp_work += 0.5 * dt * clamp_power(reference, state);            // and at its end
   }
   kick(reference, work, 0.5 * dt, state);
+}
+
+namespace {
+
+/// One implicit step that stands for `sub_steps` explicit ones; failing that, two of half its length, and at last those.
+template <int D>
+void implicit_or_explicit(const Reference<D>& reference, double duration, int sub_steps, int halvings,
+                          ImplicitStep<D>& implicit, State<D>& state, Workspace<D>& work) {
+  if (implicit.advance(reference, duration, state, work)) return;
+  if (halvings > 0 && sub_steps > 1) {
+    const int half = (sub_steps + 1) / 2;
+    implicit_or_explicit(reference, 0.5 * duration, half, halvings - 1, implicit, state, work);
+    implicit_or_explicit(reference, 0.5 * duration, half, halvings - 1, implicit, state, work);
+    return;
+  }
+  deformation_gradient(reference, state, work);
+  first_piola_kirchhoff(reference, state, seconds(state.time), work);
+  stabilising_forces(reference, 0, state, work);
+  internal_force(reference, work, state);
+  verlet(reference, duration, sub_steps, state, work);
+}
+
+}  // namespace
+
+template <int D>
+void advance_window(const Reference<D>& reference, Ticks duration, int sub_steps, ImplicitStep<D>* implicit, State<D>& state,
+                    Workspace<D>& work) {
+  if (implicit == nullptr) {
+    verlet(reference, seconds(duration), sub_steps, state, work);
+  } else {
+    constexpr int halvings = 2;
+    const int steps = (sub_steps + largest_implicit_ratio - 1) / largest_implicit_ratio;
+    const int each = (sub_steps + steps - 1) / steps;
+    for (int n = 0; n < steps; ++n)
+      implicit_or_explicit(reference, seconds(duration) / steps, each, halvings, *implicit, state, work);
+  }
   state.time += duration;
 }
 
-template void advance_window<2>(const Reference<2>&, Ticks, int, State<2>&, Workspace<2>&);
-template void advance_window<3>(const Reference<3>&, Ticks, int, State<3>&, Workspace<3>&);
+template void verlet<2>(const Reference<2>&, double, int, State<2>&, Workspace<2>&);
+template void verlet<3>(const Reference<3>&, double, int, State<3>&, Workspace<3>&);
+template void advance_window<2>(const Reference<2>&, Ticks, int, ImplicitStep<2>*, State<2>&, Workspace<2>&);
+template void advance_window<3>(const Reference<3>&, Ticks, int, ImplicitStep<3>*, State<3>&, Workspace<3>&);
 
 }  // namespace tern::structure

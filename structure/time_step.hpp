@@ -7,13 +7,21 @@
 
 namespace tern::structure {
 
-/// H_i = sum_j V_j (d_j - d_i) x g_ij and, when `work` is used by the diffusion, L_i likewise from the velocities.
+/// H_i = sum_j V_j (d_j - d_i) x g_ij, its derivatives K_i and, when `work` is used by the diffusion, L_i from the velocities.
 template <int D>
 void deformation_gradient(const Reference<D>& reference, const State<D>& state, Workspace<D>& work);
 
-/// P(F) of every row (seed paper eq. 4). Throws NumericalFailure when J <= 0 or not finite, naming particle and `time_s`.
+/// The same without L_i.
+template <int D>
+void displacement_gradients(const Reference<D>& reference, const State<D>& state, Workspace<D>& work);
+
+/// P and Q of every row. Throws NumericalFailure when J <= 0 or not finite, naming particle and `time_s`.
 template <int D>
 void first_piola_kirchhoff(const Reference<D>& reference, const State<D>& state, double time_s, Workspace<D>& work);
+
+/// The same without a message: false when some J is not positive or not finite; the stress of its block is then not touched.
+template <int D>
+bool stresses(const Reference<D>& reference, Workspace<D>& work);
 
 /// Riemann diffusion and hourglass penalty of every pair into work.pair_force, their sum over the pairs that begin in a row
 /// into state.internal_force, and the energy they take up in `dt` [s] into the account of `state`.
@@ -24,7 +32,11 @@ void stabilising_forces(const Reference<D>& reference, double dt, State<D>& stat
 template <int D>
 void internal_force(const Reference<D>& reference, const Workspace<D>& work, State<D>& state);
 
-/// v += dt (f_internal + f_external) / m; zero where clamped.
+/// The elastic force alone into state.internal_force, from the displacement on; false when some J is not positive.
+template <int D>
+bool elastic_force(const Reference<D>& reference, State<D>& state, Workspace<D>& work);
+
+/// v += dt (f_internal + f_external) / m, after the mass damping; unchanged where clamped.
 template <int D>
 void kick(const Reference<D>& reference, const Workspace<D>& work, double dt, State<D>& state);
 
@@ -32,13 +44,29 @@ void kick(const Reference<D>& reference, const Workspace<D>& work, double dt, St
 template <int D>
 void drift(const Reference<D>& reference, double dt, State<D>& state);
 
+/// Power of the clamps that move, sum of their reaction times their velocity [W/m^(3-D)].
+template <int D>
+double clamp_power(const Reference<D>& reference, const State<D>& state);
+
 /// Largest stable sub-step [s]: courant dx/(c + |v|max), c the pressure wave speed at the strongest compression.
 template <int D>
 double stable_sub_step(const Reference<D>& reference, double courant, const State<D>& state, Workspace<D>& work);
 
-/// Advances the state by `duration` in `sub_steps` equal steps of velocity Verlet under work.external_force.
+/// Advances displacement and velocity by `duration` [s] in `sub_steps` equal steps of velocity Verlet under
+/// work.external_force; the time in `state` is that of the begin throughout.
 template <int D>
-void advance_window(const Reference<D>& reference, Ticks duration, int sub_steps, State<D>& state, Workspace<D>& work);
+void verlet(const Reference<D>& reference, double duration, int sub_steps, State<D>& state, Workspace<D>& work);
+
+template <int D>
+class ImplicitStep;
+
+/// Advances the state by `duration` under work.external_force: in `sub_steps` explicit steps, or, with `implicit`, in
+/// implicit ones of at most largest_implicit_ratio sub-steps. One that does not converge is halved, and at last replaced by
+/// the explicit steps it stands for.
+template <int D>
+void advance_window(const Reference<D>& reference, Ticks duration, int sub_steps, ImplicitStep<D>* implicit, State<D>& state,
+                    Workspace<D>& work);
+inline constexpr int largest_implicit_ratio = 100;
 
 /// F_i in the row, from the last deformation_gradient().
 template <int D>

@@ -363,6 +363,81 @@ TEST_F(CaseFile, WithAPeriodicDirectionThatCannotRepeatItselfIsRefused) {
   EXPECT_EQ(read(changed("spacing = 0.05", "spacing = 0.03")).warnings.size(), 1u);
 }
 
+constexpr const char* pulled_case = R"(dimension = 2
+end_time = 1
+gravity = [0, 0]
+[[structure.body]]
+name = "bar"
+shape = { box = { min = [0, 0], max = [1, 0.2] } }
+spacing = 0.05
+density = 1000
+young_modulus = 1e6
+poisson_ratio = 0.3
+material = "st_venant_kirchhoff"
+plane = "stress"
+mass_damping = 2
+[[structure.clamp]]
+name = "root"
+body = "bar"
+region = { box = { min = [-1, -1], max = [0.05, 1] } }
+rotation = "0.1*t"
+pivot = [0, 0.1]
+[[structure.load]]
+name = "pull"
+body = "bar"
+region = { box = { min = [0.99, -1], max = [1.01, 1] } }
+traction = ["100*t", "y"]
+[[structure.load]]
+name = "squeeze"
+body = "bar"
+pressure = "10*x"
+[[gauge]]
+kind = "reaction"
+name = "hold"
+body = "bar"
+clamp = "root"
+)";
+
+// Seen to fail: without reading `plane`, without the clamp's region among those of its body.
+TEST_F(CaseFile, ReadsMaterialsClampsAndLoadsOfAStructure) {
+  const Case c = read(pulled_case);
+  const StructureCase& structure = c.structure.value();
+  EXPECT_EQ(structure.bodies[0].law, MaterialLaw::st_venant_kirchhoff);
+  EXPECT_TRUE(structure.bodies[0].plane_stress);
+  EXPECT_EQ(structure.bodies[0].mass_damping, 2);
+  EXPECT_EQ(structure.bodies[0].clamps.size(), 1u);
+  ASSERT_EQ(structure.clamps.size(), 1u);
+  EXPECT_TRUE(structure.clamps[0].motion.has_value());
+  ASSERT_EQ(structure.loads.size(), 2u);
+  EXPECT_EQ(structure.loads[0].value[1](0, 0, 0.3), 0.3);
+  EXPECT_EQ(structure.loads[1].kind, LoadCase::Kind::pressure);
+  EXPECT_FALSE(structure.loads[1].region.has_value());
+  EXPECT_EQ(c.gauges[0].clamp, "root");
+}
+
+// Seen to fail: with the checks of read_load, check_structure and check_reaction removed, their cases are let through.
+TEST_F(CaseFile, WhoseStructureMakesNoSenseIsRefused) {
+  const std::string pulled = pulled_case;
+  const auto changed = [&](const std::string& old_text, const std::string& new_text) {
+    std::string text = pulled;
+    const auto at = text.find(old_text);
+    EXPECT_NE(at, std::string::npos) << old_text;
+    return text.replace(at, old_text.size(), new_text);
+  };
+  expect_refused(changed("st_venant_kirchhoff", "rubber"), {"case.toml:11:", "material", "\"neo_hookean\""});
+  expect_refused(changed("mass_damping = 2", "mass_damping = 0"), {"case.toml:13:", "mass_damping [1/s]", "greater than 0"});
+  expect_refused(changed("body = \"bar\"\nregion", "body = \"beam\"\nregion"), {"clamp 'root'", "'beam'", "only 'bar'"});
+  expect_refused(changed("max = [0.05, 1]", "max = [0.02, 1]"), {"case.toml:14:", "clamp 'root' holds no particle", "0.05 m"});
+  expect_refused(changed("pivot = [0, 0.1]", ""), {"case.toml:14:", "the clamp 'root' is rotated, but has no pivot"});
+  expect_refused(changed("\"0.1*t\"", "\"0.1+t\""), {"the clamp 'root'", "at t = 0 instead of 0"});
+  expect_refused(changed("min = [0.99, -1], max = [1.01, 1]", "min = [0.99, -1], max = [0.999, -0.5]"),
+                 {"case.toml:20:", "load 'pull' acts on nothing", "point of the surface"});
+  expect_refused(changed("traction =", "pressure = 1\ntraction ="), {"case.toml:20:", "'pull' has several of traction"});
+  expect_refused(changed("pressure = \"10*x\"", ""), {"'squeeze' has none of traction"});
+  expect_refused(changed("clamp = \"root\"", "clamp = \"tip\""), {"the gauge 'hold' names the clamp 'tip'"});
+  expect_refused(changed("name = \"squeeze\"", "name = \"pull\""), {"'pull' is used twice in [[structure.load]]"});
+}
+
 // c_p = sqrt(E (1 - nu)/(rho (1 + nu)(1 - 2 nu))); seen to fail with the plane-stress speed.
 TEST_F(CaseFile, IsEstimatedFromItsStepLimits) {
   const Estimate e = estimate(read_case(TERN_SOURCE_DIR "/cases/dam_break_plate"));

@@ -34,6 +34,15 @@ class VerifyCasesTest(unittest.TestCase):
     def test_the_dry_plate_swings_with_its_own_frequency(self):
         self.verify("dry_plate")
 
+    def test_the_column_bends_over_and_back(self):
+        self.verify("bending_column_2d")
+
+    def test_the_bar_rings_at_its_wave_speed(self):
+        self.verify("tensile_bar")
+
+    def test_the_cantilever_keeps_its_period_through_large_swings(self):
+        self.verify("gray_cantilever")
+
     def test_water_at_rest_stays_at_rest_with_hydrostatic_pressure(self):
         self.verify("hydrostatic_tank")
 

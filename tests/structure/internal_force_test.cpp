@@ -54,6 +54,35 @@ TEST(InternalForce, IsTheNegativeGradientOfTheStrainEnergy) {
   EXPECT_LT(gradient_error<3>(block<3>(4)), 1e-8) << "seed " << seed;
 }
 
+// Seen to fail: without the quadratic term of the strain of St Venant-Kirchhoff together with F33 of plane stress held at 1, and
+// without the part of the strain gradient in P and Q.
+TEST(InternalForce, IsTheNegativeGradientOfTheStrainEnergyForEveryMaterial) {
+  for (const MaterialLaw law : {MaterialLaw::neo_hookean, MaterialLaw::st_venant_kirchhoff})
+    for (const bool plane_stress : {false, true}) {
+      StructureCase structure = block<2>(6);
+      structure.bodies[0].law = law;
+      structure.bodies[0].plane_stress = plane_stress;
+      EXPECT_LT(gradient_error<2>(structure), 1e-8) << "seed " << seed;
+    }
+  StructureCase structure = block<3>(4);
+  structure.bodies[0].law = MaterialLaw::st_venant_kirchhoff;
+  EXPECT_LT(gradient_error<3>(structure), 1e-8) << "seed " << seed;
+}
+
+/// A block with a region clamped in its middle: faces, edges and corners of a clamp.
+template <int D>
+StructureCase pinned_block(double n) {
+  StructureCase structure = block<D>(n);
+  structure.bodies[0].clamps = {box({-1, -1, -1}, {n / 2, n / 2 - 0.6, n / 2})};
+  return structure;
+}
+
+// Also what the clamp feels is the gradient, at its face particles. Seen to fail: with energy in the face particles.
+TEST(InternalForce, IsTheNegativeGradientOfTheStrainEnergyBesideAClamp) {
+  EXPECT_LT(gradient_error<2>(pinned_block<2>(8)), 1e-8) << "seed " << seed;
+  EXPECT_LT(gradient_error<3>(pinned_block<3>(6)), 1e-8) << "seed " << seed;
+}
+
 /// A ball: lattice lines of every length, blocks of four that begin and end anywhere.
 template <int D>
 StructureCase ball() {
@@ -100,6 +129,50 @@ TEST(InternalForce, HasNoNetForceAndNoNetMoment) {
       structure.numerics.riemann_diffusion = diffusion;
       expect_no_net_force<3>(structure);
     }
+}
+
+/// A body that turns, stretches and vibrates freely, without diffusion: `steps` sub-steps in windows of 100.
+/// Returns the drift of linear and of angular momentum over sum m |v| and sum m |x| |v|.
+template <int D>
+std::pair<double, double> momentum_drift(double n, int steps) {
+  StructureBody b = body("block", {0, 0, 0}, {n, n + 1, n}, 1);
+  b.velocity[0] = Expression("3-6*(y-2)+sin(2*x)");
+  b.velocity[1] = Expression("1+6*(x-2)+cos(3*y)");
+  b.velocity[2] = Expression("0.5+2*(x-2)");
+  Case c = scene(D, {b});
+  c.structure->numerics.riemann_diffusion = 0;
+  Structure<D> structure(c);
+  const Momentum before = structure.momentum();
+  const auto fields = structure.fields();
+  const double mass = 1000;  // per particle
+  double linear_scale = 0, angular_scale = 0;
+  for (std::size_t p = 0; p < fields.velocity.size(); ++p) {
+    linear_scale += mass * fields.velocity[p].norm();
+    angular_scale += mass * fields.velocity[p].norm() * fields.position[p].norm();
+  }
+  Ticks now = 0;
+  for (int done = 0; done < steps; done += structure.sub_steps()) {
+    const Ticks window = to_ticks(100 * structure.largest_sub_step());
+    structure.trial(now, window);
+    now += window;
+  }
+  const Momentum after = structure.momentum();
+  double linear = 0, angular = 0;
+  for (int a = 0; a < 3; ++a) {
+    linear = std::max(linear, std::abs(after.linear[a] - before.linear[a]));
+    angular = std::max(angular, std::abs(after.angular[a] - before.angular[a]));
+  }
+  return {linear / linear_scale, angular / angular_scale};
+}
+
+// Seen to fail: with the force of the penalty along the reference bond instead of the present one the body is torn.
+TEST(Momentum, OfATumblingBodyIsKeptToRoundOffOverTenThousandSteps) {
+  const auto [linear_2d, angular_2d] = momentum_drift<2>(8, 10000);
+  EXPECT_LT(linear_2d, 1e-12);
+  EXPECT_LT(angular_2d, 1e-12);
+  const auto [linear_3d, angular_3d] = momentum_drift<3>(5, 10000);
+  EXPECT_LT(linear_3d, 1e-12);
+  EXPECT_LT(angular_3d, 1e-12);
 }
 
 }  // namespace

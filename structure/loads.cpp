@@ -1,0 +1,74 @@
+// Forces of the loads, f = t A_k (traction, per undeformed area), f = -p a_k n_k (pressure, on the present surface),
+// f = b V_i (force per undeformed volume), each a function of t and of the place X in the undeformed body.
+
+#include "structure/loads.hpp"
+
+#include <algorithm>
+
+#include "particles/geometry.hpp"
+
+namespace tern::structure {
+
+template <int D>
+Loads<D>::Loads(const StructureCase& structure, const Reference<D>& reference, const SurfaceAttachment<D>& attachment) {
+  for (const LoadCase& input : structure.loads) {
+    Load load{input, {}, {}};
+    const auto is_loaded = [&](std::uint32_t body, const Vector<D>& x) {
+      return reference.bodies[body].name == input.body && (!input.region || contains<D>(*input.region, x));
+    };
+    if (input.kind == LoadCase::Kind::body_force) {
+      for (std::size_t p = 0; p < reference.particle_row.size(); ++p) {
+        const auto row = reference.particle_row[p];
+        if (reference.inverse_mass[row] > 0 && is_loaded(reference.particle_body[p], reference.position_of(row)))
+          load.row.push_back(row);
+      }
+    } else {
+      for (std::size_t k = 0; k < attachment.row.size(); ++k)
+        if (is_loaded(attachment.properties.body[k], reference.position_of(attachment.row[k]) + attachment.offset[k]))
+          load.point.push_back(k);
+    }
+    loads_.push_back(std::move(load));
+  }
+  if (any())
+    for (auto& axis : force_) axis.assign(reference.rows, 0);
+}
+
+template <int D>
+void Loads<D>::update(double t, const SurfaceAttachment<D>& attachment, const Reference<D>& reference,
+                      const State<D>& state, const Workspace<D>& work) {
+  if (!any()) return;
+  for (auto& axis : force_) std::fill(axis.begin(), axis.end(), 0);
+  const auto at = [&](const VectorExpression& value, int a, const Vector<D>& x) {
+    return value[a](t, x[0], x[1], D == 3 ? x[D - 1] : 0);
+  };
+  const bool follows = std::any_of(loads_.begin(), loads_.end(),
+                                   [](const Load& load) { return load.input.kind == LoadCase::Kind::pressure; });
+  const Surface<D> surface = follows ? present_surface(attachment, reference, state, work) : Surface<D>{};
+  for (const Load& load : loads_) {
+    for (const auto row : load.row)
+      for (int a = 0; a < D; ++a)
+        force_[a][row] += reference.volume[row] * at(load.input.value, a, reference.position_of(row));
+    for (const auto k : load.point) {
+      const auto row = attachment.row[k];
+      const Vector<D> x = reference.position_of(row) + attachment.offset[k];
+      if (load.input.kind == LoadCase::Kind::pressure) {
+        const double force = -at(load.input.value, 0, x) * surface.area[k];
+        for (int a = 0; a < D; ++a) force_[a][row] += force * surface.normal[k][a];
+      } else {
+        for (int a = 0; a < D; ++a) force_[a][row] += attachment.area[k] * at(load.input.value, a, x);
+      }
+    }
+  }
+}
+
+template <int D>
+void Loads<D>::add_to(RowVectors<D>& force) const {
+  if (!any()) return;
+  for (int a = 0; a < D; ++a)
+    for (std::size_t row = 0; row < force[a].size(); ++row) force[a][row] += force_[a][row];
+}
+
+template class Loads<2>;
+template class Loads<3>;
+
+}  // namespace tern::structure
