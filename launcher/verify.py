@@ -67,6 +67,19 @@ def table(case, rows):
     return "\n".join(lines)
 
 
+def _refuse_other_case(directory, path):
+    """A run of another case, or one that did not end, would be judged by quantities that mean nothing there."""
+    try:
+        report = json.loads((directory / "run.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise LauncherError(BAD_INPUT, f"{directory}/run.json cannot be read: {error}.") from error
+    case, status = report.get("case"), report.get("status")
+    if case != path.parent.name:
+        raise LauncherError(BAD_INPUT, f"{directory} is a run of '{case}', not of '{path.parent.name}': name that case, or another run.")
+    if status != "done":
+        print(f"warning: the run in {directory} did not end ({status}); what it never reached counts as failed.", flush=True)
+
+
 def _verify_one(name, arguments):
     path = cases.find(name)
     quantities = expected.read(path.parent / "expected.toml")
@@ -74,6 +87,7 @@ def _verify_one(name, arguments):
         directory = Path(arguments.run)
         if not (directory / "run.json").is_file():
             raise LauncherError(BAD_INPUT, f"{directory} holds no run.json: it is not the directory of a finished run.")
+        _refuse_other_case(directory, path)
         code = DONE
     else:
         arguments.case, arguments.out, arguments.force, arguments.only, arguments.endpoint = name, None, False, None, None

@@ -131,11 +131,15 @@ Estimate estimate_in(const Case& scene) {
     result.sub_steps = std::ceil(result.step / sub_step * (1 - 1e-12));
   }
   result.steps = std::ceil(scene.end_time / result.step);
+  const Integrator integrator = scene.structure ? scene.structure->numerics.integrator : Integrator::explicit_steps;
+  const double paid_sub_steps = integrator == Integrator::explicit_steps ? result.sub_steps
+                                : integrator == Integrator::implicit_steps ? implicit_window
+                                                                           : std::min(result.sub_steps, implicit_window);
   const double passes = scene.fluid && scene.coupling.algorithm == CouplingAlgorithm::cm2 ? 2 : 1;
   const auto particles = static_cast<double>(result.fluid_particles);
   result.fluid_cpu = fluid_cost_2d * (D == 3 ? 3 : 1) * particles * result.steps;
   result.structure_cpu =
-      structure_cost_2d * (D == 3 ? 4 : 1) * structure_particles * result.steps * result.sub_steps * passes;
+      structure_cost_2d * (D == 3 ? 20 : 1) * structure_particles * result.steps * paid_sub_steps * passes;
   const double process = 30e6;
   result.memory = (scene.fluid ? process : 0) + (scene.structure ? process : 0) +
                   (scene.fluid && scene.structure ? process : 0) + particles * (D == 3 ? 6000 : 2000) +

@@ -13,7 +13,8 @@ namespace tern {
 /// ns for the structure of the dry plate. 3D is not measured; it is taken as three (fluid) and four (structure) times
 /// that.
 inline constexpr double fluid_cost_2d = 2.0e-6;
-inline constexpr double structure_cost_2d = 9.5e-8;  ///< per sub-step
+inline constexpr double structure_cost_2d = 1.34e-7;  ///< per sub-step
+inline constexpr double implicit_window = 16;  ///< cost of a window in implicit steps, in sub-steps
 
 struct BodyEstimate {
   std::string name;

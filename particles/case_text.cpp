@@ -40,7 +40,10 @@ std::string step_limits(const Case& scene, const Estimate& e) {
                         scene.structure->numerics.courant, body.wave_speed);
   }
   if (scene.fluid && scene.structure)
-    text += fmt::format("  sub-steps        {:.0f} of the structure in a step\n", e.sub_steps);
+    text += fmt::format("  sub-steps        {:.0f} of the structure in a step{}\n", e.sub_steps,
+                        scene.structure->numerics.integrator == Integrator::explicit_steps    ? ""
+                        : scene.structure->numerics.integrator == Integrator::implicit_steps ? ", replaced by implicit ones"
+                                                                                             : ", or implicit ones where cheaper");
   return text;
 }
 
@@ -86,8 +89,8 @@ std::string explain_text(const Case& scene) {
   text += "Modelled\n";
   if (scene.fluid) {
     text += fmt::format(
-        "* An incompressible, {} fluid of {} kg/m^3 in {} bod{} ({} particles), with a free surface at zero "
-        "pressure.\n",
+        "* An incompressible, {} fluid of {} kg/m^3 in {} bod{} ({} particles); where it ends short of a wall it has a free "
+        "surface at zero pressure.\n",
         scene.fluid->viscosity ? fmt::format("viscous ({} Pa s)", *scene.fluid->viscosity) : "inviscid",
         scene.fluid->density, scene.fluid->bodies.size(), scene.fluid->bodies.size() == 1 ? "y" : "ies",
         e.fluid_particles);

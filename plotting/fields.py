@@ -76,10 +76,11 @@ def _draw(axis, run, fluid, structure, limits):
 
 
 def _limits(fluid, structure):
-    """Colour ranges: pressure from 0 to its 99.5th percentile, shear stress symmetric about 0."""
-    pressure = np.percentile(fluid["pressure"], 99.5) if fluid is not None and len(fluid["pressure"]) else 1.0
+    """Colour ranges: pressure between its outermost half per cents and 0, shear stress symmetric about 0."""
+    known = fluid is not None and len(fluid["pressure"]) > 0
+    lowest, highest = np.percentile(fluid["pressure"], [0.5, 99.5]) if known else (0.0, 1.0)
     shear = np.percentile(np.abs(structure["stress_xy"]), 99.5) if structure is not None else 1.0
-    return (0.0, max(float(pressure), 1e-9)), (-max(float(shear), 1e-9), max(float(shear), 1e-9))
+    return (min(float(lowest), 0.0), max(float(highest), 1e-9)), (-max(float(shear), 1e-9), max(float(shear), 1e-9))
 
 
 def _foot(structure):
