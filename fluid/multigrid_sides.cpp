@@ -43,7 +43,10 @@ void Multigrid<D>::split_cells(const std::vector<int>& beside_body, int cells) {
   for (std::size_t k = 0; k < suspect_cells_.size(); ++k) suspect[suspect_cells_[k]] = static_cast<int>(k);
   start.assign(suspect_cells_.size() + 1, 0);
   const int n = static_cast<int>(cell_of_particle_.size());
-  const auto suspect_of = [&](int i) { return cell_of_particle_[i] < 0 ? -1 : suspect[cell_of_particle_[i]]; };
+  const auto suspect_of = [&](int i) {
+    const int cell = cell_of_particle_[i];
+    return cell < 0 || cell >= cells ? -1 : suspect[cell];  // those split off already lie in further cells
+  };
   for (int i = 0; i < n; ++i)
     if (suspect_of(i) >= 0) ++start[suspect_of(i) + 1];
   std::partial_sum(start.begin(), start.end(), start.begin());
