@@ -23,20 +23,6 @@ Vector<D> just_before(const Constants<D>& constants, const Faces<D>& faces, std:
   return faces.position[k] + 1e-3 * constants.spacing * faces.normal[k];
 }
 
-/// Part of sum V w at x that lies behind the faces seen from there. `seen`: scratch.
-template <int D>
-double hidden_density(const Constants<D>& constants, const Faces<D>& faces, const FaceFinder<D>& finder, const Vector<D>& x,
-                      std::vector<int>& seen) {
-  seen.clear();
-  finder.see(faces, x, seen);
-  double sum = 0;
-  for (int k : seen) {
-    const Vector<D> d = faces.position[k] - x;
-    sum += subtended_angle<D>(d, faces.normal[k], faces.area[k]) * constants.faces.hidden_density(d.norm());
-  }
-  return sum;
-}
-
 constexpr int batch = 64;  ///< faces computed at a time, one array per quantity
 constexpr int lanes = 4;   ///< of a vector register: batches are filled up to a whole number of it
 
@@ -165,6 +151,19 @@ HiddenSums<D> sum_hidden(const Constants<D>& constants, const Vector<D>& x, cons
 }  // namespace
 
 template <int D>
+double hidden_density(const Constants<D>& constants, const Faces<D>& faces, const FaceFinder<D>& finder, const Vector<D>& x,
+                      std::vector<int>& seen) {
+  seen.clear();
+  finder.see(faces, x, seen);
+  double sum = 0;
+  for (int k : seen) {
+    const Vector<D> d = faces.position[k] - x;
+    sum += subtended_angle<D>(d, faces.normal[k], faces.area[k]) * constants.faces.hidden_density(d.norm());
+  }
+  return sum;
+}
+
+template <int D>
 void see_faces(const std::vector<Vector<D>>& position, const Faces<D>& faces, const FaceFinder<D>& finder, FaceRows& rows) {
   const int n = static_cast<int>(position.size());
   const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
@@ -281,6 +280,8 @@ void add_surface_sums(const Constants<D>& constants, const std::vector<Vector<D>
 
 #define TERN_INSTANTIATE(D)                                                                                             \
   template void see_faces<D>(const std::vector<Vector<D>>&, const Faces<D>&, const FaceFinder<D>&, FaceRows&);          \
+  template double hidden_density<D>(const Constants<D>&, const Faces<D>&, const FaceFinder<D>&, const Vector<D>&,      \
+                                    std::vector<int>&);                                                                \
   template void leave_out_dry_walls<D>(const Constants<D>&, const std::vector<Vector<D>>&, const Faces<D>&,             \
                                        const FaceFinder<D>&, std::vector<double>&, const Faces<D>&,                     \
                                        const FaceFinder<D>&, FaceRows&);                                                \

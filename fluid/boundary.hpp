@@ -34,6 +34,11 @@ void leave_out_dry_walls(const Constants<D>& constants, const std::vector<Vector
                          const FaceFinder<D>& wall_finder, std::vector<double>& space, const Faces<D>& structure,
                          const FaceFinder<D>& structure_finder, FaceRows& wall_rows);
 
+/// Part of sum V w at x that lies behind the faces seen from there. `seen`: scratch.
+template <int D>
+double hidden_density(const Constants<D>& constants, const Faces<D>& faces, const FaceFinder<D>& finder, const Vector<D>& x,
+                      std::vector<int>& seen);
+
 /// Sums over the hidden side of the walls, and the weights of the rows. `gravity`: at each particle [m/s^2].
 template <int D>
 void set_wall_sums(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,

@@ -12,9 +12,34 @@ int flat_index(const std::array<int, D>& coordinate, const std::array<int, D>& s
   return index;
 }
 
+/// Coordinates of the place with this flat index.
+template <int D>
+std::array<int, D> coordinate_of(int flat, const std::array<int, D>& size) {
+  std::array<int, D> coordinate;
+  for (int c = 0; c < D; ++c, flat /= size[c - 1]) coordinate[c] = flat % size[c];
+  return coordinate;
+}
+
+template <int D>
+int count_places(const std::array<int, D>& size) {
+  int count = 1;
+  for (int c = 0; c < D; ++c) count *= size[c];
+  return count;
+}
+
 inline int wrapped(int index, int size, bool periodic) {
   if (!periodic) return index;
   return index < 0 ? index + size : index >= size ? index - size : index;
+}
+
+/// Flat index of the place at a coordinate, wrapped where the grid is periodic; -1 outside.
+template <int D>
+int place_at(std::array<int, D> coordinate, const std::array<int, D>& size, const std::array<bool, D>& periodic) {
+  for (int c = 0; c < D; ++c) {
+    coordinate[c] = wrapped(coordinate[c], size[c], periodic[c]);
+    if (coordinate[c] < 0 || coordinate[c] >= size[c]) return -1;
+  }
+  return flat_index<D>(coordinate, size);
 }
 
 /// Offset in {-1, 0, 1}^D of stencil entry s.

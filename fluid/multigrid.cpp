@@ -68,7 +68,6 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
   if (low[0] > high[0]) low = high = Vector<D>::Zero();
   Vector<D> origin, inverse_width;
   std::array<int, D> cells;
-  int count = 1;
   for (int c = 0; c < D; ++c) {
     level.periodic[c] = period_.repeats(c);
     double width = 2 * spacing;
@@ -81,8 +80,8 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
     inverse_width[c] = 1 / width;
     if (!level.periodic[c]) cells[c] = static_cast<int>((high[c] - origin[c]) * inverse_width[c]) + 1;
     level.size[c] = level.periodic[c] ? cells[c] : cells[c] + 1;
-    count *= cells[c];
   }
+  const int count = count_places<D>(cells);
 
   // Particles by cell; only cells that hold one are kept, in order.
   auto &cell_of = cell_of_particle_, &population = population_, &compact = compact_, &next = next_;
@@ -99,19 +98,13 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
   split_cells(beside_body, count);
   const int all_cells = count + static_cast<int>(home_of_further_cell_.size());
   const auto coordinates_of = [&](int flat) {
-    if (flat >= count) flat = home_of_further_cell_[flat - count];
-    std::array<int, D> cell;
-    for (int c = 0; c < D; ++c, flat /= cells[c - 1]) cell[c] = flat % cells[c];
-    return cell;
+    return coordinate_of<D>(flat < count ? flat : home_of_further_cell_[flat - count], cells);
   };
   population.assign(all_cells, 0);
   compact.assign(all_cells, -1);
   for (int i = 0; i < n; ++i)
     if (cell_of[i] >= 0) ++population[cell_of[i]];
-  int nodes_in_map = 1;
-  for (int c = 0; c < D; ++c) nodes_in_map *= level.size[c];
-  level.map.assign(nodes_in_map, -1);
-  level.coordinate.clear();
+  level.map.assign(count_places<D>(level.size), -1);
   cell_start_.clear();
   cell_node_.clear();
   int filled = 0;
@@ -120,21 +113,15 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
     const std::array<int, D> cell = coordinates_of(flat);
     for (int corner = 0; corner < corners; ++corner) {
       std::array<int, D> node = cell;
-      for (int c = 0; c < D; ++c) node[c] = wrapped(node[c] + ((corner >> c) & 1), level.size[c], level.periodic[c]);
-      level.map[flat_index<D>(node, level.size)] = 0;
+      for (int c = 0; c < D; ++c) node[c] += (corner >> c) & 1;
+      level.map[place_at<D>(node, level.size, level.periodic)] = 0;
     }
     compact[flat] = static_cast<int>(cell_start_.size());
     cell_start_.push_back(filled);
     filled += population[flat];
   }
   cell_start_.push_back(filled);
-  for (int flat = 0; flat < nodes_in_map; ++flat) {
-    if (level.map[flat] < 0) continue;
-    level.map[flat] = static_cast<int>(level.nodes());
-    std::array<int, D> node;
-    for (int c = 0, rest = flat; c < D; ++c, rest /= level.size[c - 1]) node[c] = rest % level.size[c];
-    level.coordinate.push_back(node);
-  }
+  number_places(level);
 
   const int used = static_cast<int>(cell_start_.size()) - 1;
   cell_node_.resize(used);
@@ -225,12 +212,19 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
 }
 
 template <int D>
-int Multigrid<D>::node_at(const Level& level, std::array<int, D> at) {
-  for (int c = 0; c < D; ++c) {
-    at[c] = wrapped(at[c], level.size[c], level.periodic[c]);
-    if (at[c] < 0 || at[c] >= level.size[c]) return -1;
+void Multigrid<D>::number_places(Level& level) {
+  level.coordinate.clear();
+  for (int place = 0; place < static_cast<int>(level.map.size()); ++place) {
+    if (level.map[place] < 0) continue;
+    level.map[place] = static_cast<int>(level.nodes());
+    level.coordinate.push_back(coordinate_of<D>(place, level.size));
   }
-  return level.map[flat_index<D>(at, level.size)];
+}
+
+template <int D>
+int Multigrid<D>::node_at(const Level& level, const std::array<int, D>& at) {
+  const int place = place_at<D>(at, level.size, level.periodic);
+  return place < 0 ? -1 : level.map[place];
 }
 
 template <int D>
@@ -312,7 +306,7 @@ void Multigrid<D>::finish(Level& level) {
 }
 
 template <int D>
-void Multigrid<D>::build_next(const Level& fine, Level& coarse) {
+void Multigrid<D>::build_next(Level& fine, Level& coarse) {
   // Nodes with even coordinates; a fine node between them has the 2, 4 or 8 around it as parents, all of them active.
   std::array<bool, D> halved;
   for (int c = 0; c < D; ++c) {
@@ -320,13 +314,9 @@ void Multigrid<D>::build_next(const Level& fine, Level& coarse) {
     halved[c] = !fine.periodic[c] || (fine.size[c] % 2 == 0 && fine.size[c] > 2);
     coarse.size[c] = fine.periodic[c] ? (halved[c] ? fine.size[c] / 2 : fine.size[c]) : (fine.size[c] + 2) / 2;
   }
-  int nodes_in_map = 1;
-  for (int c = 0; c < D; ++c) nodes_in_map *= coarse.size[c];
-  coarse.map.assign(nodes_in_map, -1);
-  coarse.coordinate.clear();
-  auto& parents = const_cast<Level&>(fine);
-  parents.parent.resize(fine.nodes());
-  parents.parent_weight.resize(fine.nodes());
+  coarse.map.assign(count_places<D>(coarse.size), -1);
+  fine.parent.resize(fine.nodes());
+  fine.parent_weight.resize(fine.nodes());
   const auto parent_of = [&](const std::array<int, D>& at, int corner, std::array<int, D>& parent) {
     float weight = 1;
     for (int c = 0; c < D; ++c) {
@@ -342,21 +332,15 @@ void Multigrid<D>::build_next(const Level& fine, Level& coarse) {
       std::array<int, D> parent;
       if (parent_of(at, corner, parent) > 0) coarse.map[flat_index<D>(parent, coarse.size)] = 0;
     }
-  for (int flat = 0; flat < nodes_in_map; ++flat) {
-    if (coarse.map[flat] < 0) continue;
-    coarse.map[flat] = static_cast<int>(coarse.nodes());
-    std::array<int, D> node;
-    for (int c = 0, rest = flat; c < D; ++c, rest /= coarse.size[c - 1]) node[c] = rest % coarse.size[c];
-    coarse.coordinate.push_back(node);
-  }
+  number_places(coarse);
   for (std::size_t node = 0; node < fine.nodes(); ++node)
     for (int corner = 0; corner < corners; ++corner) {
       std::array<int, D> parent;
       const float weight = parent_of(fine.coordinate[node], corner, parent);
-      parents.parent_weight[node][corner] = weight;
-      parents.parent[node][corner] = weight > 0 ? coarse.map[flat_index<D>(parent, coarse.size)] : -1;
+      fine.parent_weight[node][corner] = weight;
+      fine.parent[node][corner] = weight > 0 ? coarse.map[flat_index<D>(parent, coarse.size)] : -1;
     }
-  split_coarse_places(parents, coarse, halved);
+  split_coarse_places(fine, coarse, halved);
   connect(coarse);
 
   // Galerkin product P^T A P. Which entries of the fine row go where depends on the parities of the node alone.

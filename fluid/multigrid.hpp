@@ -22,6 +22,7 @@
 
 #include "fluid/connected_parts.hpp"
 #include "fluid/edge_matrix.hpp"
+#include "fluid/grid_stencil.hpp"
 #include "fluid/period.hpp"
 #include "particles/vector.hpp"
 
@@ -74,10 +75,12 @@ class Multigrid {
   };
 
   /// Number of the node at a place of the index map, wrapped where the level is periodic; -1 where there is none.
-  static int node_at(const Level& level, std::array<int, D> at);
+  static int node_at(const Level& level, const std::array<int, D>& at);
+  /// Gives the places marked in the map their nodes, in the order of the places.
+  static void number_places(Level& level);
   void build_finest(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position, const std::vector<std::uint8_t>& active,
                     const std::vector<int>& beside_body, double spacing, double gradient_scale);
-  void build_next(const Level& fine, Level& coarse);
+  void build_next(Level& fine, Level& coarse);
   void connect(Level& level);
   void mark_by_split(Level& level);
   static int color_of(const Level& level, int node);
@@ -95,10 +98,11 @@ class Multigrid {
          entry != level.further_entries.end() && entry->row == row; ++entry)
       visit(entry->column, entry->value);
   }
-  /// Calls visit(node) for the nodes at a place of the map, the first one first.
+  /// Calls visit(node) for the nodes at a coordinate, the first one first.
   template <class Visit>
-  static void for_nodes_at(const Level& level, int place, Visit&& visit) {
-    if (level.map[place] < 0) return;
+  static void for_nodes_at(const Level& level, const std::array<int, D>& at, Visit&& visit) {
+    const int place = place_at<D>(at, level.size, level.periodic);
+    if (place < 0 || level.map[place] < 0) return;
     visit(level.map[place]);
     for (auto node = std::lower_bound(level.further.begin(), level.further.end(), std::pair(place, 0));
          node != level.further.end() && node->first == place; ++node)
@@ -109,6 +113,7 @@ class Multigrid {
   // multigrid_sides.cpp
   void split_cells(const std::vector<int>& beside_body, int cells);
   void split_places(const std::array<int, D>& cells);
+  int add_further_nodes(Level& level, int first);
   void split_coarse_places(Level& fine, Level& coarse, const std::array<bool, D>& halved);
   void cycle(std::size_t level);
   void smooth(Level& level, bool forward);

@@ -73,6 +73,20 @@ void Multigrid<D>::split_cells(const std::vector<int>& beside_body, int cells) {
   }
 }
 
+/// Numbers the parts of what is around the place of its node `first` and appends a node for each but the first of them. Part
+/// k > 0 has the node k + what is returned.
+template <int D>
+int Multigrid<D>::add_further_nodes(Level& level, int first) {
+  parts_.count_parts(most_nodes_at_a_place);
+  const int before = static_cast<int>(level.nodes()) - 1;
+  const std::array<int, D> at = level.coordinate[first];
+  for (int k = 1; k < parts_.count(); ++k) {
+    level.further.emplace_back(flat_index<D>(at, level.size), static_cast<int>(level.nodes()));
+    level.coordinate.push_back(at);
+  }
+  return before;
+}
+
 /// Gives the cells around a place that are not connected with each other nodes of their own.
 template <int D>
 void Multigrid<D>::split_places(const std::array<int, D>& cells) {
@@ -84,8 +98,7 @@ void Multigrid<D>::split_places(const std::array<int, D>& cells) {
     for (int corner = 0; corner < corners; ++corner) level.suspects.push_back(cell_node_[compact_[cell]][corner]);
   sort_and_make_unique(level.suspects);
 
-  int grid_cells = 1;
-  for (int c = 0; c < D; ++c) grid_cells *= cells[c];
+  const int grid_cells = count_places<D>(cells);
   auto& parts = parts_;
   auto &around = around_, &corner_of = corner_of_;
   for (int suspect : level.suspects) {
@@ -93,14 +106,9 @@ void Multigrid<D>::split_places(const std::array<int, D>& cells) {
     corner_of.clear();
     for (int corner = 0; corner < corners; ++corner) {
       std::array<int, D> at = level.coordinate[suspect];
-      bool inside = true;
-      for (int c = 0; c < D; ++c) {
-        at[c] = wrapped(at[c] - ((corner >> c) & 1), cells[c], level.periodic[c]);
-        inside = inside && at[c] >= 0 && at[c] < cells[c];
-      }
-      if (!inside) continue;
-      const int home = flat_index<D>(at, cells);
-      if (compact_[home] < 0) continue;
+      for (int c = 0; c < D; ++c) at[c] -= (corner >> c) & 1;
+      const int home = place_at<D>(at, cells, level.periodic);
+      if (home < 0 || compact_[home] < 0) continue;
       around.push_back(compact_[home]);
       corner_of.push_back(corner);
       const auto [first, last] = std::equal_range(home_of_further_cell_.begin(), home_of_further_cell_.end(), home);
@@ -116,12 +124,7 @@ void Multigrid<D>::split_places(const std::array<int, D>& cells) {
           const int b = place_in(around, compact_[cell_of_particle_[j]]);
           if (b >= 0) parts.join(static_cast<int>(a), b);
         });
-    parts.count_parts(most_nodes_at_a_place);
-    const int before = static_cast<int>(level.nodes()) - 1;
-    for (int k = 1; k < parts.count(); ++k) {
-      level.further.emplace_back(flat_index<D>(level.coordinate[suspect], level.size), static_cast<int>(level.nodes()));
-      level.coordinate.push_back(std::array(level.coordinate[suspect]));
-    }
+    const int before = add_further_nodes(level, suspect);
     for (std::size_t a = 0; a < around.size(); ++a)
       if (parts.number(static_cast<int>(a)) > 0) cell_node_[around[a]][corner_of[a]] = before + parts.number(static_cast<int>(a));
   }
@@ -146,14 +149,14 @@ void Multigrid<D>::split_coarse_places(Level& fine, Level& coarse, const std::ar
       const auto offset = stencil_offset<D>(s);
       std::array<int, D> at = coarse.coordinate[suspect];
       int corner = 0;  // of the finer node's cell of parents at which this place is
-      bool inside = true;
+      bool is_finer = true;
       for (int c = 0; c < D; ++c) {
-        at[c] = halved[c] ? wrapped(2 * at[c] + offset[c], fine.size[c], fine.periodic[c]) : at[c];
+        if (halved[c]) at[c] = 2 * at[c] + offset[c];
         corner |= (offset[c] < 0) << c;
-        inside = inside && at[c] >= 0 && at[c] < fine.size[c] && (halved[c] || offset[c] == 0);
+        is_finer = is_finer && (halved[c] || offset[c] == 0);
       }
-      if (!inside) continue;
-      for_nodes_at(fine, flat_index<D>(at, fine.size), [&](int node) {
+      if (!is_finer) continue;
+      for_nodes_at(fine, at, [&](int node) {
         around.push_back(node);
         corner_of.push_back(corner);
       });
@@ -164,12 +167,7 @@ void Multigrid<D>::split_coarse_places(Level& fine, Level& coarse, const std::ar
         const int b = place_in(around, other);
         if (b >= 0) parts.join(static_cast<int>(a), b);
       });
-    parts.count_parts(most_nodes_at_a_place);
-    const int before = static_cast<int>(coarse.nodes()) - 1;
-    for (int k = 1; k < parts.count(); ++k) {
-      coarse.further.emplace_back(flat_index<D>(coarse.coordinate[suspect], coarse.size), static_cast<int>(coarse.nodes()));
-      coarse.coordinate.push_back(std::array(coarse.coordinate[suspect]));
-    }
+    const int before = add_further_nodes(coarse, suspect);
     for (std::size_t a = 0; a < around.size(); ++a)
       if (parts.number(static_cast<int>(a)) > 0) fine.parent[around[a]][corner_of[a]] = before + parts.number(static_cast<int>(a));
   }
@@ -185,18 +183,14 @@ void Multigrid<D>::mark_by_split(Level& level) {
     for (int s = 0; s < stencil; ++s) {
       auto at = stencil_offset<D>(s);
       for (int c = 0; c < D; ++c) at[c] += level.coordinate[split.second][c];
-      bool inside = true;
-      for (int c = 0; c < D; ++c) {
-        at[c] = wrapped(at[c], level.size[c], level.periodic[c]);
-        inside = inside && at[c] >= 0 && at[c] < level.size[c];
-      }
-      if (inside) for_nodes_at(level, flat_index<D>(at, level.size), [&](int node) { level.by_split[node] = 1; });
+      for_nodes_at(level, at, [&](int node) { level.by_split[node] = 1; });
     }
 }
 
 #define TERN_INSTANTIATE(D)                                                                                    \
   template void Multigrid<D>::split_cells(const std::vector<int>&, int);                                       \
   template void Multigrid<D>::split_places(const std::array<int, D>&);                                         \
+  template int Multigrid<D>::add_further_nodes(Level&, int);                                                   \
   template void Multigrid<D>::split_coarse_places(Level&, Level&, const std::array<bool, D>&);                 \
   template void Multigrid<D>::mark_by_split(Level&);
 TERN_INSTANTIATE(2)

@@ -99,14 +99,7 @@ template <int D>
 double Probe<D>::hidden(const Vector<D>& x) const {
   double sum = 0;
   std::vector<int> seen;
-  for (const auto& [faces, finder] : fluid_.faces()) {
-    seen.clear();
-    finder->see(*faces, x, seen);
-    for (int k : seen) {
-      const Vector<D> d = faces->position[k] - x;
-      sum += subtended_angle<D>(d, faces->normal[k], faces->area[k]) * fluid_.constants().faces.hidden_density(d.norm());
-    }
-  }
+  for (const auto& [faces, finder] : fluid_.faces()) sum += hidden_density(fluid_.constants(), *faces, *finder, x, seen);
   return sum;
 }
 
