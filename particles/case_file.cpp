@@ -256,7 +256,7 @@ LoadCase read_load(const Setting& setting, int dimension) {
   return load;
 }
 
-StructureCase read_structure(const Setting& setting, int dimension, const fs::path& folder) {
+StructureCase read_structure(const Setting& setting, int dimension, bool coupled, const fs::path& folder) {
   StructureCase structure;
   for (const Setting& item : setting.at("body").items) {
     StructureBody body;
@@ -290,7 +290,7 @@ StructureCase read_structure(const Setting& setting, int dimension, const fs::pa
   structure.numerics.riemann_diffusion = number(numerics, "riemann_diffusion");
   structure.numerics.hourglass_penalty = number(numerics, "hourglass_penalty");
   structure.numerics.courant = number(numerics, "courant");
-  const std::string integrator = text(numerics, "integrator");
+  const std::string integrator = numerics.find("integrator") ? text(numerics, "integrator") : coupled ? "auto" : "explicit";
   structure.numerics.integrator = integrator == "implicit" ? Integrator::implicit_steps
                                   : integrator == "auto"   ? Integrator::automatic
                                                            : Integrator::explicit_steps;
@@ -362,7 +362,7 @@ Case convert(const Setting& settings, const fs::path& folder) {
   }
   if (const Setting* fluid = settings.find("fluid")) scene.fluid = read_fluid(*fluid, scene.dimension);
   if (const Setting* structure = settings.find("structure"))
-    scene.structure = read_structure(*structure, scene.dimension, folder);
+    scene.structure = read_structure(*structure, scene.dimension, scene.fluid.has_value(), folder);
   if (const Setting* coupling = settings.find("coupling")) {
     scene.coupling.algorithm = text(*coupling, "algorithm") == "CM0" ? CouplingAlgorithm::cm0 : CouplingAlgorithm::cm2;
     scene.coupling.scheme =

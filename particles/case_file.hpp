@@ -97,9 +97,9 @@ struct LoadCase {
 };
 
 struct StructureNumerics {
-  double smoothing_length_ratio = 1.3;   ///< h0/dx_s
+  double smoothing_length_ratio = 1.1;   ///< h0/dx_s
   double riemann_diffusion = 1.0;        ///< chi of the complete-Riemann diffusion; 0 = off
-  double hourglass_penalty = 0.05;       ///< alpha of the zero-energy-mode penalty; 0 = off
+  double hourglass_penalty = 0;          ///< alpha of the zero-energy-mode penalty; 0 = off
   double courant = 0.3;                  ///< dx_s/(c_p + |v|max) fraction
   Integrator integrator = Integrator::explicit_steps;
 };

@@ -169,17 +169,18 @@ const std::vector<Parameter>& parameters() {
       {"structure.load", "pressure", Type::expression, "Pa", "absent", any, {},
        "Pressure on the present surface; it turns and stretches with it."},
       {"structure.load", "body_force", Type::expressions, "N/m^3", "absent", any, {}, "Force per undeformed volume."},
-      {"structure.numerics", "smoothing_length_ratio", Type::number, "-", "1.3", from_to(1.0, 2.5), {},
+      {"structure.numerics", "smoothing_length_ratio", Type::number, "-", "1.1", from_to(1.0, 2.5), {},
        "Smoothing length over particle spacing, h0/dx_s."},
       {"structure.numerics", "riemann_diffusion", Type::number, "-", "1.0", from_to(0, 2), {},
        "Coefficient chi of the complete-Riemann diffusion; 0 = off."},
-      {"structure.numerics", "hourglass_penalty", Type::number, "-", "0.05", from_to(0, 1), {},
-       "Coefficient alpha of the penalty on zero-energy modes; 0 = off."},
+      {"structure.numerics", "hourglass_penalty", Type::number, "-", "0", from_to(0, 1), {},
+       "Coefficient alpha of the penalty on zero-energy modes; 0 = off: the energy of the strain gradient holds them already."},
       {"structure.numerics", "courant", Type::number, "-", "0.3", above_to(0, 0.6), {},
        "Sub-step as a fraction of dx_s/(c_p + |v|max)."},
-      {"structure.numerics", "integrator", Type::choice, "", "\"explicit\"", any, {"explicit", "implicit", "auto"},
-       "Explicit sub-steps with diffusion and penalty; implicit steps of at most 100 sub-steps, without them; auto: whichever "
-       "is cheaper, by a count of what the implicit steps take."},
+      {"structure.numerics", "integrator", Type::choice, "", "absent", any, {"explicit", "implicit", "auto"},
+       "Explicit sub-steps with diffusion; implicit steps of at most 100 sub-steps, without it; auto: whichever is cheaper, by "
+       "a count of what the implicit steps take. Absent = auto beside a fluid, whose steps are what the motion needs; explicit "
+       "alone, where nothing but the sub-steps resolves a wave."},
 
       {"coupling", "algorithm", Type::choice, "", "\"CM2\"", any, {"CM0", "CM2"},
        "CM2: predict, project, correct; CM0: explicit staggering, unstable where the fluid's added mass exceeds the "

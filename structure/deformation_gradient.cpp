@@ -7,43 +7,42 @@
 namespace tern::structure {
 namespace {
 
+/// One component of the block at `row`: gradient and second derivatives of the displacement d, and gradient of the velocity v.
+/// Component by component, so that all sums stay in registers.
 template <int D, bool with_velocity>
-void gradients(const Reference<D>& reference, const State<D>& state, Workspace<D>& work) {
-  constexpr int fields = with_velocity ? 2 * D : D;
-  const double* field[fields];
-  double* gradient[fields][D];
-  constexpr int pairs = curvature_components<D>;
-  double* curvature[D][pairs];
-  for (int a = 0; a < D; ++a) {
-    field[a] = state.displacement[a].data();
-    for (int b = 0; b < D; ++b) gradient[a][b] = work.displacement_gradient[a][b].data();
-    for (int c = 0; c < pairs; ++c) curvature[a][c] = work.curvature[a][c].data();
+inline void gradients_of_component(const Stencil<D>& stencil, const Neighbour<D>* neighbour, const std::int32_t* offset,
+                                   const double* d, const double* v, Lanes (&gradient)[D],
+                                   Lanes (&second)[curvature_components<D>], Lanes (&velocity_gradient)[D]) {
+  const Lanes own_d = load(d), own_v = with_velocity ? load(v) : Lanes{};
+  for (std::uint32_t k = 0; k < stencil.count; ++k) {
+    const Neighbour<D>& n = neighbour[k];
+    const Lanes moved = load(d + offset[k]) - own_d;
+    for (int b = 0; b < D; ++b) gradient[b] += moved * n.gradient[b];
+    for (int c = 0; c < curvature_components<D>; ++c) second[c] += moved * n.curvature[c];
     if constexpr (with_velocity) {
-      field[D + a] = state.velocity[a].data();
-      for (int b = 0; b < D; ++b) gradient[D + a][b] = work.velocity_gradient[a][b].data();
+      const Lanes jump = load(v + offset[k]) - own_v;
+      for (int b = 0; b < D; ++b) velocity_gradient[b] += jump * n.gradient[b];
     }
   }
+}
+
+template <int D, bool with_velocity>
+void gradients(const Reference<D>& reference, const State<D>& state, Workspace<D>& work) {
   for_each_block(static_cast<std::ptrdiff_t>(reference.blocks.size()), [&](std::ptrdiff_t n) {
     const Block& block = reference.blocks[n];
     if (!block.deforms) return;
     const Stencil<D>& stencil = reference.stencils[block.stencil];
     const Neighbour<D>* neighbour = reference.neighbours.data() + stencil.first;
     const std::int32_t* offset = reference.row_offset.data() + stencil.first;
-    Lanes own[fields], sum[fields][D] = {}, second[D][pairs] = {};
-    for (int a = 0; a < fields; ++a) own[a] = load(field[a] + block.row);
-    for (std::uint32_t k = 0; k < stencil.count; ++k) {
-      const std::ptrdiff_t j = block.row + offset[k];
-      for (int a = 0; a < fields; ++a) {
-        const Lanes difference = load(field[a] + j) - own[a];
-        for (int b = 0; b < D; ++b) sum[a][b] += difference * neighbour[k].gradient[b];
-        if (a >= D) continue;
-        for (int c = 0; c < pairs; ++c) second[a][c] += difference * neighbour[k].curvature[c];
-      }
+    for (int a = 0; a < D; ++a) {
+      Lanes gradient[D] = {}, second[curvature_components<D>] = {}, velocity_gradient[D] = {};
+      gradients_of_component<D, with_velocity>(stencil, neighbour, offset, state.displacement[a].data() + block.row,
+                                               state.velocity[a].data() + block.row, gradient, second, velocity_gradient);
+      for (int b = 0; b < D; ++b) store(work.displacement_gradient[a][b].data() + block.row, gradient[b]);
+      for (int c = 0; c < curvature_components<D>; ++c) store(work.curvature[a][c].data() + block.row, second[c]);
+      if constexpr (with_velocity)
+        for (int b = 0; b < D; ++b) store(work.velocity_gradient[a][b].data() + block.row, velocity_gradient[b]);
     }
-    for (int a = 0; a < D; ++a)
-      for (int c = 0; c < pairs; ++c) store(curvature[a][c] + block.row, second[a][c]);
-    for (int a = 0; a < fields; ++a)
-      for (int b = 0; b < D; ++b) store(gradient[a][b] + block.row, sum[a][b]);
   });
 }
 

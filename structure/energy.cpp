@@ -31,12 +31,13 @@ double energy_density(const Body& body, const Workspace<D>& work, std::int32_t r
   } else {
     density = hooke_energy(0.5 * (h + h.transpose() + h.transpose() * h));
   }
+  const Matrix<D> inverse = f.inverse();
   for (int direction = 0; direction < D; ++direction) {
     Matrix<D> k;
     for (int a = 0; a < D; ++a)
       for (int b = 0; b < D; ++b) k(a, b) = work.curvature[a][curvature_index<D>(direction, b)][row];
-    const Matrix<D> e = f.transpose() * k;
-    density += body.spacing * body.spacing / 12 * hooke_energy(0.5 * (e + e.transpose()));
+    const Matrix<D> b = k * inverse;
+    density += body.spacing * body.spacing / 12 * hooke_energy(0.5 * (b + b.transpose()));
   }
   return density;
 }

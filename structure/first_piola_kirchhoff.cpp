@@ -1,8 +1,9 @@
 // Stresses of a particle's cell, a cube of side dx in the reference configuration: with F = F_i + K_i (X - X_i) in it,
-//   W = Psi(F_i) + dx^2/24 sum_a [ lambda (tr E_a)^2 + 2 mu E_a:E_a ],   E_a = sym(F^T dF/dX_a),
-// to second order in dx. The second term is what a value at the middle of the cell leaves out: of n layers across a plate in
-// bending, 1/n^2 of the stiffness. It also holds the zigzag motions that F_i alone does not see.
-//   P = dW/dF = dPsi/dF + dx^2/12 sum_a dF/dX_a S_a,   Q = dW/dK,   S_a = lambda tr(E_a) I + 2 mu E_a,
+//   W = Psi(F_i) + dx^2/24 sum_a [ lambda (tr D_a)^2 + 2 mu D_a:D_a ],   D_a = sym(B_a),   B_a = dF/dX_a F^-1,
+// at small strains to second order in dx. The second term is what a value at the middle of the cell leaves out: of n layers
+// across a plate in bending, 1/n^2 of the stiffness. It also holds the zigzag motions that F_i alone does not see, and under
+// compression it stiffens as the neo-Hookean solid does.
+//   P = dW/dF = dPsi/dF - sum_a B_a^T Q_a,   Q_a = dW/d(dF/dX_a) = dx^2/12 S_a F^-T,   S_a = lambda tr(D_a) I + 2 mu D_a,
 //   dPsi/dF = mu (F - F^-T) + lambda ln J F^-T   (neo-Hookean, seed paper eq. 4; F^-T = cof F / J),
 //   dPsi/dF = F (lambda tr(E) I + 2 mu E)        (St Venant-Kirchhoff).
 
@@ -40,9 +41,8 @@ Lanes cofactor(const Lanes (&f)[3][3], Lanes (&c)[3][3]) {
 }
 
 bool all_positive_and_finite(const Lanes& j) {
-  for (int lane = 0; lane < lane_count; ++lane)
-    if (!(j[lane] > 0 && j[lane] <= std::numeric_limits<double>::max())) return false;
-  return true;
+  const auto fine = (j > Lanes{}) & (j <= broadcast(std::numeric_limits<double>::max()));
+  return (fine[0] & fine[1] & fine[2] & fine[3]) != 0;
 }
 
 /// What most likely drives a particle to J <= 0, as a clause.
@@ -92,21 +92,21 @@ Lanes log(const Lanes& x) {
   return result;
 }
 
-/// P = mu F + (lambda ln J - mu) cof F / J_D with J = J_D F33, J_D the determinant of the D x D part.
+/// P = mu F + (lambda ln J - mu) F^-T with J = J_D F33, J_D the determinant of the D x D part.
 template <int D>
-void neo_hookean(const Material& material, const Lanes (&f)[D][D], const Lanes (&cofactors)[D][D], const Lanes& j,
-                 Lanes (&p)[D][D]) {
+[[gnu::always_inline]] inline void neo_hookean(const Material& material, const Lanes (&f)[D][D],
+                                               const Lanes (&inverse_transposed)[D][D], const Lanes& j, Lanes (&p)[D][D]) {
   Lanes log_j = log(j);
   if (material.plane_stress)
     for (int lane = 0; lane < lane_count; ++lane) log_j[lane] += material.log_thickness_stretch(log_j[lane]);
-  const Lanes factor = (material.lambda * log_j - material.mu) / j;
+  const Lanes factor = material.lambda * log_j - material.mu;
   for (int a = 0; a < D; ++a)
-    for (int b = 0; b < D; ++b) p[a][b] = material.mu * f[a][b] + factor * cofactors[a][b];
+    for (int b = 0; b < D; ++b) p[a][b] = material.mu * f[a][b] + factor * inverse_transposed[a][b];
 }
 
 /// S = lambda tr(E) I + 2 mu E.
 template <int D>
-void hooke(const Material& material, const Lanes (&e)[D][D], Lanes (&s)[D][D]) {
+[[gnu::always_inline]] inline void hooke(const Material& material, const Lanes (&e)[D][D], Lanes (&s)[D][D]) {
   Lanes trace = e[0][0];
   for (int a = 1; a < D; ++a) trace += e[a][a];
   for (int a = 0; a < D; ++a)
@@ -133,25 +133,30 @@ void st_venant_kirchhoff(const Material& material, const Lanes (&h)[D][D], const
 
 /// Adds the part of the strain gradient K to P, and gives Q. `factor` = dx^2/12.
 template <int D>
-void strain_gradient(const Material& material, double factor, const Lanes (&f)[D][D],
-                     const Lanes (&k)[D][curvature_components<D>], Lanes (&p)[D][D],
-                     Lanes (&q)[D][curvature_components<D>]) {
+[[gnu::always_inline]] inline void strain_gradient(const Material& material, double factor,
+                                                   const Lanes (&inverse_transposed)[D][D],
+                                                   const Lanes (&k)[D][curvature_components<D>], Lanes (&p)[D][D],
+                                                   Lanes (&q)[D][curvature_components<D>]) {
   for (int direction = 0; direction < D; ++direction) {
-    Lanes e[D][D], s[D][D];
-    for (int a = 0; a < D; ++a)
-      for (int b = 0; b < D; ++b) {
-        e[a][b] = f[0][a] * k[0][curvature_index<D>(direction, b)];
-        for (int c = 1; c < D; ++c) e[a][b] += f[c][a] * k[c][curvature_index<D>(direction, b)];
+    Lanes b[D][D], d[D][D], s[D][D];
+    for (int i = 0; i < D; ++i)
+      for (int l = 0; l < D; ++l) {
+        b[i][l] = k[i][curvature_index<D>(direction, 0)] * inverse_transposed[l][0];
+        for (int m = 1; m < D; ++m) b[i][l] += k[i][curvature_index<D>(direction, m)] * inverse_transposed[l][m];
       }
-    for (int a = 0; a < D; ++a)
-      for (int b = 0; b <= a; ++b) e[a][b] = e[b][a] = 0.5 * (e[a][b] + e[b][a]);
-    hooke<D>(material, e, s);
-    for (int a = 0; a < D; ++a)
-      for (int b = 0; b < D; ++b)
-        for (int c = 0; c < D; ++c) {
-          p[a][b] += factor * k[a][curvature_index<D>(direction, c)] * s[c][b];
-          q[a][curvature_index<D>(direction, b)] += factor * f[a][c] * s[c][b];
-        }
+    for (int i = 0; i < D; ++i)
+      for (int l = 0; l <= i; ++l) d[i][l] = d[l][i] = (0.5 * factor) * (b[i][l] + b[l][i]);
+    hooke<D>(material, d, s);
+    for (int m = 0; m < D; ++m) {
+      Lanes stress[D];
+      for (int i = 0; i < D; ++i) {
+        stress[i] = s[i][0] * inverse_transposed[0][m];
+        for (int l = 1; l < D; ++l) stress[i] += s[i][l] * inverse_transposed[l][m];
+        q[i][curvature_index<D>(direction, m)] += stress[i];
+      }
+      for (int i = 0; i < D; ++i)
+        for (int l = 0; l < D; ++l) p[i][m] -= b[l][i] * stress[l];
+    }
   }
 }
 
@@ -178,7 +183,7 @@ std::ptrdiff_t stresses_of_blocks(const Reference<D>& reference, Workspace<D>& w
     if (!block.deforms) return;
     const Body& body = reference.bodies[block.body];
     const Material& material = body.material;
-    Lanes gradient[D][D], f[D][D], cofactors[D][D], stress[D][D], second[D][pairs], double_stress[D][pairs] = {};
+    Lanes gradient[D][D], f[D][D], inverse_transposed[D][D], stress[D][D], second[D][pairs], double_stress[D][pairs] = {};
     for (int a = 0; a < D; ++a) {
       for (int b = 0; b < D; ++b) {
         gradient[a][b] = load(h[a][b] + block.row);
@@ -186,16 +191,19 @@ std::ptrdiff_t stresses_of_blocks(const Reference<D>& reference, Workspace<D>& w
       }
       for (int c = 0; c < pairs; ++c) second[a][c] = load(k[a][c] + block.row);
     }
-    const Lanes j = cofactor(f, cofactors);
+    const Lanes j = cofactor(f, inverse_transposed);
     if (!all_positive_and_finite(j)) {
       for (auto lowest = failed.load(); n < lowest && !failed.compare_exchange_weak(lowest, n);) {}
       return;
     }
+    const Lanes inverse_j = 1 / j;
+    for (int a = 0; a < D; ++a)
+      for (int b = 0; b < D; ++b) inverse_transposed[a][b] *= inverse_j;
     if (material.law == MaterialLaw::neo_hookean)
-      neo_hookean<D>(material, f, cofactors, j, stress);
+      neo_hookean<D>(material, f, inverse_transposed, j, stress);
     else
       st_venant_kirchhoff<D>(material, gradient, f, stress);
-    strain_gradient<D>(material, body.spacing * body.spacing / 12, f, second, stress, double_stress);
+    strain_gradient<D>(material, body.spacing * body.spacing / 12, inverse_transposed, second, stress, double_stress);
     for (int a = 0; a < D; ++a) {
       for (int b = 0; b < D; ++b) store(p[a][b] + block.row, stress[a][b]);
       for (int c = 0; c < pairs; ++c) store(q[a][c] + block.row, double_stress[a][c]);

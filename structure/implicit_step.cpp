@@ -98,7 +98,7 @@ bool ImplicitStep<D>::solve(const Reference<D>& reference, double h, const Eigen
   const auto evaluate = [&](const Eigen::VectorXd& at, Eigen::VectorXd& result) {
     ++counts_.evaluations;
     scatter<D>(rows, at, state.displacement);
-    if (!elastic_force(reference, state, work)) return false;
+    if (!evaluate_elastic_force(reference, state, work)) return false;
     result = constant + gather<D>(rows, state.internal_force) - inertia.cwiseProduct(at - predictor);
     return result.allFinite();
   };
@@ -158,7 +158,7 @@ bool ImplicitStep<D>::advance(const Reference<D>& reference, double dt, State<D>
   damp(reference, dt, state);
   const Eigen::VectorXd external = gather<D>(rows, work.external_force);
   const Eigen::VectorXd d_n = gather<D>(rows, state.displacement), v_n = gather<D>(rows, state.velocity);
-  bool done = elastic_force(reference, state, work);
+  bool done = evaluate_elastic_force(reference, state, work);
   ++counts_.evaluations;
   const double power_n = clamp_power(reference, state);
   const Eigen::VectorXd f_n = gather<D>(rows, state.internal_force);

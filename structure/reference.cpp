@@ -38,6 +38,9 @@ struct Lattice {
   std::vector<Content> content;       // per cell
   std::vector<std::uint32_t> pattern; // per cell: which neighbours it has, an index into the derivative vectors
 
+  /// Lines run along the longest side.
+  int line_direction() const { return static_cast<int>(std::max_element(size.begin(), size.end()) - size.begin()); }
+
   Content content_of(const Cell<D>& cell) const {
     const auto n = index(cell);
     return n < 0 ? hidden : content[n];
@@ -97,7 +100,7 @@ std::vector<Cell<D>> cells_of(const std::vector<Vector<D>>& points, double spaci
 /// Gives the cells rows from `next_row` on, line by line along the longest side. Returns the first row not used.
 template <int D>
 std::int32_t number_rows(const std::vector<Cell<D>>& cells, std::int32_t next_row, Lattice<D>& lattice) {
-  const int fast = static_cast<int>(std::max_element(lattice.size.begin(), lattice.size.end()) - lattice.size.begin());
+  const int fast = lattice.line_direction();
   const auto line_of = [&](Cell<D> cell) {
     cell[fast] = 0;
     std::reverse(cell.begin(), cell.end());
@@ -272,7 +275,13 @@ void add_blocks(const std::vector<Cell<D>>& cells, const StructureNumerics& nume
   std::vector<const Cell<D>*> cell_of_row(end_row - first_row, nullptr);
   for (const auto& cell : cells) cell_of_row[lattice.row[lattice.index(cell)] - first_row] = &cell;
 
+  // By where they are along their line, then line by line: what a block and its neighbours read and write is still in the
+  // cache when the block beside it comes next.
+  std::map<std::pair<int, std::int32_t>, Block> blocks;
   for (std::int32_t row = first_row; row < end_row; row += lane_count) {
+    const auto first_cell = std::find_if(cell_of_row.begin() + (row - first_row), cell_of_row.begin() + (row - first_row + lane_count),
+                                         [](const Cell<D>* cell) { return cell != nullptr; });
+    if (first_cell == cell_of_row.begin() + (row - first_row + lane_count)) continue;
     Block block{row, 0, body_index, false};
     std::map<std::int32_t, Entry<D>> entries;
     Lanes gradient_sum[D] = {}, curvature_sum[curvature_components<D>] = {};
@@ -312,8 +321,9 @@ void add_blocks(const std::vector<Cell<D>>& cells, const StructureNumerics& nume
       }
     }
     block.stencil = store.add(entries, gradient_sum, curvature_sum);
-    reference.blocks.push_back(block);
+    blocks.emplace(std::pair{(**first_cell)[lattice.line_direction()] / lane_count, row}, block);
   }
+  for (const auto& [place, block] : blocks) reference.blocks.push_back(block);
 }
 
 /// The named clamps and their particles; a particle of several belongs to the first.

@@ -3,6 +3,8 @@
 //   (F_i + F_j)/2 X_ji - x_ji = (H_i + H_j)/2 X_ji - (d_j - d_i)   and   v_j - v_i - (L_i + L_j)/2 X_ji,
 // and both are equal and opposite on the two ends, so each pair is computed once.
 
+#include <algorithm>
+
 #include "structure/hourglass_penalty.hpp"
 #include "structure/riemann_diffusion.hpp"
 #include "structure/time_step.hpp"
@@ -35,8 +37,9 @@ struct Gradient {
   }
 };
 
+/// Forces of the pairs into work.pair_force, their sum over the pairs that begin in a row into state.internal_force.
 template <int D, bool with_diffusion, bool with_penalty>
-void forces(const Reference<D>& reference, double dt, State<D>& state, Workspace<D>& work) {
+void pair_forces(const Reference<D>& reference, double dt, int diffusion_span, State<D>& state, Workspace<D>& work) {
   const auto rows = static_cast<std::ptrdiff_t>(reference.rows);
   for_each_block(static_cast<std::ptrdiff_t>(reference.blocks.size()), [&](std::ptrdiff_t n) {
     const Block& block = reference.blocks[n];
@@ -85,7 +88,7 @@ void forces(const Reference<D>& reference, double dt, State<D>& state, Workspace
         for (int a = 0; a < D; ++a) reconstructed[a] = jump[a] - reconstructed[a];
         riemann_diffusion<D>(x, inverse_square, jump, reconstructed, pressure_speed, shear_speed, drag);
         for (int a = 0; a < D; ++a) {
-          drag[a] *= pair.diffusion;
+          drag[a] *= diffusion_span * pair.diffusion;
           pair_force[a] += drag[a];
           dissipated += drag[a] * jump[a];
         }
@@ -102,19 +105,48 @@ void forces(const Reference<D>& reference, double dt, State<D>& state, Workspace
   });
 }
 
+/// Subtracts from the force of every row that of the pairs that end in it. The energy that a pair loses is its force times the
+/// velocity in the middle of the kick, f dt/(2m) past the present one.
+template <int D>
+void collect(const Reference<D>& reference, double dt, bool diffusion, const Workspace<D>& work, State<D>& state) {
+  const auto rows = static_cast<std::ptrdiff_t>(reference.rows);
+  for_each_block(static_cast<std::ptrdiff_t>(reference.blocks.size()), [&](std::ptrdiff_t n) {
+    const Block& block = reference.blocks[n];
+    if (!block.deforms) return;
+    const Stencil<D>& stencil = reference.stencils[block.stencil];
+    Lanes force[D];
+    for (int a = 0; a < D; ++a) force[a] = load(state.internal_force[a].data() + block.row);
+    for (std::uint32_t k = stencil.first; k < stencil.first + stencil.count - stencil.pairs; ++k) {
+      const std::ptrdiff_t place = reference.pair_slot[k] * rows + block.row + reference.row_offset[k];
+      for (int a = 0; a < D; ++a) force[a] -= load(work.pair_force[a].data() + place);
+    }
+    Lanes squared = {};
+    for (int a = 0; a < D; ++a) {
+      store(state.internal_force[a].data() + block.row, force[a]);
+      squared += force[a] * force[a];
+    }
+    if (diffusion) state.diffusion_loss[n] -= 0.5 * dt * dt * load(reference.inverse_mass.data() + block.row) * squared;
+  });
+}
+
 }  // namespace
 
 template <int D>
-void stabilising_forces(const Reference<D>& reference, double dt, State<D>& state, Workspace<D>& work) {
-  if (reference.has_diffusion && reference.has_penalty)
-    forces<D, true, true>(reference, dt, state, work);
-  else if (reference.has_diffusion)
-    forces<D, true, false>(reference, dt, state, work);
+void stabilising_forces(const Reference<D>& reference, double dt, int diffusion_span, State<D>& state, Workspace<D>& work) {
+  const bool diffusion = reference.has_diffusion && diffusion_span > 0;
+  if (diffusion && reference.has_penalty)
+    pair_forces<D, true, true>(reference, dt, diffusion_span, state, work);
+  else if (diffusion)
+    pair_forces<D, true, false>(reference, dt, diffusion_span, state, work);
   else if (reference.has_penalty)
-    forces<D, false, true>(reference, dt, state, work);
+    pair_forces<D, false, true>(reference, dt, diffusion_span, state, work);
+  if (diffusion || reference.has_penalty)
+    collect(reference, dt, diffusion, work, state);
+  else
+    for (auto& axis : state.internal_force) std::fill(axis.begin(), axis.end(), 0);
 }
 
-template void stabilising_forces<2>(const Reference<2>&, double, State<2>&, Workspace<2>&);
-template void stabilising_forces<3>(const Reference<3>&, double, State<3>&, Workspace<3>&);
+template void stabilising_forces<2>(const Reference<2>&, double, int, State<2>&, Workspace<2>&);
+template void stabilising_forces<3>(const Reference<3>&, double, int, State<3>&, Workspace<3>&);
 
 }  // namespace tern::structure

@@ -65,9 +65,7 @@ struct Structure<D>::Parts {
 
   /// Internal force of the present state with everything explicit steps need.
   void all_forces() {
-    deform();
-    stabilising_forces(reference, 0, state, work);
-    internal_force(reference, work, state);
+    internal_forces(reference, seconds(state.time), 0, 1, state, work);
   }
 
   /// Deformation gradient and stress of the present state into the workspace.

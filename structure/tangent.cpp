@@ -1,6 +1,6 @@
-// Tangent of the internal force. With c = dx^2/12, E_a = sym(F^T G_a), G_a = dF/dX_a, S_a = C:E_a (C Hooke's law),
-//   d2W = dF:d2Psi:dF + c sum_a [ dE_a:C:dE_a + 2 S_a:(dF^T dG_a) ],   dE_a = sym(dF^T G_a + F^T dG_a),
-//   d2Psi = mu d_ik d_JL + (mu - lambda ln J) Fi_Jk Fi_Li + lambda Fi_Ji Fi_Lk   (neo-Hookean, Fi = F^-1),
+// Tangent of the elastic force. With c = dx^2/12, G_a = dF/dX_a, Fi = F^-1, B_a = G_a Fi, D_a = sym(B_a), S_a = C:D_a (C Hooke's law),
+//   d2W = dF:d2Psi:dF + c sum_a [ dD_a:C:dD_a - 2 S_a:(dB_a dF Fi) ],   dB_a = (dG_a - B_a dF) Fi,   dD_a = sym(dB_a),
+//   d2Psi = mu d_ik d_JL + (mu - lambda ln J) Fi_Jk Fi_Li + lambda Fi_Ji Fi_Lk   (neo-Hookean),
 //   d2Psi = d_ik S_JL + F_iM C_MJNL F_kN                                          (St Venant-Kirchhoff).
 
 #include "structure/tangent.hpp"
@@ -31,11 +31,10 @@ Eigen::Matrix<double, D * D + D * curvature_components<D>, D * D + D * curvature
     const Body& body, const Workspace<D>& work, std::int32_t row) {
   constexpr int first = D * D, pairs = curvature_components<D>, size = first + D * pairs;
   const Material& m = body.material;
-  const Matrix<D> f = deformation_gradient_of<D>(work, row);
+  const Matrix<D> f = deformation_gradient_of<D>(work, row), inverse = f.inverse();
   Eigen::Matrix<double, size, size> hessian = Eigen::Matrix<double, size, size>::Zero();
 
   if (m.law == MaterialLaw::neo_hookean) {
-    const Matrix<D> inverse = f.inverse();
     double log_j = std::log(f.determinant()), lambda = m.lambda;
     if (m.plane_stress) {
       // The thickness answers: d ln J / d ln J_2 = 2 mu F33^2/(2 mu F33^2 + lambda).
@@ -64,34 +63,37 @@ Eigen::Matrix<double, D * D + D * curvature_components<D>, D * D + D * curvature
   }
 
   const double c = body.spacing * body.spacing / 12;
+  using Rows = Eigen::Matrix<double, D * D, size>;
+  Eigen::Matrix<double, D * D, D * D> stiffness;
+  for (int i = 0; i < D; ++i)
+    for (int J = 0; J < D; ++J)
+      for (int k = 0; k < D; ++k)
+        for (int L = 0; L < D; ++L) stiffness(i * D + J, k * D + L) = hooke_stiffness(m, i, J, k, L);
   for (int direction = 0; direction < D; ++direction) {
     Matrix<D> g;
     for (int i = 0; i < D; ++i)
       for (int b = 0; b < D; ++b) g(i, b) = work.curvature[i][curvature_index<D>(direction, b)][row];
-    const auto index_of_g = [&](int i, int b) { return first + i * pairs + curvature_index<D>(direction, b); };
-    // dE_bd as a row over q.
-    Eigen::Matrix<double, D * D, size> strain = Eigen::Matrix<double, D * D, size>::Zero();
-    for (int b = 0; b < D; ++b)
-      for (int d = 0; d < D; ++d)
-        for (int i = 0; i < D; ++i) {
-          strain(b * D + d, i * D + b) += 0.5 * g(i, d);
-          strain(b * D + d, i * D + d) += 0.5 * g(i, b);
-          strain(b * D + d, index_of_g(i, d)) += 0.5 * f(i, b);
-          strain(b * D + d, index_of_g(i, b)) += 0.5 * f(i, d);
-        }
-    Eigen::Matrix<double, D * D, D * D> stiffness;
-    for (int b = 0; b < D; ++b)
-      for (int d = 0; d < D; ++d)
-        for (int p = 0; p < D; ++p)
-          for (int q = 0; q < D; ++q) stiffness(b * D + d, p * D + q) = hooke_stiffness(m, b, d, p, q);
-    hessian += c * strain.transpose() * stiffness * strain;
-    const Matrix<D> e = f.transpose() * g, stress = hooke_stress<D>(m, 0.5 * (e + e.transpose()));
+    const Matrix<D> b = g * inverse;
+    // dB, its symmetric part, and dF F^-1 as rows over (dF, dG).
+    Rows change = Rows::Zero(), strain, rate = Rows::Zero();
     for (int i = 0; i < D; ++i)
-      for (int b = 0; b < D; ++b)
-        for (int d = 0; d < D; ++d) {
-          hessian(i * D + b, index_of_g(i, d)) += c * stress(b, d);
-          hessian(index_of_g(i, d), i * D + b) += c * stress(b, d);
+      for (int l = 0; l < D; ++l)
+        for (int J = 0; J < D; ++J) {
+          rate(i * D + l, i * D + J) = inverse(J, l);
+          change(i * D + l, first + i * pairs + curvature_index<D>(direction, J)) += inverse(J, l);
+          for (int k = 0; k < D; ++k) change(i * D + l, k * D + J) -= b(i, k) * inverse(J, l);
         }
+    for (int i = 0; i < D; ++i)
+      for (int l = 0; l < D; ++l) strain.row(i * D + l) = 0.5 * (change.row(i * D + l) + change.row(l * D + i));
+    hessian += c * strain.transpose() * stiffness * strain;
+    const Matrix<D> stress = hooke_stress<D>(m, 0.5 * (b + b.transpose()));
+    // S:(dB dF Fi) = sum_ik dB_ik sum_l S_il (dF Fi)_kl.
+    Rows weighted = Rows::Zero();
+    for (int i = 0; i < D; ++i)
+      for (int k = 0; k < D; ++k)
+        for (int l = 0; l < D; ++l) weighted.row(i * D + k) += stress(i, l) * rate.row(k * D + l);
+    const Eigen::Matrix<double, size, size> product = change.transpose() * weighted;
+    hessian -= c * (product + product.transpose());
   }
   return hessian;
 }

@@ -23,18 +23,23 @@ void first_piola_kirchhoff(const Reference<D>& reference, const State<D>& state,
 template <int D>
 bool stresses(const Reference<D>& reference, Workspace<D>& work);
 
-/// Riemann diffusion and hourglass penalty of every pair into work.pair_force, their sum over the pairs that begin in a row
-/// into state.internal_force, and the energy they take up in `dt` [s] into the account of `state`.
+/// Riemann diffusion and hourglass penalty of every row into state.internal_force, and the energy they take up in sub-steps of
+/// `dt` [s] into the account of `state`. The diffusion stands for `diffusion_span` sub-steps; it is not evaluated for 0.
 template <int D>
-void stabilising_forces(const Reference<D>& reference, double dt, State<D>& state, Workspace<D>& work);
+void stabilising_forces(const Reference<D>& reference, double dt, int diffusion_span, State<D>& state, Workspace<D>& work);
 
-/// f_i of every row: the elastic force, and the stabilising forces of stabilising_forces().
+/// Adds the elastic force of every row to state.internal_force.
 template <int D>
-void internal_force(const Reference<D>& reference, const Workspace<D>& work, State<D>& state);
+void elastic_force(const Reference<D>& reference, const Workspace<D>& work, State<D>& state);
 
 /// The elastic force alone into state.internal_force, from the displacement on; false when some J is not positive.
 template <int D>
-bool elastic_force(const Reference<D>& reference, State<D>& state, Workspace<D>& work);
+bool evaluate_elastic_force(const Reference<D>& reference, State<D>& state, Workspace<D>& work);
+
+/// state.internal_force of the present displacement and velocity, at `time_s`: all of the above in their order.
+template <int D>
+void internal_forces(const Reference<D>& reference, double time_s, double dt, int diffusion_span, State<D>& state,
+                     Workspace<D>& work);
 
 /// v += dt (f_internal + f_external) / m, after the mass damping; unchanged where clamped.
 template <int D>

@@ -27,7 +27,7 @@ double tangent_error(StructureCase structure) {
     Eigen::VectorXd f(tangent.unknowns());
     for (std::size_t n = 0; n < rows.size(); ++n)
       for (int a = 0; a < D; ++a) state.displacement[a][rows[n]] = d[n * D + a] + step * u[n * D + a];
-    EXPECT_TRUE(elastic_force(reference, state, work));
+    EXPECT_TRUE(evaluate_elastic_force(reference, state, work));
     for (std::size_t n = 0; n < rows.size(); ++n)
       for (int a = 0; a < D; ++a) f[n * D + a] = state.internal_force[a][rows[n]];
     return f;
