@@ -1,6 +1,6 @@
 // Convergence of the structure at three spacings, against the references of docs/VERIFICATION.md:
 //   first frequency of the plate of dry_plate and of the slender plate of gray_cantilever, from the lowest eigenvalue of the
-//   tangent at rest over the mass (inverse iteration);
+//   tangent at rest over the mass (inverse iteration), and of plates of other thickness and Poisson's ratio, ten across;
 //   first peak of bending_column_2d, and the distance of its path from that of the finite elements over the first second.
 // Prints the tables of docs/STRUCTURE.md:  build/release/bench/bench-structure_convergence
 
@@ -136,6 +136,15 @@ int main(int argc, char** argv) {
     print_row("plate of gray_cantilever, small amplitude, period [s], reference 0.25492", across, period, 0.25492, last);
     last = std::abs(period / 0.25492 - 1);
   }
+  // Landau and Lifshitz' plate, ten across; length 0.2 m, E = 2 MPa, 1000 kg/m^3.
+  struct Swing {
+    double ratio, poisson_ratio, period;
+  };
+  for (const auto& [ratio, poisson_ratio, period] :
+       {Swing{0.05, 0.3975, 0.50722}, {0.10, 0.22, 0.27177}, {0.10, 0.30, 0.26545}, {0.10, 0.3975, 0.25492}, {0.10, 0.40, 0.25401},
+        {0.20, 0.3975, 0.13022}})
+    print_row(fmt::format("plate of 0.2 m, H/L = {:.2f}, nu = {}, f1 [Hz], reference {:.4f}", ratio, poisson_ratio, 1 / period), 10,
+              first_frequency(plate(0.2, 0.2 * ratio, 10, 1000, 2e6, poisson_ratio)), 1 / period, 0);
   const auto expected = read_column(root + "/cases/bending_column_2d/reference/fe_bending_column_2d_planestrain_r8.csv", 1, 101);
   if (expected.size() < 101) {
     fmt::print("The reference of bending_column_2d is not below {}; give the folder of the repository.\n", root);

@@ -116,6 +116,14 @@ void estimate_fluid(const Case& scene, Estimate& result) {
   result.step = std::min({result.gravity_step, result.flow_step, result.viscous_step, scene.end_time});
 }
 
+// The windows of a structure alone are equal parts of the time from one output to the next.
+double window_alone(const Case& scene, double sub_step) {
+  double interval = scene.end_time;
+  for (const double output : {scene.output.frame_interval, scene.output.gauge_interval})
+    if (output > 0) interval = std::min(interval, output);
+  return interval / (std::floor(interval / (sub_steps_per_window(scene) * sub_step)) + 1);
+}
+
 template <int D>
 Estimate estimate_in(const Case& scene) {
   Estimate result;
@@ -127,7 +135,7 @@ Estimate estimate_in(const Case& scene) {
       sub_step = std::min(sub_step, result.bodies.back().sub_step);
       structure_particles += static_cast<double>(result.bodies.back().particles);
     }
-    if (!scene.fluid) result.step = sub_step;
+    if (!scene.fluid) result.step = window_alone(scene, sub_step);
     result.sub_steps = std::ceil(result.step / sub_step * (1 - 1e-12));
   }
   result.steps = std::ceil(scene.end_time / result.step);
@@ -148,6 +156,13 @@ Estimate estimate_in(const Case& scene) {
 }
 
 }  // namespace
+
+double sub_steps_per_window(const Case& scene) {
+  bool varies = !scene.structure->loads.empty();
+  for (const ClampCase& clamp : scene.structure->clamps) varies |= clamp.motion.has_value();
+  for (const Expression& component : scene.gravity) varies |= !component.is_constant();
+  return varies ? 10 : 100;
+}
 
 Estimate estimate(const Case& scene) { return scene.dimension == 2 ? estimate_in<2>(scene) : estimate_in<3>(scene); }
 

@@ -35,7 +35,7 @@ struct Estimate {
   double gravity_step = 0;  ///< limit gravity_courant sqrt(dx/|g|) [s]; infinite without gravity
   double flow_step = 0;     ///< limit courant dx/speed [s]; infinite at rest
   double viscous_step = 0;  ///< limit viscous_courant h^2/nu [s]; infinite without viscosity
-  double step = 0;          ///< the smallest of those that apply; of a structure alone, the sub-step [s]
+  double step = 0;          ///< the smallest of those that apply; of a structure alone, its window [s]
   double steps = 0;         ///< in the whole run
   std::vector<BodyEstimate> bodies;
   double sub_steps = 0;                     ///< of the structure in one step
@@ -44,6 +44,10 @@ struct Estimate {
 };
 
 Estimate estimate(const Case& scene);
+
+/// Sub-steps of a structure alone between two looks at interruption, progress and the stable sub-step: a step of its run, unless
+/// an output comes before. Forces and motions that change in time are constant over them, so there are fewer where there are such.
+double sub_steps_per_window(const Case& scene);
 
 /// Numbers of the estimate as lines of text.
 std::string check_text(const Case& scene);

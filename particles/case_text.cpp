@@ -39,8 +39,9 @@ std::string step_limits(const Case& scene, const Estimate& e) {
     text += fmt::format("  {:<16} {:.3g} s = {} dx_s/c_p, c_p = {:.4g} m/s (sub-step)\n", body.name, body.sub_step,
                         scene.structure->numerics.courant, body.wave_speed);
   }
-  if (scene.fluid && scene.structure)
-    text += fmt::format("  sub-steps        {:.0f} of the structure in a step{}\n", e.sub_steps,
+  if (scene.structure)
+    text += fmt::format("  sub-steps        {:.0f} of the structure in a step{}{}\n", e.sub_steps,
+                        scene.fluid ? "" : fmt::format(", {:.3g} s: at most {:.0f}, and to the next output", e.step, sub_steps_per_window(scene)),
                         scene.structure->numerics.integrator == Integrator::explicit_steps    ? ""
                         : scene.structure->numerics.integrator == Integrator::implicit_steps ? ", replaced by implicit ones"
                                                                                              : ", or implicit ones where cheaper");

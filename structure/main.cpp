@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "particles/case_estimate.hpp"
 #include "particles/command_line.hpp"
 #include "particles/error.hpp"
 #include "particles/interrupt.hpp"
@@ -18,15 +19,6 @@ namespace {
 
 using namespace tern;
 using proto::Kind;
-
-/// Sub-steps between two looks at interruption, progress and the stable sub-step; forces and motions that change in time are
-/// constant over them, so there are fewer where there are such.
-double sub_steps_per_window(const Case& scene) {
-  bool varies = !scene.structure->loads.empty();
-  for (const ClampCase& clamp : scene.structure->clamps) varies |= clamp.motion.has_value();
-  for (const Expression& component : scene.gravity) varies |= !component.is_constant();
-  return varies ? 10 : 100;
-}
 
 /// The whole run in this process, without surface load.
 template <int D>

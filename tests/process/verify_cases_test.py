@@ -43,6 +43,12 @@ class VerifyCasesTest(unittest.TestCase):
     def test_the_cantilever_keeps_its_period_through_large_swings(self):
         self.verify("gray_cantilever")
 
+    def test_the_beam_comes_to_rest_where_the_benchmark_has_it(self):
+        self.verify("turek_hron_csm1")
+
+    def test_the_beam_swings_as_the_benchmark_does(self):
+        self.verify("turek_hron_csm3")
+
     def test_water_at_rest_stays_at_rest_with_hydrostatic_pressure(self):
         self.verify("hydrostatic_tank")
 
