@@ -51,10 +51,12 @@ void elastic_force(const Reference<D>& reference, const Workspace<D>& work, Stat
 
 template <int D>
 bool evaluate_elastic_force(const Reference<D>& reference, State<D>& state, Workspace<D>& work) {
+  state.force_is_elastic = false;
   displacement_gradients(reference, state, work);
   if (!stresses(reference, work)) return false;
   for (auto& axis : state.internal_force) std::fill(axis.begin(), axis.end(), 0);
   elastic_force(reference, work, state);
+  state.force_is_elastic = true;
   return true;
 }
 

@@ -18,9 +18,10 @@ namespace {
 constexpr double tolerance = 1e-7;
 constexpr int most_iterations = 14;    // with one factor
 constexpr int most_halvings = 6;
+constexpr std::size_t most_updates = 6;  // kept while the factor is
 constexpr int expected_iterations = 4; // with a new factor
 /// An assembled and factored tangent costs about as much as this many iterations (docs/STRUCTURE.md).
-constexpr double worth_of_a_factor = 20;
+constexpr double worth_of_a_factor = 28;
 /// A factor made for another step length serves while h^2 differs by less than this factor.
 constexpr double largest_ratio = 2;
 
@@ -110,9 +111,9 @@ bool ImplicitStep<D>::solve(const Reference<D>& reference, double h, const Eigen
   const double ratio = h * h / (factored_h_ * factored_h_);
   bool renew = !(ratio < largest_ratio && ratio * largest_ratio > 1) || excess_ > worth_of_a_factor;
   for (int attempt = 0; attempt < 2; ++attempt) {
-    updates_.clear();
     bool fresh = false;
     if (renew) {
+      updates_.clear();
       ++counts_.factors;
       tangent_.assemble(reference, work, 1 / (h * h));
       factored_h_ = tangent_.factorise() ? h : 0;
@@ -142,12 +143,22 @@ bool ImplicitStep<D>::solve(const Reference<D>& reference, double h, const Eigen
         excess_ += std::max(0, iteration + 1 - expected_iterations);
         return true;
       }
-      if (update.product > 0) updates_.push_back(std::move(update));
+      if (update.product > 0) {
+        if (updates_.size() == most_updates) updates_.erase(updates_.begin());
+        updates_.push_back(std::move(update));
+      }
     }
     if (fresh || !evaluate(d, residual)) return false;
     renew = true;
   }
   return false;
+}
+
+template <int D>
+Eigen::VectorXd ImplicitStep<D>::guess(int part, double dt, const Eigen::VectorXd& straight) const {
+  if (bend_[part].size() != straight.size()) return straight;
+  const double ratio = dt / bend_dt_;
+  return straight + ratio * ratio * bend_[part];
 }
 
 template <int D>
@@ -158,29 +169,36 @@ bool ImplicitStep<D>::advance(const Reference<D>& reference, double dt, State<D>
   damp(reference, dt, state);
   const Eigen::VectorXd external = gather<D>(rows, work.external_force);
   const Eigen::VectorXd d_n = gather<D>(rows, state.displacement), v_n = gather<D>(rows, state.velocity);
-  bool done = evaluate_elastic_force(reference, state, work);
-  ++counts_.evaluations;
+  bool done = state.force_is_elastic;  // as the last implicit step leaves it
+  if (!done) {
+    done = evaluate_elastic_force(reference, state, work);
+    ++counts_.evaluations;
+  }
   const double power_n = clamp_power(reference, state);
   const Eigen::VectorXd f_n = gather<D>(rows, state.internal_force);
 
-  // First guess: the particles go on with their velocity.
-  Eigen::VectorXd d_g = d_n + 2 * h * v_n;
   drift_clamps(reference, g * dt, state);
+  const Eigen::VectorXd straight = d_n + 2 * h * v_n;
   if (done) {
-    scatter<D>(rows, d_g, state.displacement);
-    done = solve(reference, h, d_n + 2 * h * v_n, f_n + 2 * external, state, work);
+    scatter<D>(rows, guess(0, dt, straight), state.displacement);
+    done = solve(reference, h, straight, f_n + 2 * external, state, work);
   }
   if (done) {
-    d_g = gather<D>(rows, state.displacement);
+    const Eigen::VectorXd d_g = gather<D>(rows, state.displacement);
     const Eigen::VectorXd v_g = (d_g - d_n) / h - v_n;
     const double own = 1 / (g * (2 - g)), past = (1 - g) * (1 - g) * own;
     const Eigen::VectorXd d_hat = own * d_g - past * d_n, v_hat = own * v_g - past * v_n;
     const double power_g = clamp_power(reference, state);
     drift_clamps(reference, (1 - g) * dt, state);
-    scatter<D>(rows, d_g + (1 - g) * dt * v_g, state.displacement);
+    const Eigen::VectorXd straight_on = d_g + (1 - g) * dt * v_g;
+    scatter<D>(rows, guess(1, dt, straight_on), state.displacement);
     done = solve(reference, h, d_hat + h * v_hat, external, state, work);
     if (done) {
-      scatter<D>(rows, (gather<D>(rows, state.displacement) - d_hat) / h, state.velocity);
+      const Eigen::VectorXd d = gather<D>(rows, state.displacement);
+      bend_[0] = d_g - straight;
+      bend_[1] = d - straight_on;
+      bend_dt_ = dt;
+      scatter<D>(rows, (d - d_hat) / h, state.velocity);
       damp(reference, dt, state);
       // Work of the clamps by the trapezoidal rule over both parts of the step.
       const double power = clamp_power(reference, state);
@@ -190,6 +208,7 @@ bool ImplicitStep<D>::advance(const Reference<D>& reference, double dt, State<D>
     }
   }
   state = saved;
+  for (auto& bend : bend_) bend.resize(0);
   ++counts_.failed;
   return false;
 }

@@ -43,6 +43,13 @@ class ImplicitStep {
   };
 
   Tangent<D> tangent_;
+  /// First guess of a part of the step: where its begin and its velocity lead, bent as in the last step. A window that is
+  /// repeated under another load, and the next one, accelerate much as that did.
+  Eigen::VectorXd guess(int part, double dt, const Eigen::VectorXd& straight) const;
+
+  /// How far the last step bent away from a straight line [m], in both of its parts; empty when it failed.
+  Eigen::VectorXd bend_[2];
+  double bend_dt_ = 0;            // its length [s]
   double factored_h_ = 0;         // of the present factor; 0 = none
   double excess_ = 0;             // iterations since it was made beyond those a new one needs
   std::vector<Update> updates_;   // of the present solve

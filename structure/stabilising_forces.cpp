@@ -39,7 +39,7 @@ struct Gradient {
 
 /// Forces of the pairs into work.pair_force, their sum over the pairs that begin in a row into state.internal_force.
 template <int D, bool with_diffusion, bool with_penalty>
-void pair_forces(const Reference<D>& reference, double dt, int diffusion_span, State<D>& state, Workspace<D>& work) {
+void pair_forces(const Reference<D>& reference, double dt, State<D>& state, Workspace<D>& work) {
   const auto rows = static_cast<std::ptrdiff_t>(reference.rows);
   for_each_block(static_cast<std::ptrdiff_t>(reference.blocks.size()), [&](std::ptrdiff_t n) {
     const Block& block = reference.blocks[n];
@@ -88,7 +88,7 @@ void pair_forces(const Reference<D>& reference, double dt, int diffusion_span, S
         for (int a = 0; a < D; ++a) reconstructed[a] = jump[a] - reconstructed[a];
         riemann_diffusion<D>(x, inverse_square, jump, reconstructed, pressure_speed, shear_speed, drag);
         for (int a = 0; a < D; ++a) {
-          drag[a] *= diffusion_span * pair.diffusion;
+          drag[a] *= pair.diffusion;
           pair_force[a] += drag[a];
           dissipated += drag[a] * jump[a];
         }
@@ -108,7 +108,7 @@ void pair_forces(const Reference<D>& reference, double dt, int diffusion_span, S
 /// Subtracts from the force of every row that of the pairs that end in it. The energy that a pair loses is its force times the
 /// velocity in the middle of the kick, f dt/(2m) past the present one.
 template <int D>
-void collect(const Reference<D>& reference, double dt, bool diffusion, const Workspace<D>& work, State<D>& state) {
+void collect(const Reference<D>& reference, double dt, const Workspace<D>& work, State<D>& state) {
   const auto rows = static_cast<std::ptrdiff_t>(reference.rows);
   for_each_block(static_cast<std::ptrdiff_t>(reference.blocks.size()), [&](std::ptrdiff_t n) {
     const Block& block = reference.blocks[n];
@@ -125,28 +125,28 @@ void collect(const Reference<D>& reference, double dt, bool diffusion, const Wor
       store(state.internal_force[a].data() + block.row, force[a]);
       squared += force[a] * force[a];
     }
-    if (diffusion) state.diffusion_loss[n] -= 0.5 * dt * dt * load(reference.inverse_mass.data() + block.row) * squared;
+    if (reference.has_diffusion) state.diffusion_loss[n] -= 0.5 * dt * dt * load(reference.inverse_mass.data() + block.row) * squared;
   });
 }
 
 }  // namespace
 
 template <int D>
-void stabilising_forces(const Reference<D>& reference, double dt, int diffusion_span, State<D>& state, Workspace<D>& work) {
-  const bool diffusion = reference.has_diffusion && diffusion_span > 0;
-  if (diffusion && reference.has_penalty)
-    pair_forces<D, true, true>(reference, dt, diffusion_span, state, work);
-  else if (diffusion)
-    pair_forces<D, true, false>(reference, dt, diffusion_span, state, work);
-  else if (reference.has_penalty)
-    pair_forces<D, false, true>(reference, dt, diffusion_span, state, work);
-  if (diffusion || reference.has_penalty)
-    collect(reference, dt, diffusion, work, state);
-  else
+void stabilising_forces(const Reference<D>& reference, double dt, State<D>& state, Workspace<D>& work) {
+  if (!reference.has_diffusion && !reference.has_penalty) {
     for (auto& axis : state.internal_force) std::fill(axis.begin(), axis.end(), 0);
+    return;
+  }
+  if (reference.has_diffusion && reference.has_penalty)
+    pair_forces<D, true, true>(reference, dt, state, work);
+  else if (reference.has_diffusion)
+    pair_forces<D, true, false>(reference, dt, state, work);
+  else
+    pair_forces<D, false, true>(reference, dt, state, work);
+  collect(reference, dt, work, state);
 }
 
-template void stabilising_forces<2>(const Reference<2>&, double, int, State<2>&, Workspace<2>&);
-template void stabilising_forces<3>(const Reference<3>&, double, int, State<3>&, Workspace<3>&);
+template void stabilising_forces<2>(const Reference<2>&, double, State<2>&, Workspace<2>&);
+template void stabilising_forces<3>(const Reference<3>&, double, State<3>&, Workspace<3>&);
 
 }  // namespace tern::structure

@@ -1,10 +1,15 @@
 // Stable sub-step of the explicit integration: dt = courant dx/(c + |v|max), the minimum over the bodies. Under
 // compression the neo-Hookean solid stiffens while its reference spacing stays, in tension the St Venant-Kirchhoff solid: c is
-// the largest wave speed at rest, at the smallest and at the largest stretch.
+// the largest wave speed at rest, at the smallest and at the largest stretch. A sub-step a thousand times shorter than at rest means
+// that a particle has been flung off or torn out; the run would crawl on from there and never end.
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "particles/error.hpp"
 #include "structure/time_step.hpp"
 
 namespace tern::structure {
@@ -25,21 +30,36 @@ template <int D>
 double stable_sub_step(const Reference<D>& reference, double courant, const State<D>& state, Workspace<D>& work) {
   constexpr double least_stretch = 0.05;  // the step must not shrink without bound before J <= 0 is found
   deformation_gradient(reference, state, work);
+  constexpr double collapse = 1e-3;
   double dt = std::numeric_limits<double>::max();
   for (const Body& body : reference.bodies) {
     double smallest = 1, largest = 1, speed = 0;
+    std::size_t fastest = body.first, longest = body.first;
     for (std::size_t p = body.first; p < body.first + body.count; ++p) {
       const auto row = reference.particle_row[p];
       double squared = 0;
       for (int a = 0; a < D; ++a) squared += state.velocity[a][row] * state.velocity[a][row];
-      speed = std::max(speed, squared);
+      if (!(squared <= speed)) {
+        speed = squared;
+        fastest = p;
+      }
       const auto [low, high] = stretches<D>(deformation_gradient_of<D>(work, row));
       smallest = std::min(smallest, low);
-      largest = std::max(largest, high);
+      if (high > largest) {
+        largest = high;
+        longest = p;
+      }
     }
     const double wave_speed = std::max({body.material.pressure_wave_speed(),
                                         body.material.wave_speed_at(std::max(smallest, least_stretch)),
                                         body.material.wave_speed_at(largest)});
+    const double at_rest = body.material.pressure_wave_speed();
+    if (!(at_rest > collapse * (wave_speed + std::sqrt(speed))))
+      throw NumericalFailure(fmt::format(
+          "The sub-step of body '{}' has collapsed to {:.2g} of that at rest at t = {:.6g} s: particle {} moves at {:.3g} m/s, particle {} "
+          "is stretched to {:.3g} of its length, the pressure wave at rest runs at {:.3g} m/s. A particle has been flung off or torn out; "
+          "the load is too violent for this material and resolution.",
+          body.name, at_rest / (wave_speed + std::sqrt(speed)), seconds(state.time), fastest, std::sqrt(speed), longest, largest, at_rest));
     dt = std::min(dt, courant * body.spacing / (wave_speed + std::sqrt(speed)));
   }
   return dt;

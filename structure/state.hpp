@@ -19,6 +19,7 @@ struct State {
   RowVectors<D> displacement;    ///< x - X [m]
   RowVectors<D> velocity;        ///< [m/s]
   RowVectors<D> internal_force;  ///< elastic + diffusion + penalty at `displacement` [N/m^(3-D)]
+  bool force_is_elastic = false; ///< internal_force is the elastic part alone
   SurfaceLoad<D> load;           ///< of the last window
   double interface_work = 0;     ///< [J/m^(3-D)] since t = 0
   double gravity_work = 0;

@@ -65,7 +65,7 @@ struct Structure<D>::Parts {
 
   /// Internal force of the present state with everything explicit steps need.
   void all_forces() {
-    internal_forces(reference, seconds(state.time), 0, 1, state, work);
+    internal_forces(reference, seconds(state.time), 0, state, work);
   }
 
   /// Deformation gradient and stress of the present state into the workspace.
@@ -152,6 +152,7 @@ Surface<D> Structure<D>::trial(Ticks begin, Ticks duration) {
   p.duration = duration;
   p.saved = p.state;
   const double dt = stable_sub_step(p.reference, p.courant, p.state, p.work);
+  check_bond_order(p.reference, p.state, p.work);
   p.sub_steps = std::max(1, static_cast<int>(std::ceil(seconds(duration) / dt)));
   if (p.implicit) {
     const bool was_implicit = p.implicit_window;

@@ -8,15 +8,12 @@
 namespace tern::structure {
 
 template <int D>
-void internal_forces(const Reference<D>& reference, double time_s, double dt, int diffusion_span, State<D>& state,
-                     Workspace<D>& work) {
-  if (reference.has_diffusion && diffusion_span > 0)
-    deformation_gradient(reference, state, work);                                      // F_i, K_i and L_i
-  else
-    displacement_gradients(reference, state, work);                                    // F_i, K_i
-  first_piola_kirchhoff(reference, state, time_s, work);                               // P, Q of W(F, K)
-  stabilising_forces(reference, dt, diffusion_span, state, work);                      // Riemann diffusion, hourglass penalty
-  elastic_force(reference, work, state);                                               // -dE/dx of sum V W(F, K)
+void internal_forces(const Reference<D>& reference, double time_s, double dt, State<D>& state, Workspace<D>& work) {
+  deformation_gradient(reference, state, work);                  // F_i, K_i, and L_i for the reconstruction
+  first_piola_kirchhoff(reference, state, time_s, work);         // P, Q of W(F, K)
+  stabilising_forces(reference, dt, state, work);                // Riemann diffusion, hourglass penalty
+  elastic_force(reference, work, state);                         // -dE/dx of sum V W(F, K)
+  state.force_is_elastic = !reference.has_diffusion && !reference.has_penalty;
 }
 
 template <int D>
@@ -28,9 +25,7 @@ void verlet(const Reference<D>& reference, double duration, int sub_steps, State
     kick(reference, work, n == 0 ? 0.5 * dt : dt, state);
     drift(reference, dt, state);
     state.clamp_work += 0.5 * dt * clamp_power(reference, state);            // by the forces at the begin of the drift
-    // The diffusion is slow: it acts for two sub-steps in every second one, and for the last one where their number is odd.
-    const int diffusion_span = n % 2 == 1 ? 2 : n == sub_steps - 1 ? 1 : 0;
-    internal_forces(reference, begin + (n + 1) * dt, dt, diffusion_span, state, work);
+    internal_forces(reference, begin + (n + 1) * dt, dt, state, work);
     state.clamp_work += 0.5 * dt * clamp_power(reference, state);            // and at its end
   }
   kick(reference, work, 0.5 * dt, state);
@@ -49,7 +44,7 @@ void implicit_or_explicit(const Reference<D>& reference, double duration, int su
     implicit_or_explicit(reference, 0.5 * duration, half, halvings - 1, implicit, state, work);
     return;
   }
-  internal_forces(reference, seconds(state.time), 0, 1, state, work);
+  internal_forces(reference, seconds(state.time), 0, state, work);
   verlet(reference, duration, sub_steps, state, work);
 }
 
@@ -70,8 +65,8 @@ void advance_window(const Reference<D>& reference, Ticks duration, int sub_steps
   state.time += duration;
 }
 
-template void internal_forces<2>(const Reference<2>&, double, double, int, State<2>&, Workspace<2>&);
-template void internal_forces<3>(const Reference<3>&, double, double, int, State<3>&, Workspace<3>&);
+template void internal_forces<2>(const Reference<2>&, double, double, State<2>&, Workspace<2>&);
+template void internal_forces<3>(const Reference<3>&, double, double, State<3>&, Workspace<3>&);
 template void verlet<2>(const Reference<2>&, double, int, State<2>&, Workspace<2>&);
 template void verlet<3>(const Reference<3>&, double, int, State<3>&, Workspace<3>&);
 template void advance_window<2>(const Reference<2>&, Ticks, int, ImplicitStep<2>*, State<2>&, Workspace<2>&);

@@ -23,10 +23,10 @@ void first_piola_kirchhoff(const Reference<D>& reference, const State<D>& state,
 template <int D>
 bool stresses(const Reference<D>& reference, Workspace<D>& work);
 
-/// Riemann diffusion and hourglass penalty of every row into state.internal_force, and the energy they take up in sub-steps of
-/// `dt` [s] into the account of `state`. The diffusion stands for `diffusion_span` sub-steps; it is not evaluated for 0.
+/// Riemann diffusion and hourglass penalty of every row into state.internal_force, and the energy they take up in a sub-step
+/// of `dt` [s] into the account of `state`.
 template <int D>
-void stabilising_forces(const Reference<D>& reference, double dt, int diffusion_span, State<D>& state, Workspace<D>& work);
+void stabilising_forces(const Reference<D>& reference, double dt, State<D>& state, Workspace<D>& work);
 
 /// Adds the elastic force of every row to state.internal_force.
 template <int D>
@@ -38,8 +38,7 @@ bool evaluate_elastic_force(const Reference<D>& reference, State<D>& state, Work
 
 /// state.internal_force of the present displacement and velocity, at `time_s`: all of the above in their order.
 template <int D>
-void internal_forces(const Reference<D>& reference, double time_s, double dt, int diffusion_span, State<D>& state,
-                     Workspace<D>& work);
+void internal_forces(const Reference<D>& reference, double time_s, double dt, State<D>& state, Workspace<D>& work);
 
 /// v += dt (f_internal + f_external) / m, after the mass damping; unchanged where clamped.
 template <int D>
@@ -56,6 +55,10 @@ double clamp_power(const Reference<D>& reference, const State<D>& state);
 /// Largest stable sub-step [s]: courant dx/(c + |v|max), c the pressure wave speed at the strongest compression.
 template <int D>
 double stable_sub_step(const Reference<D>& reference, double courant, const State<D>& state, Workspace<D>& work);
+
+/// Throws NumericalFailure when neighbours have passed through each other; after stable_sub_step(), from whose F it starts.
+template <int D>
+void check_bond_order(const Reference<D>& reference, const State<D>& state, const Workspace<D>& work);
 
 /// Advances displacement and velocity by `duration` [s] in `sub_steps` equal steps of velocity Verlet under
 /// work.external_force; the time in `state` is that of the begin throughout.

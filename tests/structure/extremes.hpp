@@ -26,8 +26,16 @@ inline const char* name_of(Outcome::Verdict verdict) {
 /// What is wrong with the message of a run that stopped between `begin` and `end` [s]; empty when it names body, place and
 /// cause, the time is that of the window, and J is one at which a run has to stop.
 inline std::string fault_of_message(const std::string& message, const std::string& body, double begin, double end) {
+  const auto collapsed = message.find("has collapsed to");
+  if (collapsed != std::string::npos) {
+    double share = 1, t = -1;
+    const bool read = std::sscanf(message.c_str() + collapsed, "has collapsed to %lf of that at rest at t = %lf", &share, &t) == 2;
+    const bool fine = read && share <= 1e-3 && std::abs(t - begin) <= 1e-5 * end && message.find("body '" + body + "'") != std::string::npos;
+    return fine ? "" : "wrong body, sub-step or time: " + message;
+  }
   for (const std::string& part : {"body '" + body + "'", std::string("Likely cause: "), std::string("Refine ")})
     if (message.find(part) == std::string::npos) return fmt::format("message without \"{}\": {}", part, message);
+  if (message.find("have passed through each other at t = ") != std::string::npos) return "";
   double j = 1, t = -1;
   const auto at = message.find("J = det F = ");
   if (at == std::string::npos || std::sscanf(message.c_str() + at, "J = det F = %lf at t = %lf", &j, &t) != 2)
@@ -86,15 +94,15 @@ Outcome run(const Extreme& extreme) {
   Energies e = at_start;
   while (seconds(structure.time()) < extreme.until) {
     const double begin = seconds(structure.time());
-    const Ticks window = std::max<Ticks>(
-        to_ticks(std::min((varies ? 10 : 100) * structure.largest_sub_step(), extreme.until / 60)), 1);
+    Ticks window = 1;
     try {
+      window = std::max<Ticks>(to_ticks(std::min((varies ? 10 : 100) * structure.largest_sub_step(), extreme.until / 60)), 1);
       structure.trial(structure.time(), window);
     } catch (const NumericalFailure& failure) {
       const std::string message = failure.what();
       const std::string fault = fault_of_message(message, body, begin, begin + seconds(window));
       if (extreme.stop == Extreme::Stop::never) return wrong("stopped: " + message);
-      return fault.empty() ? Outcome{Outcome::Verdict::stopped, message.substr(0, message.find(". Refine") + 1)} : wrong(fault);
+      return fault.empty() ? Outcome{Outcome::Verdict::stopped, message.substr(0, message.find(". ", message.find("J = ") < message.size() ? message.find("Likely") : 0) + 1)} : wrong(fault);
     }
     e = structure.energies();
     const double present = e.kinetic + e.strain;

@@ -76,7 +76,7 @@ Vector<D> random_vector(std::mt19937& random, double size) {
 /// Internal force and everything it needs, at the present displacement and velocity.
 template <int D>
 void evaluate(const Reference<D>& reference, State<D>& state, Workspace<D>& work, double dt = 0) {
-  internal_forces(reference, 0, dt, 1, state, work);
+  internal_forces(reference, 0, dt, state, work);
 }
 
 /// Sum over the particles of f and of x cross f (2D: last component only).
