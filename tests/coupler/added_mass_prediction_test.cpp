@@ -22,7 +22,8 @@ TEST(AddedMassPrediction, OfThePlateOfTheDamBreakIsThatOfItsFirstBendingMode) {
   EXPECT_NE(describe(added).find("m_a/m_s = 20.6 for 'plate'"), std::string::npos) << describe(added);
 }
 
-// Seen to fail: with the greatest extent of the fluid; with the first body's ratio instead of the largest.
+// Seen to fail: with the greatest extent of the fluid; with the first body's ratio instead of the largest; with the mean of
+// the section masses.
 TEST(AddedMassPrediction, IsBoundByTheFluidThereIsAndTakesTheWorstBody) {
   Case c = scene(2, 0.01);
   FluidBody layer;

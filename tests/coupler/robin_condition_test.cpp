@@ -75,7 +75,7 @@ TEST(RobinReferencePressure, IsWhatTheLastLoadCarriedLessTheNewDissipativePart) 
 }
 
 // Whatever the scheme, what the trial carries is the load of the last window.
-// Seen to fail: with the pair pressures taken before the wet share.
+// Seen to fail: with nothing carried.
 TEST(RobinReferencePressure, IsTheLastLoadOfEveryScheme) {
   for (auto scheme : {InterfaceScheme::fsa, InterfaceScheme::pi, InterfaceScheme::riemann}) {
     Case c = scene(2, dx);

@@ -72,8 +72,7 @@ TEST(SchemeAtRest, PutsTheHydrostaticPressureOnAFlatFace) {
 
 // A gradient other than rho g, as of water that a face pushes: the corrected gradient of fsa finds it, the other two carry
 // pressures with the weight alone and give the face the pressure at their mean distance from it.
-// Seen to fail: with the pressure at the mean offset taken for that at the face; with the gradients of the kernel weighted
-// by w.
+// Seen to fail: with the particles' pressures carried by the weight alone; with the mean offset left out of the matrix.
 TEST(SchemeInAPressureGradient, OnlyFsaIsExact) {
   constexpr double at_face = 2000, acceleration = 50;
   const auto linear = [](const auto& x) { return at_face - rho * (g + acceleration) * x[1] + 300 / dx * x[0]; };
@@ -126,7 +125,7 @@ TEST(SchemeAtTheWaterline, LoadsAFaceAsFarAsItIsWet) {
   }
 }
 
-// Seen to fail: with what the point receives in proportion to |b| given back by another weight.
+// Seen to fail: with the mean pressure of the face given back to all of them.
 TEST(SchemeReaction, GivesEveryParticleBackWhatItHasContributed) {
   // One particle of the second layer has twice the pressure of the others: it alone is pushed harder.
   constexpr double common = 1000;

@@ -12,7 +12,7 @@ class ExplicitCouplingTest(RealRunTest):
         output, errors = process.communicate(timeout=120)
         return process.returncode, output, errors
 
-    # Seen to fail with the limit at 80; with the exception after the first window.
+    # Seen to fail with the limit at 80.
     def test_it_is_refused_with_the_figure_and_the_remedy(self):
         code, _, errors = self.finish(self.start("--set", "coupling.algorithm=CM0", "--until", "0.02"))
         self.assertEqual(code, 2, errors)
