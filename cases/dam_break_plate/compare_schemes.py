@@ -62,6 +62,8 @@ def run(label, directory, until, overrides):
     case = CASE if vem else case_without_vem(directory)
     command = [ROOT / "tern", "run", case, "--out", out, "--force", "--until", repr(until), "--quiet", *options(scheme, overrides)]
     code = subprocess.run(command, check=False).returncode
+    if not out.is_dir():
+        sys.exit(code)
     if code != 0:
         print(f"{label}: the run ended with exit code {code}; what it reached is shown.", file=sys.stderr)
     return run_files.Run(out)
