@@ -81,14 +81,16 @@ template <int D>
 void CouplingStep<D>::add_velocity_divergence_mitigation() {
   double fastest = 0;
   for (const auto& pair : pairs_.pairs()) fastest = std::max(fastest, band_->velocity[pair.particle].norm());
-  const double viscosity = *coupling_.vem_coefficient * smoothing_length_ * fastest;
+  const auto pressure_of = [&](double density, double divergence) {
+    return -density * *coupling_.vem_coefficient * smoothing_length_ * fastest * divergence;
+  };
   std::vector<double> surface_divergence;
   if (coupling_.vem_form == VemForm::seed) surface_divergence = divergence_at_surface<D>(kernel_, pairs_.pairs(), *surface_, *band_);
   for (const auto& pair : pairs_.pairs()) {
     const int i = pair.particle, k = pair.point;
-    const double fluid = -density_ * viscosity * band_->divergence[i];
+    const double fluid = pressure_of(density_, band_->divergence[i]);
     const double structure =
-        surface_divergence.empty() ? fluid : -body_density_[properties_.body[k]] * viscosity * surface_divergence[k];
+        surface_divergence.empty() ? fluid : pressure_of(body_density_[properties_.body[k]], surface_divergence[k]);
     const MitigationPressure pressure = mitigation_pressure(coupling_.vem_form, fluid, structure);
     if (pressure.on_fluid == 0 && pressure.on_structure == 0) continue;
     load_.force[k] += pressure.on_structure * pair.b;
