@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "coupler/face_pressure.hpp"
 #include "coupler/riemann.hpp"
 #include "coupler/velocity_divergence_mitigation.hpp"
 #include "particles/contact.hpp"
@@ -53,6 +54,7 @@ CouplingStep<D>::CouplingStep(const Case& scene, const SurfaceProperties& proper
       contact_distance_(scene.fluid->numerics.contact_distance * scene.fluid->spacing),
       gravity_(scene.gravity),
       properties_(properties),
+      kernel_(smoothing_length_),
       pairs_(smoothing_length_, scene.fluid->spacing) {
   for (const StructureBody& body : scene.structure->bodies) body_density_.push_back(body.density);
 }
@@ -79,13 +81,22 @@ template <int D>
 void CouplingStep<D>::add_velocity_divergence_mitigation() {
   double fastest = 0;
   for (const auto& pair : pairs_.pairs()) fastest = std::max(fastest, band_->velocity[pair.particle].norm());
+  const auto pressure_of = [&](double density, double divergence) {
+    return -density * *coupling_.vem_coefficient * smoothing_length_ * fastest * divergence;
+  };
+  std::vector<double> surface_divergence;
+  if (coupling_.vem_form == VemForm::seed) surface_divergence = divergence_at_surface<D>(kernel_, pairs_.pairs(), *surface_, *band_);
   for (const auto& pair : pairs_.pairs()) {
-    const int i = pair.particle;
-    const double pressure =
-        mitigation_pressure(*coupling_.vem_coefficient, density_, smoothing_length_, fastest, band_->divergence[i]);
-    if (pressure == 0) continue;
-    add_pair_force(dissipative_.force, pair, Vector<D>(pressure * pair.b));
-    audit_.mitigation_dissipation -= pressure * pair.b.dot(surface_->velocity[pair.point] - band_->velocity[i]) * duration_;
+    const int i = pair.particle, k = pair.point;
+    const double fluid = pressure_of(density_, band_->divergence[i]);
+    const double structure =
+        surface_divergence.empty() ? fluid : pressure_of(body_density_[properties_.body[k]], surface_divergence[k]);
+    const MitigationPressure pressure = mitigation_pressure(coupling_.vem_form, fluid, structure);
+    if (pressure.on_fluid == 0 && pressure.on_structure == 0) continue;
+    load_.force[k] += pressure.on_structure * pair.b;
+    dissipative_.force[i] -= pressure.on_fluid * pair.b;
+    audit_.mitigation_dissipation -=
+        duration_ * pair.b.dot(pressure.on_structure * surface_->velocity[k] - pressure.on_fluid * band_->velocity[i]);
   }
 }
 
@@ -115,12 +126,16 @@ void CouplingStep<D>::add_pressure(const BandPressure<D>& pressure) {
     for (int c = 0; c < D; ++c) g[c] = gravity_[c](begin_);
     return g;
   }();
+  // Pressure of every particle, carried to the surface by the weight of the fluid between.
+  std::vector<double> carried;
   for (const auto& pair : pairs_.pairs()) {
-    // Pressure of the particle carried to the surface by the weight of the fluid between.
     const Vector<D> d = surface_->position[pair.point] - band_->position[pair.particle];
-    const double p = pressure.pressure[pair.particle] + density_ * gravity.dot(d);
-    add_pair_force(band_force_.force, pair, Vector<D>(p * pair.b));
+    carried.push_back(pressure.pressure[pair.particle] + density_ * gravity.dot(d));
   }
+  if (coupling_.scheme != InterfaceScheme::riemann)
+    integrate_over_faces<D>(kernel_, pairs_.pairs(), *surface_, *band_, coupling_.scheme, carried);
+  for (std::size_t m = 0; m < carried.size(); ++m)
+    add_pair_force(band_force_.force, pairs_.pairs()[m], Vector<D>(carried[m] * pairs_.pairs()[m].b));
 }
 
 template <int D>
@@ -166,6 +181,8 @@ void CouplingStep<D>::check_balance() {
     // the sum of both is what staggering creates or destroys.
     audit_.work_on_fluid -= duration_ * load_.force[k].dot(surface_->velocity[k]);
   }
+  audit_.force_sum = force.norm();
+  audit_.force_size = size;
   if (size > 0) {
     audit_.force_error = force.norm() / size;
     audit_.moment_error = moment_size > 0 ? moment.norm() / moment_size : 0;

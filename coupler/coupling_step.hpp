@@ -13,6 +13,7 @@ namespace tern::coupler {
 /// What one window did to momentum and energy. Momentum errors are relative to the sum of the force magnitudes.
 struct WindowAudit {
   double force_error = 0;        ///< |sum of all forces| / sum of |force|
+  double force_sum = 0, force_size = 0;  ///< numerator and denominator of force_error [N/m^(3-D)]
   double moment_error = 0;       ///< the same for moments about the origin, relative to sum |x| |force|
   double work_on_fluid = 0;      ///< by the surface moving at its trial velocity [J/m^(3-D)]
   double riemann_dissipation = 0, contact_dissipation = 0;  ///< >= 0 [J/m^(3-D)]
@@ -59,6 +60,7 @@ class CouplingStep {
   std::vector<double> body_density_;
   VectorExpression gravity_;
   SurfaceProperties properties_;
+  Kernel<D> kernel_;
   InterfacePairs<D> pairs_;
   double begin_ = 0, duration_ = 0;
   const Surface<D>* surface_ = nullptr;  ///< of the present window; the caller keeps both alive until interface_force()

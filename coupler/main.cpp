@@ -2,12 +2,14 @@
 
 #include <algorithm>
 
-#include <spdlog/spdlog.h>
+#include <fmt/format.h>
 
+#include "coupler/added_mass.hpp"
 #include "coupler/remote_participants.hpp"
 #include "particles/command_line.hpp"
 #include "particles/error.hpp"
 #include "particles/interrupt.hpp"
+#include "particles/log.hpp"
 #include "particles/progress.hpp"
 #include "particles/recorder.hpp"
 #include "particles/timing.hpp"
@@ -22,9 +24,10 @@ using proto::Kind;
 struct Totals {
   double work_on_fluid = 0, riemann = 0, mitigation = 0, contact = 0;
   double largest_force_error = 0, largest_moment_error = 0;
+  double impulse_sum = 0, impulse_size = 0;
   long contacts = 0, wet_windows = 0;
 
-  void add(const coupler::WindowAudit& audit) {
+  void add(const coupler::WindowAudit& audit, double duration) {
     work_on_fluid += audit.work_on_fluid;
     riemann += audit.riemann_dissipation;
     mitigation += audit.mitigation_dissipation;
@@ -33,7 +36,11 @@ struct Totals {
     wet_windows += audit.pairs > 0;
     largest_force_error = std::max(largest_force_error, audit.force_error);
     largest_moment_error = std::max(largest_moment_error, audit.moment_error);
+    impulse_sum += audit.force_sum * duration;
+    impulse_size += audit.force_size * duration;
   }
+  /// Of the impulses exchanged, the part that the two sides did not receive alike.
+  double mean_force_error() const { return impulse_size > 0 ? impulse_sum / impulse_size : 0; }
   std::vector<double> energies() const { return {work_on_fluid, riemann, mitigation, contact}; }
   static std::vector<std::string> columns() {
     return {"interface_work_on_fluid_J", "riemann_dissipation_J", "vem_dissipation_J", "contact_dissipation_J"};
@@ -47,6 +54,19 @@ std::vector<T> joined(std::vector<T> first, const std::vector<T>& second, const 
   return first;
 }
 
+/// Reports the added-mass ratio. Throws BadInput where explicit coupling cannot work, unless that was asked for.
+template <int D>
+void refuse_predicted_instability(const CommandLine& command, const Case& scene, const SurfaceProperties& properties,
+                                  RunReport& report) {
+  const coupler::AddedMass added = coupler::predict_added_mass<D>(scene, properties);
+  report.set_measure("added_mass_ratio_predicted", added.ratio);
+  log_info("Predicted added-mass ratio: " + describe(added) + ".");
+  if (scene.coupling.algorithm != CouplingAlgorithm::cm0 || added.ratio <= coupler::explicit_limit || command.allow_unstable) return;
+  throw BadInput(fmt::format("The explicit coupling CM0 is predicted to be unstable, whatever the step: {}, above {}. Use "
+                             "coupling.algorithm = \"CM2\", or --allow-unstable to see it.", describe(added),
+                             coupler::explicit_limit));
+}
+
 template <int D>
 void run(const CommandLine& command, const Case& scene, RunReport& report) {
   proto::CouplerChannel channel(command.endpoint);
@@ -54,6 +74,7 @@ void run(const CommandLine& command, const Case& scene, RunReport& report) {
     const auto hello = channel.accept({wire::FLUID, wire::STRUCTURE}, scene.hash, D);
     const wire::Hello &fluid_hello = hello.at(wire::FLUID), &structure_hello = hello.at(wire::STRUCTURE);
     const SurfaceProperties properties = proto::from_wire(structure_hello.surface());
+    refuse_predicted_instability<D>(command, scene, properties, report);
     coupler::CouplingStep<D> step(scene, properties);
     Recorder recorder(command.out,
                       joined(gauge_columns(scene, GaugeOwner::fluid), gauge_columns(scene, GaugeOwner::structure),
@@ -92,6 +113,7 @@ void run(const CommandLine& command, const Case& scene, RunReport& report) {
     const auto report_now = [&] {
       report.set_time(seconds(now), windows);
       report.set_measure("momentum_audit_max", totals.largest_force_error);
+      report.set_measure("momentum_audit_mean", totals.mean_force_error());
       report.set_measure("moment_audit_max", totals.largest_moment_error);
       report.set_count("contacts", totals.contacts);
       report.set_count("wet_windows", totals.wet_windows);
@@ -111,7 +133,7 @@ void run(const CommandLine& command, const Case& scene, RunReport& report) {
       const double waited = channel.wait_seconds() + channel.exchange_seconds();
       coupler::run_window<D>(participants, participants, step, now, duration);
       compute_s += watch.seconds() - (channel.wait_seconds() + channel.exchange_seconds() - waited);
-      totals.add(step.audit());
+      totals.add(step.audit(), seconds(duration));
       now += duration;
       ++windows;
       const wire::WindowDone& done = participants.window_done();

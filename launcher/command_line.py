@@ -79,6 +79,8 @@ def parser():
     _case_options(one)
     one.add_argument("--out", metavar="DIR", help="results directory (default runs/<case>; an earlier run is kept: -2, -3, ...)")
     one.add_argument("--force", action="store_true", help="replace the results of an earlier run in the directory")
+    one.add_argument("--allow-unstable", action="store_true",
+                     help="run CM0 although the added mass predicts that it is unstable")
     one.add_argument("--only", choices=("fluid", "structure", "coupler"), help="start this process only")
     one.add_argument("--endpoint", metavar="ADDRESS", help="where the coupler listens, e.g. ipc:///tmp/mine.sock "
                      "(default: a private socket)")

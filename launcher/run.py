@@ -88,6 +88,8 @@ def run(arguments):
         options += ["--threads", str(arguments.threads)]
     if arguments.force:
         options.append("--force")
+    if arguments.allow_unstable:
+        options.append("--allow-unstable")
     began = time.monotonic()
     with Interrupts() as interrupts, Group() as group:
         endpoint = arguments.endpoint or f"ipc://{group.directory}/tern.sock"

@@ -43,7 +43,7 @@ def text(contents, out):
         lines.append(f"  pressure iterations per step: mean {mean:.1f}, max {most or 0:.0f}")
     for name, label, form in (("volume_drift", "volume drift of the fluid", "{:+.3%}"),
                               ("momentum_audit_max", "momentum audit, largest relative sum of interface forces", "{:.1e}"),
-                              ("added_mass_ratio", "added-mass ratio", "{:.3g}"),
+                              ("added_mass_ratio_predicted", "added-mass ratio, predicted", "{:.3g}"),
                               ("particles_leaked", "particles through a face", "{:.0f}"),
                               ("particles_removed", "particles that left the domain", "{:.0f}")):
         value = measure(contents, name)

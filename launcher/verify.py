@@ -90,7 +90,8 @@ def _verify_one(name, arguments):
         _refuse_other_case(directory, path)
         code = DONE
     else:
-        arguments.case, arguments.out, arguments.force, arguments.only, arguments.endpoint = name, None, False, None, None
+        arguments.case, arguments.out, arguments.only, arguments.endpoint = name, None, None, None
+        arguments.force = arguments.allow_unstable = False
         cause, directory = run.run(arguments)
         code = cause.exit_code
         if code != DONE:

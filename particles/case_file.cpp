@@ -365,11 +365,17 @@ Case convert(const Setting& settings, const fs::path& folder) {
     scene.structure = read_structure(*structure, scene.dimension, scene.fluid.has_value(), folder);
   if (const Setting* coupling = settings.find("coupling")) {
     scene.coupling.algorithm = text(*coupling, "algorithm") == "CM0" ? CouplingAlgorithm::cm0 : CouplingAlgorithm::cm2;
-    scene.coupling.scheme =
-        text(*coupling, "scheme") == "pressure" ? InterfaceScheme::pressure : InterfaceScheme::riemann;
+    const std::string scheme = text(*coupling, "scheme");
+    scene.coupling.scheme = scheme == "fsa"  ? InterfaceScheme::fsa
+                            : scheme == "pi" ? InterfaceScheme::pi
+                                             : InterfaceScheme::riemann;
     scene.coupling.riemann_limiter = number(*coupling, "riemann_limiter");
     scene.coupling.robin_mass_factor = number(*coupling, "robin_mass_factor");
-    if (const Setting* vem = coupling->find("vem")) scene.coupling.vem_coefficient = number(*vem, "coefficient");
+    if (const Setting* vem = coupling->find("vem")) {
+      scene.coupling.vem_coefficient = number(*vem, "coefficient");
+      const std::string form = text(*vem, "form");
+      scene.coupling.vem_form = form == "seed" ? VemForm::seed : form == "sum" ? VemForm::sum : VemForm::pairmax;
+    }
   }
   if (const Setting* gauges = settings.find("gauge")) {
     for (const Setting& gauge : gauges->items) scene.gauges.push_back(read_gauge(gauge, scene));

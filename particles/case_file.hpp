@@ -20,7 +20,8 @@ enum class Preconditioner { multigrid, jacobi };
 enum class CouplingAlgorithm { cm0, cm2 };        ///< explicit; predict-project-correct
 enum class Integrator { explicit_steps, implicit_steps, automatic };
 enum class MaterialLaw { neo_hookean, st_venant_kirchhoff };
-enum class InterfaceScheme { riemann, pressure }; ///< with or without the Riemann dissipation
+enum class InterfaceScheme { fsa, pi, riemann };  ///< corrected gradient, surface integral of the pressure, pairs with dissipation
+enum class VemForm { seed, sum, pairmax };        ///< which of the two pressures of a pair pull
 
 /// Rigid walls. A container holds the fluid inside its shape; an obstacle is solid itself.
 struct WallCase {
@@ -116,6 +117,7 @@ struct CouplingCase {
   InterfaceScheme scheme = InterfaceScheme::riemann;
   double riemann_limiter = 3.0;                 ///< eta in beta = min(eta max(du,0)/c0, 1)
   std::optional<double> vem_coefficient;        ///< C of the velocity-divergence-error-mitigating term; absent = not evaluated
+  VemForm vem_form = VemForm::pairmax;
   double robin_mass_factor = 1.0;               ///< m_p / m_s
 };
 

@@ -139,7 +139,9 @@ std::string explain_text(const Case& scene) {
         "* Their interaction through {} ({}), {}, {}.\n",
         scene.coupling.algorithm == CouplingAlgorithm::cm2 ? "CM2" : "CM0",
         scene.coupling.algorithm == CouplingAlgorithm::cm2 ? "predict, project, correct" : "explicit staggering",
-        scene.coupling.scheme == InterfaceScheme::riemann ? "with Riemann dissipation" : "pressure only",
+        scene.coupling.scheme == InterfaceScheme::riemann ? "Riemann pressure of every pair"
+        : scene.coupling.scheme == InterfaceScheme::pi    ? "surface integral of the mean pressure"
+                                                          : "corrected pressure gradient at the structure (FSA)",
         scene.coupling.vem_coefficient ? fmt::format("with the VEM term, C = {}", *scene.coupling.vem_coefficient)
                                        : "without the VEM term");
   }

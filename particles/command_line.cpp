@@ -70,6 +70,7 @@ CommandLine parse_command_line(int argc, const char* const* argv, const std::str
   app.add_option("--threads", result.threads, "threads of this process; results do not depend on it (default 1)")
       ->type_name("N");
   app.add_flag("--force", result.force, "replace the results of an earlier run in DIR");
+  app.add_flag("--allow-unstable", result.allow_unstable, "run CM0 although the added mass predicts that it is unstable");
   app.add_flag("--quiet", result.quiet, "no progress lines");
 
   try {

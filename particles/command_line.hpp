@@ -18,6 +18,7 @@ struct CommandLine {
   std::optional<double> until;  ///< end time instead of the case's [s]
   int threads = 1;
   bool force = false;  ///< replace the results of an earlier run in `out`
+  bool allow_unstable = false;  ///< run a coupling that is predicted to be unstable
   bool quiet = false;  ///< no progress lines
 
   bool alone() const { return endpoint.empty(); }

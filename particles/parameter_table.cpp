@@ -185,15 +185,19 @@ const std::vector<Parameter>& parameters() {
       {"coupling", "algorithm", Type::choice, "", "\"CM2\"", any, {"CM0", "CM2"},
        "CM2: predict, project, correct; CM0: explicit staggering, unstable where the fluid's added mass exceeds the "
        "mass of the structure."},
-      {"coupling", "scheme", Type::choice, "", "\"riemann\"", any, {"riemann", "pressure"},
-       "Interface pressure with or without the Riemann dissipation."},
+      {"coupling", "scheme", Type::choice, "", "\"riemann\"", any, {"fsa", "pi", "riemann"},
+       "How the fluid's pressure becomes a load (docs/SCHEMES.md). riemann: particle by particle, with Riemann dissipation; pi: "
+       "the mean pressure at a face times its area; fsa: the same with the corrected pressure gradient of the fluid."},
       {"coupling", "riemann_limiter", Type::number, "-", "3.0", not_negative, {},
-       "Limiter eta of the Riemann dissipation, beta = min(eta max(du, 0)/c0, 1)."},
+       "Limiter eta of the Riemann dissipation, beta = min(eta max(du, 0)/c0, 1); 0 = none. Of scheme riemann only."},
       {"coupling", "robin_mass_factor", Type::number, "-", "1.0", between(0, 2), {},
        "Mass with which the interface yields in the pressure solve over the mass behind it, m_p/m_s; a light body needs "
        "less than 4/3."},
       {"coupling.vem", "coefficient", Type::number, "-", "required", above_to(0, 10), {},
        "Coefficient C; 1 is advised, 5 over-predicts impact loads."},
+      {"coupling.vem", "form", Type::choice, "", "\"pairmax\"", any, {"seed", "sum", "pairmax"},
+       "pairmax: pushes apart where the fluid converges; sum: pulls together too where it diverges; seed: each side switches "
+       "by itself as published, which does not conserve momentum."},
 
       {"gauge", "kind", Type::choice, "", "required", any,
        {"displacement", "pressure", "elevation", "front", "interface_force", "force", "wall_pressure", "reaction", "flux"},

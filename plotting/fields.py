@@ -75,7 +75,7 @@ def _draw(axis, run, fluid, structure, limits):
     return drawn
 
 
-def _limits(fluid, structure):
+def limits_of(fluid, structure):
     """Colour ranges: pressure between its outermost half per cents and 0, shear stress symmetric about 0."""
     known = fluid is not None and len(fluid["pressure"]) > 0
     lowest, highest = np.percentile(fluid["pressure"], [0.5, 99.5]) if known else (0.0, 1.0)
@@ -94,23 +94,38 @@ def _foot(structure):
     return edge.mean(axis=0), 0.22 * max(np.ptp(free[:, 0]), np.ptp(free[:, 1]))
 
 
-def picture(run, time):
-    """RUN/plots/field_<time>.png; returns its path."""
+def read(run, time):
+    """(time, fields of the fluid, fields of the structure) of the frame nearest to `time`; None for a side that has none."""
     frames = {process: run.frame(process, time) for process in ("fluid", "structure")}
     exact = next(frame[0] for frame in frames.values() if frame is not None)
-    fluid, structure = (frame[1] if frame is not None else None for frame in frames.values())
-    limits = _limits(fluid, structure)
+    return exact, *(frame[1] if frame is not None else None for frame in frames.values())
+
+
+def picture(run, time):
+    """RUN/plots/field_<time>.png; returns its path."""
+    exact, fluid, structure = read(run, time)
     figure, axis = plt.subplots(figsize=(10, 6.5), layout="constrained")
+    drawn = panel(axis, run, fluid, structure, limits_of(fluid, structure))
+    axis.set_ylabel("y [m]")
+    axis.set_title(f"{run.title}, t = {exact:.3f} s", loc="left")
+    colour_bars(figure, axis, drawn, shrink=0.75)
+    return style.save(figure, run, f"field_{exact:.3f}s")
+
+
+def colour_bars(figure, axes, drawn, **options):
+    """One bar for each side that was drawn."""
+    for mappable, label in zip(drawn, ("pressure p of the fluid [Pa]", "shear stress $\\sigma_{xy}$ of the structure [Pa]")):
+        if mappable is not None:
+            bar = figure.colorbar(mappable, ax=axes, pad=0.02, label=label, **options)
+            bar.formatter.set_powerlimits((-3, 4))
+
+
+def panel(axis, run, fluid, structure, limits):
+    """Both sides, with the foot of a clamped structure enlarged; returns the mappable of each (None where absent)."""
     drawn = _draw(axis, run, fluid, structure, limits)
     axis.autoscale_view()
     _frame_view(axis, run, fluid, structure)
     axis.set_xlabel("x [m]")
-    axis.set_ylabel("y [m]")
-    axis.set_title(f"{run.title}, t = {exact:.3f} s", loc="left")
-    for mappable, label in zip(drawn, ("pressure p of the fluid [Pa]", "shear stress $\\sigma_{xy}$ of the structure [Pa]")):
-        if mappable is not None:
-            bar = figure.colorbar(mappable, ax=axis, shrink=0.75, pad=0.02, label=label)
-            bar.formatter.set_powerlimits((-3, 4))
     foot = _foot(structure) if structure is not None and fluid is not None else None
     if foot is not None:
         (x, y), half = foot
@@ -123,7 +138,7 @@ def picture(run, time):
         for spine in inset.spines.values():
             spine.set_visible(True)
         axis.indicate_inset_zoom(inset, edgecolor="0.3")
-    return style.save(figure, run, f"field_{exact:.3f}s")
+    return drawn
 
 
 def _frame_view(axis, run, fluid, structure):

@@ -27,7 +27,7 @@ class IntegratorChoice {
  private:
   // In explicit sub-steps with diffusion, 2D, measured by bench-structure_substep (docs/STRUCTURE.md). An evaluation goes with
   // one solve.
-  static constexpr double cost_of_an_evaluation = 1.2, cost_of_a_factor = 35, memory = 10;
+  static constexpr double cost_of_an_evaluation = 1.8, cost_of_a_factor = 50, memory = 10;
   static constexpr long trial_interval = 50;
   double cost_ = 20;
   long windows_ = 0;

@@ -95,6 +95,7 @@ struct Column {
   double step = 1e-3;
   CouplingAlgorithm algorithm = CouplingAlgorithm::cm2;
   InterfaceScheme scheme = InterfaceScheme::riemann;
+  double riemann_limiter = 3;
   double robin_mass_factor = 1;
 
   double added_mass() const { return rho * high * dx; }
@@ -128,6 +129,7 @@ History run(const Column& column, int windows) {
   c.fluid->bodies.push_back(water);
   c.coupling.algorithm = column.algorithm;
   c.coupling.scheme = column.scheme;
+  c.coupling.riemann_limiter = column.riemann_limiter;
   c.coupling.robin_mass_factor = column.robin_mass_factor;
 
   Piston piston(width, column.piston_mass(), column.stiffness, column.piston_velocity, column.algorithm);
@@ -177,8 +179,10 @@ double corner_loss() {
 }
 
 /// A column without gravity whose piston is pushed upwards once.
-History pushed(double mass_ratio, CouplingAlgorithm algorithm, double push, double robin_mass_factor = 1) {
+History pushed(double mass_ratio, CouplingAlgorithm algorithm, double push, double robin_mass_factor = 1,
+               InterfaceScheme scheme = InterfaceScheme::riemann) {
   Column column;
+  column.scheme = scheme;
   column.mass_ratio = mass_ratio;
   column.algorithm = algorithm;
   column.piston_velocity = push;
@@ -196,9 +200,11 @@ bool grows(const History& h) { return h.failed || std::abs(jump(h, h.velocity.si
 // Seen to fail: with the Robin condition set for CM0 too.
 TEST(AddedMass, ExplicitCouplingHoldsForAHeavyPistonAndRunsAwayForALightOne) {
   constexpr double push = 1e-9;
-  const auto heavy = pushed(0.3, CouplingAlgorithm::cm0, push);
-  EXPECT_LE(heavy.largest_velocity(), push);
-  EXPECT_NEAR(heavy.velocity.back() / push, 1 / 1.3, 0.03);
+  for (auto scheme : {InterfaceScheme::fsa, InterfaceScheme::pi, InterfaceScheme::riemann}) {
+    const auto heavy = pushed(0.3, CouplingAlgorithm::cm0, push, 1, scheme);
+    EXPECT_LE(heavy.largest_velocity(), push);
+    EXPECT_NEAR(heavy.velocity.back() / push, 1 / 1.3, 0.03);
+  }
   const auto light = pushed(2, CouplingAlgorithm::cm0, push);
   EXPECT_GT(light.largest_velocity(), 1e3 * push);
   for (std::size_t n = 2; n < 20; ++n) EXPECT_LT(jump(light, n) * jump(light, n - 1), 0) << "alternates, window " << n;
@@ -217,7 +223,7 @@ TEST(AddedMass, ExplicitCouplingTurnsUnstableNearEqualMasses) {
 // Seen to fail: with the reference pressure left at zero.
 TEST(AddedMass, APushedPistonAndItsWaterMoveOnTogetherAtTheSharedMomentum) {
   constexpr double push = 0.1;
-  for (auto scheme : {InterfaceScheme::riemann, InterfaceScheme::pressure})
+  for (auto scheme : {InterfaceScheme::fsa, InterfaceScheme::pi, InterfaceScheme::riemann})
     for (double m : {0.5, 2.0, 5.0, 20.0, 100.0}) {
       Column column;
       column.mass_ratio = m;
@@ -229,8 +235,12 @@ TEST(AddedMass, APushedPistonAndItsWaterMoveOnTogetherAtTheSharedMomentum) {
       const double shared = push / (1 + m), piston = mean(history.velocity, 80), water = mean(history.water_velocity, 80);
       // Of the impulse on the water the piston bears all but what its two corners lose to the walls.
       const double expected = push / (1 + (1 - 2 * corner_loss() / column.across) * m);
-      EXPECT_NEAR(piston, expected, 0.02 * expected) << "M " << m;
-      EXPECT_NEAR(water, expected, 0.02 * expected) << "M " << m;
+      // pi and fsa give back a part of that, where more than half of a face is wet.
+      const double least = scheme == InterfaceScheme::riemann ? expected : shared;
+      for (double velocity : {piston, water}) {
+        EXPECT_GT(velocity, 0.98 * least) << "M " << m;
+        EXPECT_LT(velocity, 1.02 * expected) << "M " << m;
+      }
       std::printf("[ M %5.1f: piston %.4f, water %.4f, expected %.4f of the shared velocity ]\n", m, piston / shared, water / shared,
                   expected / shared);
     }
@@ -242,12 +252,14 @@ TEST(AddedMass, APushedPistonAndItsWaterMoveOnTogetherAtTheSharedMomentum) {
 // Seen to fail: with the factor left out; with the reference pressure left at zero.
 TEST(AddedMass, BearsARobinMassUpToFourThirdsOfTheMassOfALightPiston) {
   constexpr double push = 1e-9;
-  for (double m : {2.0, 20.0, 100.0}) {
-    const double onset = 4 / (3 - 1 / m);
-    for (double part : {0.25, 0.5, 0.9})
-      EXPECT_LE(pushed(m, CouplingAlgorithm::cm2, push, part * onset).largest_velocity(), push) << "M " << m << ", " << part;
-    EXPECT_GT(pushed(m, CouplingAlgorithm::cm2, push, 1.2 * onset).largest_velocity(), 1e3 * push) << "M " << m;
-  }
+  for (auto scheme : {InterfaceScheme::fsa, InterfaceScheme::pi, InterfaceScheme::riemann})
+    for (double m : scheme == InterfaceScheme::riemann ? std::vector<double>{2, 20, 100} : std::vector<double>{20}) {
+      SCOPED_TRACE("scheme " + std::to_string(static_cast<int>(scheme)) + ", M " + std::to_string(m));
+      const double onset = 4 / (3 - 1 / m);
+      for (double part : {0.25, 0.5, 0.9})
+        EXPECT_LE(pushed(m, CouplingAlgorithm::cm2, push, part * onset, scheme).largest_velocity(), push) << part;
+      EXPECT_GT(pushed(m, CouplingAlgorithm::cm2, push, 1.2 * onset, scheme).largest_velocity(), 1e3 * push);
+    }
 }
 
 /// Static load as a fraction of the weight of the water, on a stiff spring.

@@ -59,7 +59,7 @@ template <int D>
 Case everything_on() {
   Case c = scene(D, dx);
   c.gravity = constant(3, -9.81);
-  c.coupling.scheme = InterfaceScheme::riemann;
+  c.coupling.riemann_limiter = 3;
   c.coupling.vem_coefficient = 1.0;
   return c;
 }
@@ -73,14 +73,20 @@ Eigen::Vector3d moment(const Vector<D>& x, const Vector<D>& f) {
 }
 
 template <int D>
-void check_balance(unsigned seed) {
-  SCOPED_TRACE("seed " + std::to_string(seed));
+void check_balance(unsigned seed, InterfaceScheme scheme) {
+  SCOPED_TRACE("seed " + std::to_string(seed) + ", scheme " + std::to_string(static_cast<int>(scheme)));
   const auto r = random_interface<D>(seed);
-  CouplingStep<D> step(everything_on<D>(), properties(r.surface.position.size()));
+  Case c = everything_on<D>();
+  c.coupling.scheme = scheme;
+  CouplingStep<D> step(c, properties(r.surface.position.size()));
   const auto first = step.dissipative_load(0, duration, r.surface, r.band);
   const auto second = step.interface_force(r.pressure);
   ASSERT_GT(step.audit().contacts, 0);
-  ASSERT_GT(step.audit().riemann_dissipation, 0);
+  if (scheme == InterfaceScheme::riemann) {
+    ASSERT_GT(step.audit().riemann_dissipation, 0);
+  } else {
+    ASSERT_EQ(step.audit().riemann_dissipation, 0) << "a term of scheme riemann alone";
+  }
   ASSERT_NE(step.audit().mitigation_dissipation, 0);
 
   Vector<D> force = Vector<D>::Zero();
@@ -105,7 +111,10 @@ void check_balance(unsigned seed) {
   double bound = 0;
   for (std::size_t k = 0; k < r.surface.position.size(); ++k) {
     const Vector<D>& f = step.surface_load().force[k];
-    EXPECT_LE(f.dot(r.surface.normal[k]), 0) << "pushes into the body at point " << k;
+    // The corrected gradient may find any pressure at a face from pressures at random.
+    if (scheme != InterfaceScheme::fsa) {
+      EXPECT_LE(f.dot(r.surface.normal[k]), 0) << "pushes into the body at point " << k;
+    }
     EXPECT_NEAR((f - f.dot(r.surface.normal[k]) * r.surface.normal[k]).norm(), 0, 1e-12 * f.norm());
     force += f;
     turning += moment<D>(r.surface.position[k], f);
@@ -115,7 +124,9 @@ void check_balance(unsigned seed) {
   }
   EXPECT_LT(force.norm() / (size + on_surface), 1e-13);
   EXPECT_LT(step.audit().force_error, 1e-13);
-  EXPECT_LT(turning.norm(), bound);
+  if (scheme != InterfaceScheme::fsa) {
+    EXPECT_LT(turning.norm(), bound);
+  }
   EXPECT_NEAR(step.audit().work_on_fluid, work, 1e-12 * std::abs(work));
   std::printf("[ %dD seed %u: force %.1e, moment %.1e h sum|f| (bound %.2f), %d contacts, %d pairs ]\n", D, seed,
               force.norm() / (size + on_surface), turning.norm() / (1.5 * dx * on_surface), bound / (1.5 * dx * on_surface),
@@ -125,16 +136,16 @@ void check_balance(unsigned seed) {
 // Seen to fail: with 1 - 1e-9 of the force on one side; with the force put on another point than the pair's; with a Riemann
 // pressure that pulls when the sides part.
 TEST(PairForces, CancelInAnyState) {
-  for (unsigned seed : {1u, 2u, 3u}) {
-    check_balance<2>(seed);
-    check_balance<3>(seed);
-  }
+  for (auto scheme : {InterfaceScheme::fsa, InterfaceScheme::pi, InterfaceScheme::riemann})
+    for (unsigned seed : {1u, 2u, 3u}) {
+      check_balance<2>(seed, scheme);
+      check_balance<3>(seed, scheme);
+    }
 }
 
 /// A face at rest and fluid moving onto it at `approach`; the dissipative pressure that arrives on the face [Pa].
 double riemann_on_a_wall(double limiter, double approach, double drift) {
   Case c = scene(2, dx);
-  c.coupling.scheme = InterfaceScheme::riemann;
   c.coupling.riemann_limiter = limiter;
   auto surface = flat_plate<2>(12 * dx, 4 * dx, 0.5 * dx);
   auto band = fluid_layers<2>(12 * dx, 4, dx);
@@ -193,9 +204,10 @@ TEST(RiemannDissipation, IsThePowerThePairsTakeFromBothSides) {
 
 /// Coupling with the VEM term alone.
 template <int D>
-Case mitigation_only(double coefficient) {
+Case mitigation_only(double coefficient, VemForm form = VemForm::pairmax) {
   Case c = scene(D, dx);
   c.coupling.vem_coefficient = coefficient;
+  c.coupling.vem_form = form;
   return c;
 }
 
@@ -207,29 +219,35 @@ double power_of(const Surface<D>& surface, const Band<D>& band, const SurfaceLoa
   return power;
 }
 
+/// A random interface whose band has the divergence that the interface itself makes; `fastest`: of the particles at it.
 template <int D>
-void check_mitigation(unsigned seed) {
-  SCOPED_TRACE("seed " + std::to_string(seed));
+RandomInterface<D> interface_with_its_divergence(unsigned seed, double& fastest) {
   auto r = random_interface<D>(seed);
   InterfacePairs<D> pairs(1.5 * dx, dx);
   pairs.find(r.band, r.surface);
-  // The divergence that the interface itself makes: then the term must dissipate.
   std::fill(r.band.divergence.begin(), r.band.divergence.end(), 0.0);
   for (const auto& pair : pairs.pairs())
     r.band.divergence[pair.particle] +=
         pair.b.dot(r.surface.velocity[pair.point] - r.band.velocity[pair.particle]) / r.band.volume[pair.particle];
-  double fastest = 0;
+  fastest = 0;
   std::vector<char> seen(r.band.id.size(), 0);
   for (const auto& pair : pairs.pairs()) seen[pair.particle] = 1;
   for (std::size_t i = 0; i < seen.size(); ++i)
     if (seen[i]) fastest = std::max(fastest, r.band.velocity[i].norm());
+  return r;
+}
 
-  CouplingStep<D> step(mitigation_only<D>(5), properties(r.surface.position.size()));
+template <int D>
+void check_mitigation(unsigned seed, VemForm form) {
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  double fastest;
+  const auto r = interface_with_its_divergence<D>(seed, fastest);
+  CouplingStep<D> step(mitigation_only<D>(5, form), properties(r.surface.position.size()));
   const auto load = step.dissipative_load(0, duration, r.surface, r.band);
-  // p_i V_i div_i with p_i = -rho C h |u|max div_i where the divergence is negative.
+  // p_i V_i div_i with p_i = -rho C h |u|max div_i; of pairmax where the divergence is negative.
   double expected = 0;
   for (std::size_t i = 0; i < r.band.id.size(); ++i)
-    if (r.band.divergence[i] < 0)
+    if (r.band.divergence[i] < 0 || form == VemForm::sum)
       expected -= 1000 * 5 * 1.5 * dx * fastest * r.band.divergence[i] * r.band.divergence[i] * r.band.volume[i];
   ASSERT_LT(expected, 0);
   EXPECT_NEAR(power_of(r.surface, r.band, step.surface_load(), load), expected, 1e-12 * std::abs(expected));
@@ -239,14 +257,53 @@ void check_mitigation(unsigned seed) {
   for (const auto& f : load.force) sum += f, size += f.norm();
   for (const auto& f : step.surface_load().force) sum += f, size += f.norm();
   EXPECT_LT(sum.norm() / size, 1e-13);
+  bool pulls = false;
   for (std::size_t k = 0; k < r.surface.position.size(); ++k)
-    EXPECT_LE(step.surface_load().force[k].dot(r.surface.normal[k]), 0) << "pushes apart only";
+    pulls = pulls || step.surface_load().force[k].dot(r.surface.normal[k]) > 0;
+  EXPECT_EQ(pulls, form == VemForm::sum) << "pairmax pushes apart only";
 }
 
 // Seen to fail: with the velocity of the point left out of the account; with negative pressures let through.
 TEST(VelocityDivergenceMitigation, TakesTheSquareOfTheDivergenceFromThePairs) {
-  check_mitigation<2>(6);
-  check_mitigation<3>(7);
+  for (VemForm form : {VemForm::pairmax, VemForm::sum}) {
+    check_mitigation<2>(6, form);
+    check_mitigation<3>(7, form);
+  }
+}
+
+// Equation 7 as printed: the sides of a pair take their switches from different pressures. It dissipates, if not in every
+// state, but the forces of the two sides do not cancel, and the audit says by how much.
+// Seen to fail: with the switch of the fluid's side used on both.
+TEST(VelocityDivergenceMitigation, InThePublishedFormDissipatesAndLosesMomentum) {
+  for (double body_density : {1000.0, 8000.0, 200.0}) {
+    double power = 0, lost = 0, forces = 0;
+    for (unsigned seed = 20; seed < 30; ++seed) {
+      double fastest;
+      const auto r = interface_with_its_divergence<2>(seed, fastest);
+      Case c = mitigation_only<2>(5, VemForm::seed);
+      c.structure->bodies[0].density = body_density;
+      CouplingStep<2> step(c, properties(r.surface.position.size()));
+      const auto load = step.dissipative_load(0, duration, r.surface, r.band);
+      const double one_power = power_of(r.surface, r.band, step.surface_load(), load);
+      Vector<2> sum = Vector<2>::Zero();
+      double size = 0;
+      for (const auto& f : load.force) sum += f, size += f.norm();
+      for (const auto& f : step.surface_load().force) sum += f, size += f.norm();
+      step.interface_force(pressure_field<2>(r.band, [](const Vector<2>&) { return 0.0; }));
+      power += one_power;
+      lost += sum.norm();
+      forces += size;
+      EXPECT_NEAR(step.audit().mitigation_dissipation, -one_power * duration, 1e-12 * std::abs(one_power) * duration);
+      if (step.audit().contacts == 0) {
+        EXPECT_NEAR(step.audit().force_error, sum.norm() / size, 1e-12);
+      }
+    }
+    EXPECT_LT(power, 0) << body_density;
+    EXPECT_GT(lost / forces, 0.02) << body_density;
+    EXPECT_LT(lost / forces, 0.15) << body_density;
+    std::printf("[ density ratio %.1f: %.1f %% of the forces have no reaction; power %.0f W/m ]\n", body_density / 1000,
+                100 * lost / forces, power / 10);
+  }
 }
 
 // Seen to fail: with negative pressures let through.
@@ -257,8 +314,8 @@ TEST(VelocityDivergenceMitigation, IsNothingWhereTheFluidDoesNotConverge) {
   CouplingStep<2> step(mitigation_only<2>(5), properties(r.surface.position.size()));
   for (const auto& f : step.dissipative_load(0, duration, r.surface, r.band).force) EXPECT_EQ(f.norm(), 0);
   EXPECT_EQ(step.audit().mitigation_dissipation, 0);
-  EXPECT_EQ(mitigation_pressure(5, 1000, 0.015, 2, 0.1), 0);
-  EXPECT_GT(mitigation_pressure(5, 1000, 0.015, 2, -0.1), 0);
+  EXPECT_EQ(mitigation_pressure(VemForm::pairmax, -10, 0).on_fluid, 0);
+  EXPECT_EQ(mitigation_pressure(VemForm::pairmax, 10, 0).on_fluid, 10);
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ inline Case scene(int dimension, double spacing, double smoothing_length_ratio =
   body.density = 1200;
   body.shape = box({100, 100, 100}, {101, 101, 101});  // out of the way: only its density is used
   c.structure->bodies.push_back(body);
-  c.coupling.scheme = InterfaceScheme::pressure;
+  c.coupling.riemann_limiter = 0;
   return c;
 }
 

@@ -180,13 +180,17 @@ TEST_F(CaseFile, TakesOverridesFromTheCommandLineAndValidatesThem) {
                                     {"structure.body.plate.spacing", "0.02"},
                                     {"structure.body.young_modulus", "2e6"},
                                     {"coupling.algorithm", "CM0"},
-                                    {"coupling.vem.coefficient", "1"}},
+                                    {"coupling.scheme", "fsa"},
+                                    {"coupling.vem.coefficient", "1"},
+                                    {"coupling.vem.form", "sum"}},
                                    ""});
   EXPECT_EQ(c.fluid->spacing, 0.1);
   EXPECT_EQ(c.structure->bodies[0].spacing, 0.02);
   EXPECT_EQ(c.structure->bodies[0].young_modulus, 2e6);
   EXPECT_EQ(c.coupling.algorithm, CouplingAlgorithm::cm0);
+  EXPECT_EQ(c.coupling.scheme, InterfaceScheme::fsa);
   EXPECT_EQ(c.coupling.vem_coefficient, 1.0);
+  EXPECT_EQ(c.coupling.vem_form, VemForm::sum);
   expect_refused(small_case, {"--set fluid.spacng: unknown key", "'spacing'?"}, {{{"fluid.spacng", "1"}}, ""});
   expect_refused(small_case, {"--set fluid.density", "greater than 0"}, {{{"fluid.density", "-1"}}, ""});
   expect_refused(small_case, {"--set title.x", "not a table"}, {{{"title.x", "1"}}, ""});

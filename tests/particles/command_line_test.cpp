@@ -25,7 +25,7 @@ std::string refusal(const std::vector<const char*>& arguments, const std::string
 TEST(CommandLine, ReadsEveryOption) {
   const CommandLine all = parse({"--set", "fluid.spacing=0.008", "cases/tank", "--out", "runs/a", "--endpoint",
                                  "ipc:///tmp/x", "--set", "structure.body[0].clamp=[{box={min=[0,0]}}]", "--preset",
-                                 "draft", "--until", "0.5", "--threads", "2", "--force", "--quiet"});
+                                 "draft", "--until", "0.5", "--threads", "2", "--force", "--allow-unstable", "--quiet"});
   EXPECT_EQ(all.case_path, "cases/tank");
   EXPECT_EQ(all.out, "runs/a");
   EXPECT_EQ(all.endpoint, "ipc:///tmp/x");
@@ -35,7 +35,7 @@ TEST(CommandLine, ReadsEveryOption) {
   EXPECT_EQ(all.options.preset, "draft");
   EXPECT_EQ(all.until, 0.5);
   EXPECT_EQ(all.threads, 2);
-  EXPECT_TRUE(all.force);
+  EXPECT_TRUE(all.force && all.allow_unstable);
   EXPECT_TRUE(all.quiet);
   EXPECT_FALSE(all.alone());
 }
@@ -46,7 +46,7 @@ TEST(CommandLine, HasDefaultsForWhatIsNotSaid) {
   EXPECT_TRUE(least.alone());
   EXPECT_FALSE(least.until.has_value());
   EXPECT_EQ(least.threads, 1);
-  EXPECT_FALSE(least.force || least.quiet);
+  EXPECT_FALSE(least.force || least.allow_unstable || least.quiet);
   EXPECT_TRUE(least.answer.empty());
 }
 

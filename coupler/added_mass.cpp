@@ -1,0 +1,66 @@
+#include "coupler/added_mass.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "particles/geometry.hpp"
+
+namespace tern::coupler {
+namespace {
+
+/// Grows a box by the points of a lattice in the shape that `counts`.
+template <int D, class Counts>
+void enclose(Bounds<D>& box, const Shape& shape, double spacing, Counts&& counts) {
+  const Vector<D> half = Vector<D>::Constant(0.5 * spacing);
+  for (const Vector<D>& x : fill_lattice<D>(shape, spacing)) {
+    if (!counts(x)) continue;
+    box.min = box.min.cwiseMin(x - half);
+    box.max = box.max.cwiseMax(x + half);
+  }
+}
+
+template <int D>
+Bounds<D> nothing() {
+  return {Vector<D>::Constant(1e300), Vector<D>::Constant(-1e300)};
+}
+
+}  // namespace
+
+template <int D>
+AddedMass predict_added_mass(const Case& scene, const SurfaceProperties& properties) {
+  auto water = nothing<D>();
+  for (const FluidBody& body : scene.fluid->bodies)
+    enclose<D>(water, body.shape, scene.fluid->spacing, [](const Vector<D>&) { return true; });
+  const double depth = (water.max - water.min).minCoeff();
+
+  AddedMass largest;
+  for (std::size_t b = 0; b < scene.structure->bodies.size(); ++b) {
+    const StructureBody& body = scene.structure->bodies[b];
+    std::vector<double> masses;
+    for (std::size_t k = 0; k < properties.body.size(); ++k)
+      if (properties.body[k] == b) masses.push_back(properties.section_mass[k]);
+    if (masses.empty()) continue;
+    std::nth_element(masses.begin(), masses.begin() + static_cast<std::ptrdiff_t>(masses.size() / 2), masses.end());
+
+    auto free = nothing<D>();
+    enclose<D>(free, body.shape, body.spacing, [&](const Vector<D>& x) {
+      return std::none_of(body.clamps.begin(), body.clamps.end(), [&](const Shape& s) { return contains<D>(s, x); });
+    });
+    const double wave = (free.max - free.min).maxCoeff() / 1.875104;
+    AddedMass here{body.name, 0, std::min(depth, wave), depth < wave};
+    here.ratio = scene.fluid->density * here.length / masses[masses.size() / 2];
+    if (here.ratio > largest.ratio) largest = here;
+  }
+  return largest;
+}
+
+std::string describe(const AddedMass& added_mass) {
+  return fmt::format("m_a/m_s = {:.3g} for '{}' ({:.3g} m of fluid, {}; all exposed faces wet)", added_mass.ratio, added_mass.body,
+                     added_mass.length, added_mass.by_depth ? "its least extent" : "1/k of the first bending mode");
+}
+
+template AddedMass predict_added_mass<2>(const Case&, const SurfaceProperties&);
+template AddedMass predict_added_mass<3>(const Case&, const SurfaceProperties&);
+
+}  // namespace tern::coupler

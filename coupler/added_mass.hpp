@@ -1,0 +1,32 @@
+#pragma once
+// What decides whether explicit staggering can work, known before the first step (Causin, Gerbeau & Nobile 2005): the fluid
+// that has to move with the structure, m_a per area, over the mass behind the face, m_s. CM0 multiplies an error of the
+// interface velocity by -m_a/m_s per window, whatever its length.
+//   m_a = rho_F min(H, 1/k),   k = 1.875/L the wave number of the first bending mode of a cantilever of the body's free
+//                              length L,   H the least extent of the fluid at the start
+//   m_s   half of the faces have more: the median of rho_S T/N_wet, all exposed faces taken as wet
+
+#include <string>
+
+#include "particles/case_file.hpp"
+#include "particles/interface.hpp"
+
+namespace tern::coupler {
+
+/// Above this, CM0 is taken as unstable: the onset is at 1 for a lumped mass, and the estimate of m_a is rough.
+inline constexpr double explicit_limit = 0.8;
+
+struct AddedMass {
+  std::string body;      ///< the one with the largest ratio
+  double ratio = 0;      ///< m_a/m_s
+  double length = 0;     ///< min(H, 1/k) [m]
+  bool by_depth = false; ///< H is the smaller
+};
+
+template <int D>
+AddedMass predict_added_mass(const Case& scene, const SurfaceProperties& properties);
+
+/// `m_a/m_s = 20.6 for 'plate' (...)`: the figure and what it was estimated from.
+std::string describe(const AddedMass& added_mass);
+
+}  // namespace tern::coupler

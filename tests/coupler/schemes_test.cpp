@@ -1,0 +1,152 @@
+// Each interface scheme by name: the load it puts on a flat face at rest, what it makes of a pressure gradient, where the
+// water ends, and what it does on a disordered lattice.
+
+#include <gtest/gtest.h>
+
+#include "tests/coupler/scenes.hpp"
+
+namespace tern::coupler::testing {
+namespace {
+
+constexpr double dx = 0.01, g = 9.81, rho = 1000;
+
+constexpr std::pair<const char*, InterfaceScheme> schemes[] = {
+    {"fsa", InterfaceScheme::fsa}, {"pi", InterfaceScheme::pi}, {"riemann", InterfaceScheme::riemann}};
+
+/// Four layers over a plate, every particle moved by up to `disorder` dx in each direction.
+template <int D>
+Band<D> water(double half, double disorder) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> uniform(-disorder * dx, disorder * dx);
+  Band<D> band = fluid_layers<D>(half, 4, dx);
+  for (auto& x : band.position)
+    for (int c = 0; c < D; ++c) x[c] += uniform(random);
+  return band;
+}
+
+struct FaceLoad {
+  double mean;    ///< F/A on the middle of the face [Pa]
+  double spread;  ///< largest difference of one point from it [Pa]
+};
+
+/// Load of a pressure field in water under gravity g on the top of a plate.
+template <int D, class Function>
+FaceLoad load(InterfaceScheme scheme, double disorder, Function&& pressure) {
+  const double half = (D == 2 ? 12 : 7) * dx, inner = (D == 2 ? 6 : 3) * dx;
+  Case c = scene(D, dx);
+  c.gravity = constant(0, -g);
+  c.coupling.scheme = scheme;
+  const auto surface = flat_plate<D>(half, 4 * dx, 0.5 * dx);
+  const auto band = water<D>(half, disorder);
+  CouplingStep<D> step(c, properties(surface.position.size()));
+  step.dissipative_load(0, 1e-3, surface, band);
+  step.interface_force(pressure_field<D>(band, pressure));
+  EXPECT_LT(step.audit().force_error, 1e-13);
+  FaceLoad result{-mean_traction<D>(surface, step.surface_load(), inner, 1)[1], 0};
+  for (std::size_t k = 0; k < surface.position.size(); ++k)
+    if (surface.normal[k][1] > 0 && (surface.position[k].array().abs() < inner).all())
+      result.spread = std::max(result.spread, std::abs(-step.surface_load().force[k][1] / surface.area[k] - result.mean));
+  return result;
+}
+
+// Under water at rest pi and fsa give every point of the face its pressure, on any set of particles that fills the kernel
+// by three quarters: the weight between is carried exactly and the mean of a constant is that constant. riemann sums pairs,
+// so it is as good as the filling of the kernel.
+// Seen to fail: with the weight of the fluid between left out; with the wet share left out of the face's area.
+TEST(SchemeAtRest, PutsTheHydrostaticPressureOnAFlatFace) {
+  constexpr double depth = 0.2, exact = rho * g * depth;
+  const auto hydrostatic = [](const auto& x) { return rho * g * (depth - x[1]); };
+  for (const auto& [name, scheme] : schemes)
+    for (double disorder : {0.0, 0.15}) {
+      const FaceLoad plane = load<2>(scheme, disorder, hydrostatic), space = load<3>(scheme, disorder, hydrostatic);
+      const bool pairs = scheme == InterfaceScheme::riemann;
+      const double mean_band = !pairs ? 1e-12 : disorder > 0 ? 0.06 : 1e-4;
+      EXPECT_NEAR(plane.mean / exact, 1, mean_band) << name << ", disorder " << disorder;
+      EXPECT_NEAR(space.mean / exact, 1, mean_band) << name << ", disorder " << disorder << ", 3D";
+      const double spread_band = !pairs ? 1e-12 : disorder > 0 ? 0.15 : 1e-4;
+      EXPECT_LT(plane.spread / exact, spread_band) << name << ", disorder " << disorder;
+      std::printf("[ %-7s disorder %.2f: load %.5f (2D), %.5f (3D) of rho g H, points within %.1e ]\n", name, disorder,
+                  plane.mean / exact, space.mean / exact, plane.spread / exact);
+    }
+}
+
+// A gradient other than rho g, as of water that a face pushes: the corrected gradient of fsa finds it, the other two carry
+// pressures with the weight alone and give the face the pressure at their mean distance from it.
+// Seen to fail: with the particles' pressures carried by the weight alone; with the mean offset left out of the matrix.
+TEST(SchemeInAPressureGradient, OnlyFsaIsExact) {
+  constexpr double at_face = 2000, acceleration = 50;
+  const auto linear = [](const auto& x) { return at_face - rho * (g + acceleration) * x[1] + 300 / dx * x[0]; };
+  for (const auto& [name, scheme] : schemes) {
+    const FaceLoad lattice = load<2>(scheme, 0, linear), disordered = load<2>(scheme, 0.15, linear);
+    const double distance = (at_face - lattice.mean) / (rho * acceleration * dx);  // 0.656 = mean height, weighted by b
+    std::printf("[ %-7s takes the pressure %.3f dx off the face; disordered %.3f ]\n", name, distance,
+                (at_face - disordered.mean) / (rho * acceleration * dx));
+    if (scheme == InterfaceScheme::fsa) {
+      EXPECT_NEAR(lattice.mean, at_face, 1e-9 * at_face);
+      EXPECT_NEAR(disordered.mean, at_face, 1e-9 * at_face);
+      EXPECT_NEAR(load<3>(scheme, 0.15, linear).mean, at_face, 1e-9 * at_face);
+    } else {
+      EXPECT_NEAR(distance, 0.656, 0.003) << name;
+    }
+  }
+}
+
+/// Load of a uniform pressure over the left half of a plate, as a share of it, on the point nearest to x.
+double share_of_pressure(InterfaceScheme scheme, double x) {
+  const auto surface = flat_plate<2>(12 * dx, 4 * dx, 0.5 * dx);
+  Band<2> band;
+  for (const auto& at : fluid_layers<2>(12 * dx, 4, dx).position)
+    if (at[0] < 0) add_particle<2>(band, at, dx);
+  Case c = scene(2, dx);
+  c.coupling.scheme = scheme;
+  CouplingStep<2> step(c, properties(surface.position.size()));
+  step.dissipative_load(0, 1e-3, surface, band);
+  step.interface_force(pressure_field<2>(band, [](const Vector<2>&) { return 1000.0; }));
+  const auto distance = [&](std::size_t k) { return (surface.position[k] - Vector<2>(x, 0)).norm(); };
+  std::size_t nearest = 0;
+  for (std::size_t k = 0; k < surface.position.size(); ++k)
+    if (distance(k) < distance(nearest)) nearest = k;
+  return -step.surface_load().force[nearest][1] / (1000 * surface.area[nearest]);
+}
+
+// Where the water ends the load fades over the support of the kernel, twice as fast where a wet share says what is wet.
+// Seen to fail: with the whole area taken wherever there is fluid at all.
+TEST(SchemeAtTheWaterline, LoadsAFaceAsFarAsItIsWet) {
+  for (const auto& [name, scheme] : schemes) {
+    EXPECT_NEAR(share_of_pressure(scheme, -3.25 * dx), 1, 1e-3) << name;
+    EXPECT_NEAR(share_of_pressure(scheme, 0.01 * dx) + share_of_pressure(scheme, -0.01 * dx), 1, 0.01) << name;
+    EXPECT_NEAR(share_of_pressure(scheme, 3.25 * dx), 0, 1e-12) << name;
+    const double inside = share_of_pressure(scheme, -0.75 * dx);
+    if (scheme == InterfaceScheme::riemann) {
+      EXPECT_LT(inside, 0.9);
+    } else {
+      EXPECT_NEAR(inside, 1, 1e-12) << name;
+    }
+  }
+}
+
+// Seen to fail: with the mean pressure of the face given back to all of them.
+TEST(SchemeReaction, GivesEveryParticleBackWhatItHasContributed) {
+  // One particle of the second layer has twice the pressure of the others: it alone is pushed harder.
+  constexpr double common = 1000;
+  for (auto scheme : {InterfaceScheme::pi, InterfaceScheme::riemann}) {
+    const auto surface = flat_plate<2>(12 * dx, 4 * dx, 0.5 * dx);
+    const auto band = fluid_layers<2>(12 * dx, 4, dx);
+    const std::size_t chosen = 24 + 12;
+    Case c = scene(2, dx);
+    c.coupling.scheme = scheme;
+    CouplingStep<2> step(c, properties(surface.position.size()));
+    step.dissipative_load(0, 1e-3, surface, band);
+    const auto even = step.interface_force(pressure_field<2>(band, [](const Vector<2>&) { return common; }));
+    step.dissipative_load(1e-3, 1e-3, surface, band);
+    auto pressure = pressure_field<2>(band, [](const Vector<2>&) { return common; });
+    pressure.pressure[chosen] *= 2;
+    const auto uneven = step.interface_force(pressure);
+    for (std::size_t i = 0; i < band.id.size(); ++i)
+      EXPECT_NEAR(uneven.force[i][1], (i == chosen ? 2 : 1) * even.force[i][1], 1e-12 * std::abs(even.force[i][1]) + 1e-15) << i;
+    EXPECT_GT(even.force[chosen][1], 0.05 * common * dx);
+  }
+}
+
+}  // namespace
+}  // namespace tern::coupler::testing
