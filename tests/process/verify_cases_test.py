@@ -34,6 +34,9 @@ class VerifyCasesTest(unittest.TestCase):
     def test_the_dry_plate_swings_with_its_own_frequency(self):
         self.verify("dry_plate")
 
+    def test_the_floor_carries_ten_times_its_mass_of_water(self):
+        self.verify("hydrostatic_plate")
+
     def test_the_column_bends_over_and_back(self):
         self.verify("bending_column_2d")
 
