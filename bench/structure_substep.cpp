@@ -2,6 +2,8 @@
 //   plate:  the plate of the dam break, 4 x 100 particles of 1 mm, 72 sub-steps per window, as in a coupled run
 //   block:  a square body of n x n particles
 // Arguments of plate: 1 = with diffusion, 1 = with penalty.
+//   part:   the loops of a sub-step on that plate at rest: 0 derivatives, 1 those without the velocity's, 2 stress, 3 diffusion,
+//           4 elastic force, 5 kick and drift
 //   iteration, factor: what implicit steps of that plate are made of: elastic force and solve, tangent and its factor
 //   window: the plate of the dam break swinging 2 cm to and fro, windows of 0.25 ms (89 explicit sub-steps), CPU time per
 //           window; argument 0 = explicit, 1 = implicit, 2 = auto

@@ -147,7 +147,7 @@ Estimate estimate_in(const Case& scene) {
   const auto particles = static_cast<double>(result.fluid_particles);
   result.fluid_cpu = fluid_cost_2d * (D == 3 ? 3 : 1) * particles * result.steps;
   result.structure_cpu =
-      structure_cost_2d * (D == 3 ? 20 : 1) * structure_particles * result.steps * paid_sub_steps * passes;
+      structure_cost_2d * (D == 3 ? 14 : 1) * structure_particles * result.steps * paid_sub_steps * passes;
   const double process = 30e6;
   result.memory = (scene.fluid ? process : 0) + (scene.structure ? process : 0) +
                   (scene.fluid && scene.structure ? process : 0) + particles * (D == 3 ? 6000 : 2000) +

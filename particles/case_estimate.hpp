@@ -8,13 +8,13 @@
 
 namespace tern {
 
-/// Cost of one particle in one step [CPU s], h/dx 1.5 (fluid) and 1.3 (structure), measured on one core of a busy
-/// 2-core x86-64 server: 1.9 and 2.0 us for the fluid of the dam break (to 0.35 s) and of the tank at rest (6.4 s), 92
-/// ns for the structure of the dry plate. 3D is not measured; it is taken as three (fluid) and four (structure) times
-/// that.
+/// Cost of one particle in one step [CPU s], h/dx 1.5 (fluid) and 1.1 (structure), measured on one core of a 2-core x86-64
+/// server: 1.9 and 2.0 us for the fluid of the dam break (to 0.35 s) and of the tank at rest (6.4 s), 70 (quiet) to 100 ns
+/// (busy) for the plate of bench-structure_substep. 3D: three times that for the fluid, estimated; 14 times for the structure
+/// (bending_column_3d, 1.1 us).
 inline constexpr double fluid_cost_2d = 2.0e-6;
-inline constexpr double structure_cost_2d = 1.34e-7;  ///< per sub-step
-inline constexpr double implicit_window = 16;  ///< cost of a window in implicit steps, in sub-steps
+inline constexpr double structure_cost_2d = 8.0e-8;   ///< per sub-step
+inline constexpr double implicit_window = 19;  ///< cost of a window in implicit steps, in sub-steps
 
 struct BodyEstimate {
   std::string name;
