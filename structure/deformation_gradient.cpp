@@ -28,10 +28,7 @@ inline void gradients_of_component(const Stencil<D>& stencil, const Neighbour<D>
 
 template <int D, bool with_velocity>
 void gradients(const Reference<D>& reference, const State<D>& state, Workspace<D>& work) {
-  for_each_block(static_cast<std::ptrdiff_t>(reference.blocks.size()), [&](std::ptrdiff_t n) {
-    const Block& block = reference.blocks[n];
-    if (!block.deforms) return;
-    const Stencil<D>& stencil = reference.stencils[block.stencil];
+  for_each_deforming_block(reference, [&](std::ptrdiff_t, const Block& block, const Stencil<D>& stencil) {
     const Neighbour<D>* neighbour = reference.neighbours.data() + stencil.first;
     const std::int32_t* offset = reference.row_offset.data() + stencil.first;
     for (int a = 0; a < D; ++a) {

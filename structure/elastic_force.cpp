@@ -33,10 +33,7 @@ inline Lanes component_of_force(const Stencil<D>& stencil, const Neighbour<D>* n
 template <int D>
 void elastic_force(const Reference<D>& reference, const Workspace<D>& work, State<D>& state) {
   constexpr int pairs = curvature_components<D>;
-  for_each_block(static_cast<std::ptrdiff_t>(reference.blocks.size()), [&](std::ptrdiff_t n) {
-    const Block& block = reference.blocks[n];
-    if (!block.deforms) return;
-    const Stencil<D>& stencil = reference.stencils[block.stencil];
+  for_each_deforming_block(reference, [&](std::ptrdiff_t, const Block& block, const Stencil<D>& stencil) {
     const Neighbour<D>* neighbour = reference.neighbours.data() + stencil.first;
     const std::int32_t* offset = reference.row_offset.data() + stencil.first;
     for (int a = 0; a < D; ++a) {

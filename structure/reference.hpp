@@ -109,6 +109,15 @@ struct Reference {
   }
 };
 
+/// work(n, block, stencil) for every block that deforms, n its index, in parallel as for_each_block().
+template <int D, class Work>
+inline void for_each_deforming_block(const Reference<D>& reference, const Work& work) {
+  for_each_block(static_cast<std::ptrdiff_t>(reference.blocks.size()), [&](std::ptrdiff_t n) {
+    const Block& block = reference.blocks[n];
+    if (block.deforms) work(n, block, reference.stencils[block.stencil]);
+  });
+}
+
 /// Throws BadInput when a body or a named clamp holds no particle, or a particle has too few neighbours to carry a gradient.
 template <int D>
 Reference<D> build_reference(const StructureCase& structure);

@@ -41,13 +41,10 @@ struct Gradient {
 template <int D, bool with_diffusion, bool with_penalty>
 void pair_forces(const Reference<D>& reference, double dt, State<D>& state, Workspace<D>& work) {
   const auto rows = static_cast<std::ptrdiff_t>(reference.rows);
-  for_each_block(static_cast<std::ptrdiff_t>(reference.blocks.size()), [&](std::ptrdiff_t n) {
-    const Block& block = reference.blocks[n];
-    if (!block.deforms) return;
+  for_each_deforming_block(reference, [&](std::ptrdiff_t n, const Block& block, const Stencil<D>& stencil) {
     const std::ptrdiff_t i = block.row;
     const Material& material = reference.bodies[block.body].material;
     const double pressure_speed = material.pressure_wave_speed(), shear_speed = material.shear_wave_speed();
-    const Stencil<D>& stencil = reference.stencils[block.stencil];
     const std::uint32_t first = stencil.first + stencil.count - stencil.pairs;
     const Gradient<D> displacement_gradient(work.displacement_gradient, i);
     const Gradient<D> velocity_gradient(work.velocity_gradient, i);
@@ -110,10 +107,7 @@ void pair_forces(const Reference<D>& reference, double dt, State<D>& state, Work
 template <int D>
 void collect(const Reference<D>& reference, double dt, const Workspace<D>& work, State<D>& state) {
   const auto rows = static_cast<std::ptrdiff_t>(reference.rows);
-  for_each_block(static_cast<std::ptrdiff_t>(reference.blocks.size()), [&](std::ptrdiff_t n) {
-    const Block& block = reference.blocks[n];
-    if (!block.deforms) return;
-    const Stencil<D>& stencil = reference.stencils[block.stencil];
+  for_each_deforming_block(reference, [&](std::ptrdiff_t n, const Block& block, const Stencil<D>& stencil) {
     Lanes force[D];
     for (int a = 0; a < D; ++a) force[a] = load(state.internal_force[a].data() + block.row);
     for (std::uint32_t k = stencil.first; k < stencil.first + stencil.count - stencil.pairs; ++k) {

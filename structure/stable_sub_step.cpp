@@ -50,17 +50,16 @@ double stable_sub_step(const Reference<D>& reference, double courant, const Stat
         longest = p;
       }
     }
-    const double wave_speed = std::max({body.material.pressure_wave_speed(),
-                                        body.material.wave_speed_at(std::max(smallest, least_stretch)),
-                                        body.material.wave_speed_at(largest)});
     const double at_rest = body.material.pressure_wave_speed();
-    if (!(at_rest > collapse * (wave_speed + std::sqrt(speed))))
+    const double signal_speed = std::max({at_rest, body.material.wave_speed_at(std::max(smallest, least_stretch)),
+                                          body.material.wave_speed_at(largest)}) + std::sqrt(speed);
+    if (!(at_rest > collapse * signal_speed))
       throw NumericalFailure(fmt::format(
           "The sub-step of body '{}' has collapsed to {:.2g} of that at rest at t = {:.6g} s: particle {} moves at {:.3g} m/s, particle {} "
           "is stretched to {:.3g} of its length, the pressure wave at rest runs at {:.3g} m/s. A particle has been flung off or torn out; "
           "the load is too violent for this material and resolution.",
-          body.name, at_rest / (wave_speed + std::sqrt(speed)), seconds(state.time), fastest, std::sqrt(speed), longest, largest, at_rest));
-    dt = std::min(dt, courant * body.spacing / (wave_speed + std::sqrt(speed)));
+          body.name, at_rest / signal_speed, seconds(state.time), fastest, std::sqrt(speed), longest, largest, at_rest));
+    dt = std::min(dt, courant * body.spacing / signal_speed);
   }
   return dt;
 }
