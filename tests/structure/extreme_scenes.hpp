@@ -29,7 +29,6 @@ struct Extreme {
   std::array<double, 3> end{};  ///< material point
   enum class Stop { never, may, must } stop = Stop::never;  ///< with a NumericalFailure
   bool quick = false;        ///< also in the test suite
-  bool shortfall = false;    ///< known to come out wrong
 };
 
 /// A plate (3D: a square bar) 0.02 m thick along x, clamped at x < 0, `slenderness` times as long, started in its first bending
