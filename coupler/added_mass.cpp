@@ -27,6 +27,16 @@ Bounds<D> nothing() {
 
 }  // namespace
 
+double section_mass(const SurfaceProperties& properties, std::size_t body) {
+  std::vector<double> masses;
+  for (std::size_t k = 0; k < properties.body.size(); ++k)
+    if (properties.body[k] == body) masses.push_back(properties.section_mass[k]);
+  if (masses.empty()) return 0;
+  const auto middle = masses.begin() + static_cast<std::ptrdiff_t>(masses.size() / 2);
+  std::nth_element(masses.begin(), middle, masses.end());
+  return *middle;
+}
+
 template <int D>
 AddedMass predict_added_mass(const Case& scene, const SurfaceProperties& properties) {
   auto water = nothing<D>();
@@ -37,11 +47,8 @@ AddedMass predict_added_mass(const Case& scene, const SurfaceProperties& propert
   AddedMass largest;
   for (std::size_t b = 0; b < scene.structure->bodies.size(); ++b) {
     const StructureBody& body = scene.structure->bodies[b];
-    std::vector<double> masses;
-    for (std::size_t k = 0; k < properties.body.size(); ++k)
-      if (properties.body[k] == b) masses.push_back(properties.section_mass[k]);
-    if (masses.empty()) continue;
-    std::nth_element(masses.begin(), masses.begin() + static_cast<std::ptrdiff_t>(masses.size() / 2), masses.end());
+    const double mass = section_mass(properties, b);
+    if (mass == 0) continue;
 
     auto free = nothing<D>();
     enclose<D>(free, body.shape, body.spacing, [&](const Vector<D>& x) {
@@ -49,7 +56,7 @@ AddedMass predict_added_mass(const Case& scene, const SurfaceProperties& propert
     });
     const double wave = (free.max - free.min).maxCoeff() / 1.875104;
     AddedMass here{body.name, 0, std::min(depth, wave), depth < wave};
-    here.ratio = scene.fluid->density * here.length / masses[masses.size() / 2];
+    here.ratio = scene.fluid->density * here.length / mass;
     if (here.ratio > largest.ratio) largest = here;
   }
   return largest;

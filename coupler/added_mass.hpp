@@ -23,6 +23,9 @@ struct AddedMass {
   bool by_depth = false; ///< H is the smaller
 };
 
+/// Mass behind the faces of a body, the median over its points [kg/m^2]; 0 when it has none.
+double section_mass(const SurfaceProperties& properties, std::size_t body);
+
 template <int D>
 AddedMass predict_added_mass(const Case& scene, const SurfaceProperties& properties);
 

@@ -3,10 +3,13 @@
 
 #include "coupler/coupling_step.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "coupler/added_mass.hpp"
 #include "coupler/face_pressure.hpp"
 #include "coupler/riemann.hpp"
 #include "coupler/velocity_divergence_mitigation.hpp"
@@ -14,27 +17,65 @@
 #include "particles/error.hpp"
 
 namespace tern::coupler {
+namespace {
+
+/// Mass behind a face, over that of a layer of fluid particles, below which one pass is not enough.
+constexpr double lightest_of_one_pass = 0.5;
+/// Mass with which a light surface yields in the pressure equation of CM3, in layers of fluid particles. From 2 to 12 it makes
+/// no difference to the number of trials.
+constexpr double robin_layers = 5;
+
+}  // namespace
 
 template <int D>
 DissipativeLoad<D> CouplingStep<D>::dissipative_load(double begin, double duration, const Surface<D>& surface,
                                                      const Band<D>& band) {
   begin_ = begin;
   duration_ = duration;
-  surface_ = &surface;
+  surface_ = surface;
   band_ = &band;
-  previous_load_ = std::move(load_);
-  load_.force.assign(surface.position.size(), Vector<D>::Zero());
-  if (previous_load_.force.size() != load_.force.size()) previous_load_ = load_;
-  dissipative_.force.assign(band.id.size(), Vector<D>::Zero());
-  audit_ = {};
-
   pairs_.find(band, surface);
+  // The structure makes its first trial under the load of the last window.
+  if (load_.force.size() == surface.position.size())
+    trial_load_ = load_;
+  else
+    trial_load_.force.assign(surface.position.size(), Vector<D>::Zero());
+  fixed_point_.begin_window(largest_gain());
+  dissipative_.surface_velocity.clear();
+  add_known_forces();
+  return dissipative_;
+}
+
+template <int D>
+DissipativeLoad<D> CouplingStep<D>::dissipative_load(const std::vector<Vector<D>>& surface_velocity) {
+  surface_.velocity = dissipative_.surface_velocity = surface_velocity;
+  add_known_forces();
+  return dissipative_;
+}
+
+template <int D>
+void CouplingStep<D>::add_known_forces() {
+  load_.force.assign(surface_.position.size(), Vector<D>::Zero());
+  dissipative_.force.assign(band_->id.size(), Vector<D>::Zero());
+  audit_ = {};
   if (coupling_.scheme == InterfaceScheme::riemann) add_riemann();
   if (coupling_.vem_coefficient) add_velocity_divergence_mitigation();
   set_robin_condition();
-  audit_.band = static_cast<int>(band.id.size());
+  audit_.band = static_cast<int>(band_->id.size());
   audit_.pairs = static_cast<int>(pairs_.pairs().size());
-  return dissipative_;
+}
+
+template <int D>
+const SurfaceLoad<D>* CouplingStep<D>::next_trial(const BandPressure<D>& pressure) {
+  if (algorithm_ != CouplingAlgorithm::cm3) return nullptr;
+  const SurfaceLoad<D> known = load_;
+  band_force_.force.assign(band_->id.size(), Vector<D>::Zero());
+  add_pressure(pressure);
+  const SurfaceLoad<D> answer = std::exchange(load_, known);
+  if (fixed_point_.add(flat(trial_load_), flat(answer))) return nullptr;
+  const Eigen::VectorXd next = fixed_point_.next();
+  for (std::size_t k = 0; k < trial_load_.force.size(); ++k) trial_load_.force[k] = next.segment<D>(D * static_cast<Eigen::Index>(k));
+  return &trial_load_;
 }
 
 template <int D>
@@ -47,28 +88,45 @@ BandForce<D> CouplingStep<D>::interface_force(const BandPressure<D>& pressure) {
 }
 
 template <int D>
+Eigen::VectorXd CouplingStep<D>::flat(const SurfaceLoad<D>& load) {
+  Eigen::VectorXd values(D * static_cast<Eigen::Index>(load.force.size()));
+  for (std::size_t k = 0; k < load.force.size(); ++k) values.segment<D>(D * static_cast<Eigen::Index>(k)) = load.force[k];
+  return values;
+}
+
+template <int D>
 CouplingStep<D>::CouplingStep(const Case& scene, const SurfaceProperties& properties)
     : coupling_(scene.coupling),
+      algorithm_(scene.coupling.algorithm),
       density_(scene.fluid->density),
+      spacing_(scene.fluid->spacing),
       smoothing_length_(scene.fluid->numerics.smoothing_length_ratio * scene.fluid->spacing),
       contact_distance_(scene.fluid->numerics.contact_distance * scene.fluid->spacing),
       gravity_(scene.gravity),
       properties_(properties),
       kernel_(smoothing_length_),
+      fixed_point_(coupling_.acceleration, coupling_.tolerance),
       pairs_(smoothing_length_, scene.fluid->spacing) {
   for (const StructureBody& body : scene.structure->bodies) body_density_.push_back(body.density);
+  if (algorithm_ == CouplingAlgorithm::automatic) {
+    algorithm_ = CouplingAlgorithm::cm2;
+    for (std::size_t b = 0; b < body_density_.size(); ++b)
+      if (const double mass = section_mass(properties, b); mass > 0 && mass <= lightest_of_one_pass * density_ * spacing_)
+        algorithm_ = CouplingAlgorithm::cm3;
+  }
+  dissipative_.repeats = algorithm_ == CouplingAlgorithm::cm3;
 }
 
 template <int D>
 void CouplingStep<D>::add_riemann() {
   double fastest = 0;
   for (const auto& u : band_->velocity) fastest = std::max(fastest, u.norm());
-  for (const auto& pair : pairs_.pairs()) fastest = std::max(fastest, surface_->velocity[pair.point].norm());
+  for (const auto& pair : pairs_.pairs()) fastest = std::max(fastest, surface_.velocity[pair.point].norm());
   const double sound_speed = 10 * fastest;
   if (sound_speed == 0) return;
   for (const auto& pair : pairs_.pairs()) {
-    const Vector<D>& n = surface_->normal[pair.point];
-    const double approach = (surface_->velocity[pair.point] - band_->velocity[pair.particle]).dot(n);
+    const Vector<D>& n = surface_.normal[pair.point];
+    const double approach = (surface_.velocity[pair.point] - band_->velocity[pair.particle]).dot(n);
     const double mean_density = 0.5 * (density_ + body_density_[properties_.body[pair.point]]);
     const double pressure = riemann_pressure(coupling_.riemann_limiter, mean_density, sound_speed, approach);
     if (pressure == 0) continue;
@@ -85,7 +143,7 @@ void CouplingStep<D>::add_velocity_divergence_mitigation() {
     return -density * *coupling_.vem_coefficient * smoothing_length_ * fastest * divergence;
   };
   std::vector<double> surface_divergence;
-  if (coupling_.vem_form == VemForm::seed) surface_divergence = divergence_at_surface<D>(kernel_, pairs_.pairs(), *surface_, *band_);
+  if (coupling_.vem_form == VemForm::seed) surface_divergence = divergence_at_surface<D>(kernel_, pairs_.pairs(), surface_, *band_);
   for (const auto& pair : pairs_.pairs()) {
     const int i = pair.particle, k = pair.point;
     const double fluid = pressure_of(density_, band_->divergence[i]);
@@ -96,26 +154,45 @@ void CouplingStep<D>::add_velocity_divergence_mitigation() {
     load_.force[k] += pressure.on_structure * pair.b;
     dissipative_.force[i] -= pressure.on_fluid * pair.b;
     audit_.mitigation_dissipation -=
-        duration_ * pair.b.dot(pressure.on_structure * surface_->velocity[k] - pressure.on_fluid * band_->velocity[i]);
+        duration_ * pair.b.dot(pressure.on_structure * surface_.velocity[k] - pressure.on_fluid * band_->velocity[i]);
   }
 }
 
 template <int D>
+double CouplingStep<D>::responding_mass(std::size_t k) const {
+  // Over a window a pressure moves the section behind the point, or the layer an elastic wave reaches, at least one particle.
+  return std::max(std::min(properties_.section_mass[k], properties_.impedance[k] * duration_), properties_.least_mass[k]);
+}
+
+template <int D>
+double CouplingStep<D>::robin_mass(std::size_t k) const {
+  const double responding = responding_mass(k);
+  if (algorithm_ != CouplingAlgorithm::cm3) return coupling_.robin_mass_factor * responding;
+  // Of the motions of a light body a few answer with its mass, all others are held by its stiffness. Between the two the fluid
+  // is best told of a mass like its own: what it then expects wrongly of the few, the trials find out.
+  return std::max(responding, robin_layers * density_ * spacing_);
+}
+
+template <int D>
+double CouplingStep<D>::largest_gain() const {
+  double largest = 1;
+  for (std::size_t k = 0; k < properties_.body.size(); ++k) largest = std::max(largest, robin_mass(k) / responding_mass(k));
+  return largest;
+}
+
+template <int D>
 void CouplingStep<D>::set_robin_condition() {
-  // The trial state moved under the load of the last window. Over this window the surface answers an extra pressure with
-  // the mass that can respond: the section behind the point, or the layer an elastic wave reaches, at least one particle.
-  const std::size_t points = surface_->position.size();
+  // The trial state moved under the trial load. A pressure in excess of it moves the surface on.
+  const std::size_t points = surface_.position.size();
   dissipative_.reference_pressure.assign(points, 0);
   dissipative_.robin_mass.assign(points, 0);
   // Explicit coupling: the fluid takes the surface as a wall that moves as given; mass 0 says that a point does not yield.
-  if (coupling_.algorithm == CouplingAlgorithm::cm0) return;
+  if (algorithm_ == CouplingAlgorithm::cm0) return;
   for (std::size_t k = 0; k < points; ++k) {
-    const double responding = std::max(std::min(properties_.section_mass[k], properties_.impedance[k] * duration_),
-                                       properties_.least_mass[k]);
-    dissipative_.robin_mass[k] = coupling_.robin_mass_factor * responding;
-    // What the trial already carries, less what is known of the new load.
-    const Vector<D> carried = previous_load_.force[k] - load_.force[k];
-    dissipative_.reference_pressure[k] = -carried.dot(surface_->normal[k]) / surface_->area[k];
+    dissipative_.robin_mass[k] = robin_mass(k);
+    // What the trial carries, less what is known of its answer.
+    const Vector<D> carried = trial_load_.force[k] - load_.force[k];
+    dissipative_.reference_pressure[k] = -carried.dot(surface_.normal[k]) / surface_.area[k];
   }
 }
 
@@ -129,28 +206,30 @@ void CouplingStep<D>::add_pressure(const BandPressure<D>& pressure) {
   // Pressure of every particle, carried to the surface by the weight of the fluid between.
   std::vector<double> carried;
   for (const auto& pair : pairs_.pairs()) {
-    const Vector<D> d = surface_->position[pair.point] - band_->position[pair.particle];
+    const Vector<D> d = surface_.position[pair.point] - band_->position[pair.particle];
     carried.push_back(pressure.pressure[pair.particle] + density_ * gravity.dot(d));
   }
   if (coupling_.scheme != InterfaceScheme::riemann)
-    integrate_over_faces<D>(kernel_, pairs_.pairs(), *surface_, *band_, coupling_.scheme, carried);
+    integrate_over_faces<D>(kernel_, pairs_.pairs(), surface_, *band_, coupling_.scheme, carried);
   for (std::size_t m = 0; m < carried.size(); ++m)
     add_pair_force(band_force_.force, pairs_.pairs()[m], Vector<D>(carried[m] * pairs_.pairs()[m].b));
 }
 
 template <int D>
 void CouplingStep<D>::settle_contacts(const BandPressure<D>& pressure) {
-  // Inelastic: a particle nearer to a face than the contact distance loses its approach velocity; the impulse is part of
-  // the load. Thin sheets and spray feel too little pressure to be stopped otherwise.
+  // Inelastic: a particle nearer to a face than the contact distance goes on with the face; the impulse is part of the load. Thin sheets and spray feel too little pressure to be stopped otherwise.
   for (const auto& pair : pairs_.pairs()) {
     const int i = pair.particle, k = pair.point;
-    const Vector<D>& n = surface_->normal[k];
-    if (!touches<D>(surface_->position[k], n, surface_->area[k], band_->position[i], contact_distance_)) continue;
+    const Vector<D>& n = surface_.normal[k];
+    if (!touches<D>(surface_.position[k], n, surface_.area[k], band_->position[i], contact_distance_)) continue;
     const Vector<D> velocity = pressure.velocity[i] + (duration_ / band_->mass[i]) * band_force_.force[i];
-    const double approach = (surface_->velocity[k] - velocity).dot(n);
+    const double approach = (surface_.velocity[k] - velocity).dot(n);
     if (approach <= 0) continue;
-    add_pair_force(band_force_.force, pair, Vector<D>(-(band_->mass[i] * approach / duration_) * n));
-    audit_.contact_dissipation += 0.5 * band_->mass[i] * approach * approach;
+    // The face gives way, as the mass does that lies behind the particle.
+    const double behind = responding_mass(k) * std::pow(band_->volume[i], (D - 1.0) / D);
+    const double mass = band_->mass[i] * behind / (band_->mass[i] + behind);
+    add_pair_force(band_force_.force, pair, Vector<D>(-(mass * approach / duration_) * n));
+    audit_.contact_dissipation += 0.5 * mass * approach * approach;
     ++audit_.contacts;
   }
 }
@@ -176,10 +255,10 @@ void CouplingStep<D>::check_balance() {
     if (!load_.force[k].allFinite())
       throw NumericalFailure(fmt::format("The load on surface point {} is not finite at t = {:.6g} s; a pressure or a velocity "
                                          "at the interface has run away. Try a smaller fluid.numerics.courant.", k, begin_));
-    add(surface_->position[k], load_.force[k]);
+    add(surface_.position[k], load_.force[k]);
     // The fluid sees the surface move at the trial velocity. The structure's own account uses the motion under the new load;
     // the sum of both is what staggering creates or destroys.
-    audit_.work_on_fluid -= duration_ * load_.force[k].dot(surface_->velocity[k]);
+    audit_.work_on_fluid -= duration_ * load_.force[k].dot(surface_.velocity[k]);
   }
   audit_.force_sum = force.norm();
   audit_.force_size = size;

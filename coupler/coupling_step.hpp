@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "coupler/fixed_point.hpp"
 #include "coupler/interface_pairs.hpp"
 #include "particles/case_file.hpp"
 #include "particles/interface.hpp"
@@ -30,24 +31,40 @@ class CouplingStep {
   /// First exchange: who sees whom, Riemann and VEM forces from u* and the trial velocity, and how the surface yields.
   DissipativeLoad<D> dissipative_load(double begin, double duration, const Surface<D>& surface, const Band<D>& band);
 
-  /// Second exchange: pressure and contact forces, and the load of the structure (everything). Throws NumericalFailure
+  /// The same window once more, with the velocities that the structure reaches under next_trial().
+  DissipativeLoad<D> dissipative_load(const std::vector<Vector<D>>& surface_velocity);
+
+  /// CM3: the load under which structure and fluid have to try this window again, null when their answers agree or cannot be
+  /// brought to agree; null with the other algorithms. Throws NumericalFailure when the load is not finite.
+  const SurfaceLoad<D>* next_trial(const BandPressure<D>& pressure);
+
+  /// Last exchange: pressure and contact forces, and the load of the structure (everything). Throws NumericalFailure
   /// when a force is not finite.
   BandForce<D> interface_force(const BandPressure<D>& pressure);
 
   /// Load on the structure over this window; valid after interface_force().
   const SurfaceLoad<D>& surface_load() const { return load_; }
   const WindowAudit& audit() const { return audit_; }
+  CouplingAlgorithm algorithm() const { return algorithm_; }
+  /// CM3: how the trials of this window went.
+  const FixedPoint& trials() const { return fixed_point_; }
   /// Total load on one body in this window [N/m^(3-D)].
   Vector<D> total_load(std::uint32_t body) const;
 
  private:
   // coupling_step.cpp calls these in order.
+  void add_known_forces();
   void add_riemann();
   void add_velocity_divergence_mitigation();
+  double responding_mass(std::size_t k) const;  ///< [kg/m^2]
+  double robin_mass(std::size_t k) const;       ///< [kg/m^2]
+  double largest_gain() const;
   void set_robin_condition();
   void add_pressure(const BandPressure<D>& pressure);
   void settle_contacts(const BandPressure<D>& pressure);
   void check_balance();
+
+  static Eigen::VectorXd flat(const SurfaceLoad<D>& load);
 
   /// Puts +f on a surface point and -f on a band particle.
   void add_pair_force(std::vector<Vector<D>>& on_band, const InterfacePair<D>& pair, const Vector<D>& force) {
@@ -56,16 +73,19 @@ class CouplingStep {
   }
 
   CouplingCase coupling_;
-  double density_, smoothing_length_, contact_distance_;
+  CouplingAlgorithm algorithm_;  ///< not automatic
+  double density_, spacing_, smoothing_length_, contact_distance_;
   std::vector<double> body_density_;
   VectorExpression gravity_;
   SurfaceProperties properties_;
   Kernel<D> kernel_;
+  FixedPoint fixed_point_;
   InterfacePairs<D> pairs_;
   double begin_ = 0, duration_ = 0;
-  const Surface<D>* surface_ = nullptr;  ///< of the present window; the caller keeps both alive until interface_force()
-  const Band<D>* band_ = nullptr;
-  SurfaceLoad<D> load_, previous_load_;
+  Surface<D> surface_;             ///< of the present trial
+  const Band<D>* band_ = nullptr;  ///< of the present window; the caller keeps it alive until interface_force()
+  SurfaceLoad<D> load_;            ///< that the fluid answers the present trial with
+  SurfaceLoad<D> trial_load_;      ///< under which the structure has made it
   DissipativeLoad<D> dissipative_;
   BandForce<D> band_force_;
   WindowAudit audit_;

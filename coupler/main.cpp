@@ -25,15 +25,19 @@ struct Totals {
   double work_on_fluid = 0, riemann = 0, mitigation = 0, contact = 0;
   double largest_force_error = 0, largest_moment_error = 0;
   double impulse_sum = 0, impulse_size = 0;
-  long contacts = 0, wet_windows = 0;
+  long contacts = 0, wet_windows = 0, trials = 0, open_windows = 0;
+  int most_trials = 0;
 
-  void add(const coupler::WindowAudit& audit, double duration) {
+  void add(const coupler::WindowAudit& audit, const coupler::FixedPoint& fixed_point, double duration) {
     work_on_fluid += audit.work_on_fluid;
     riemann += audit.riemann_dissipation;
     mitigation += audit.mitigation_dissipation;
     contact += audit.contact_dissipation;
     contacts += audit.contacts;
     wet_windows += audit.pairs > 0;
+    trials += fixed_point.trials();
+    most_trials = std::max(most_trials, fixed_point.trials());
+    open_windows += !fixed_point.converged();
     largest_force_error = std::max(largest_force_error, audit.force_error);
     largest_moment_error = std::max(largest_moment_error, audit.moment_error);
     impulse_sum += audit.force_sum * duration;
@@ -76,6 +80,8 @@ void run(const CommandLine& command, const Case& scene, RunReport& report) {
     const SurfaceProperties properties = proto::from_wire(structure_hello.surface());
     refuse_predicted_instability<D>(command, scene, properties, report);
     coupler::CouplingStep<D> step(scene, properties);
+    if (scene.coupling.algorithm == CouplingAlgorithm::automatic)
+      log_info(step.algorithm() == CouplingAlgorithm::cm3 ? "Coupling by CM3: a body is light." : "Coupling by CM2: no body is light.");
     Recorder recorder(command.out,
                       joined(gauge_columns(scene, GaugeOwner::fluid), gauge_columns(scene, GaugeOwner::structure),
                              gauge_columns(scene, GaugeOwner::coupler)),
@@ -117,6 +123,11 @@ void run(const CommandLine& command, const Case& scene, RunReport& report) {
       report.set_measure("moment_audit_max", totals.largest_moment_error);
       report.set_count("contacts", totals.contacts);
       report.set_count("wet_windows", totals.wet_windows);
+      if (step.algorithm() == CouplingAlgorithm::cm3) {
+        report.set_measure("coupling_trials_mean", windows ? static_cast<double>(totals.trials) / static_cast<double>(windows) : 0);
+        report.set_count("coupling_trials_max", totals.most_trials);
+        report.set_count("coupling_windows_open", totals.open_windows);
+      }
       report.timing("wait") = channel.wait_seconds();
       report.timing("exchange") = channel.exchange_seconds();
       report.set_count("bytes_sent", static_cast<long>(channel.bytes_sent()));
@@ -133,7 +144,7 @@ void run(const CommandLine& command, const Case& scene, RunReport& report) {
       const double waited = channel.wait_seconds() + channel.exchange_seconds();
       coupler::run_window<D>(participants, participants, step, now, duration);
       compute_s += watch.seconds() - (channel.wait_seconds() + channel.exchange_seconds() - waited);
-      totals.add(step.audit(), seconds(duration));
+      totals.add(step.audit(), step.trials(), seconds(duration));
       now += duration;
       ++windows;
       const wire::WindowDone& done = participants.window_done();

@@ -52,6 +52,13 @@ class RemoteParticipants {
     at_begin_(message.surface().account());
     return proto::from_wire<D>(message.surface());
   }
+  std::vector<Vector<D>> respond(const SurfaceLoad<D>& load) {
+    wire::Message message;
+    *message.mutable_surface_load() = proto::to_wire<D>(load);
+    message.mutable_surface_load()->set_trial(true);
+    channel_.send(wire::STRUCTURE, std::move(message));
+    return proto::from_wire<D>(channel_.receive(wire::STRUCTURE, {proto::Kind::kSurfaceVelocity}).surface_velocity());
+  }
   void apply(const SurfaceLoad<D>& load) {
     wire::Message message;
     *message.mutable_surface_load() = proto::to_wire<D>(load);

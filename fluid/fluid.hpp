@@ -44,7 +44,8 @@ class Fluid {
   void begin_window(Ticks begin, Ticks duration);
   /// The structure's surface at the middle of the window; returns the particles that see it.
   Band<D> see_surface(const Surface<D>& surface);
-  /// Applies the forces already known and solves the pressure Poisson equation.
+  /// Applies the forces already known and solves the pressure Poisson equation. Of a load with velocities of the surface: the
+  /// same window once more, with these.
   BandPressure<D> solve_pressure(const DissipativeLoad<D>& load);
   /// Applies the pressure, moves, shifts and settles contacts with walls. Throws NumericalFailure.
   void end_window(const BandForce<D>& force);
@@ -105,8 +106,13 @@ class Fluid {
   void damp_velocity_noise();                          // velocity_noise.cpp
   void compute_divergence();                           // divergence.cpp
   void compute_density_source();                       // density_source.cpp
-  void assemble_pressure_poisson(const DissipativeLoad<D>& load);  // pressure_poisson.cpp
-  void make_sealed_fluid_compatible();                 // sealed.cpp
+  void move_surface_at(const std::vector<Vector<D>>& velocity);
+  void assemble_pressure_matrix(const DissipativeLoad<D>& load);  // pressure_poisson.cpp
+  void assemble_pressure_source(const DissipativeLoad<D>& load);  // pressure_poisson.cpp
+  /// kappa_ik of a patch that the particle sees with this weight A_k w~_ik [m^(D-2)].
+  double yielding(const DissipativeLoad<D>& load, int k, double weight) const;
+  void prepare_pressure_solve();                       // pressure_poisson.cpp
+  void account_for_sealed_fluid();                     // sealed.cpp
   void solve_pressure_poisson();                       // pressure_poisson.cpp
   void apply_pressure_gradient();                      // pressure_gradient.cpp
   void settle_wall_contacts();                         // wall_contact.cpp
@@ -153,6 +159,7 @@ class Fluid {
   std::vector<std::uint8_t> active_;       ///< unknown of the pressure equation
   std::vector<std::uint8_t> near_surface_, near_spray_;  ///< a neighbour is not interior; is no unknown
   std::vector<std::uint8_t> sum_form_;     ///< pressure gradient in sum form
+  std::vector<Vector<D>> unprojected_velocity_;  ///< u* before a trial
   std::vector<Motion<D>> motion_;          ///< predicted
   std::vector<std::array<Packed<D>, D>> half_gradient_;  ///< half the velocity gradient, by column; zero where there is none
   std::vector<double> divergence_, density_source_;

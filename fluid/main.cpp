@@ -129,14 +129,18 @@ void run_coupled(const CommandLine& command, const Case& scene, RunReport& repor
         *message.mutable_band() = proto::to_wire<D>(fluid.see_surface(surface));
       }
       channel.send(std::move(message));
-      const auto load = proto::from_wire<D>(channel.receive({Kind::kDissipativeLoad}).dissipative_load());
-      message.Clear();
-      {
-        ScopedTimer timer(compute_s);
-        *message.mutable_band_pressure() = proto::to_wire<D>(fluid.solve_pressure(load));
+      message = channel.receive({Kind::kDissipativeLoad});
+      while (message.has_dissipative_load()) {
+        const auto load = proto::from_wire<D>(message.dissipative_load());
+        message.Clear();
+        {
+          ScopedTimer timer(compute_s);
+          *message.mutable_band_pressure() = proto::to_wire<D>(fluid.solve_pressure(load));
+        }
+        channel.send(std::move(message));
+        message = channel.receive({Kind::kDissipativeLoad, Kind::kBandForce});
       }
-      channel.send(std::move(message));
-      const auto force = proto::from_wire<D>(channel.receive({Kind::kBandForce}).band_force());
+      const auto force = proto::from_wire<D>(message.band_force());
       message.Clear();
       {
         ScopedTimer timer(compute_s);

@@ -26,12 +26,11 @@ constexpr int jacobi_limit = 20000;
 }  // namespace
 
 template <int D>
-void Fluid<D>::assemble_pressure_poisson(const DissipativeLoad<D>& load) {
+void Fluid<D>::assemble_pressure_matrix(const DissipativeLoad<D>& load) {
   const int n = static_cast<int>(state_.size());
-  const double volume = constants_.volume, density = constants_.density;
+  const double volume = constants_.volume;
   const double full = constants_.lattice.laplacian_weight / constants_.lattice.gradient_moment;
   matrix_.reset(n, [&](int i) { return active_[i] ? neighbours_.count[i] : 0; });
-  source_.assign(matrix_.padded_rows(), 0);
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (int i = 0; i < n; ++i) {
     if (!active_[i]) {
@@ -41,17 +40,8 @@ void Fluid<D>::assemble_pressure_poisson(const DissipativeLoad<D>& load) {
     const int first = neighbours_.begin[i], count = neighbours_.count[i];
     const double deficit = enclosed_ ? 0 : 1 - trace_[i];
     double constant = deficit > least_deficit ? volume * deficit * full : 0;
-    double b = -(density / duration_s_) * volume * (divergence_[i] - density_source_[i]);
-    for (int entry = surface_rows_.begin[i]; entry < surface_rows_.begin[i] + surface_rows_.count[i]; ++entry) {
-      const int k = surface_rows_.face[entry];
-      if (load.robin_mass[k] > 0) {
-        const double kappa = 2 * density * volume * surface_rows_.weight[entry] / load.robin_mass[k];
-        constant += kappa;
-        // The face answers the pressure at the face: that of the particle and the weight of the fluid between.
-        const double between = density * gravity_[i].dot(surface_.position[k] - predicted_position_[i]);
-        b += kappa * (load.reference_pressure[k] - between);
-      }
-    }
+    for (int entry = surface_rows_.begin[i]; entry < surface_rows_.begin[i] + surface_rows_.count[i]; ++entry)
+      constant += yielding(load, surface_rows_.face[entry], surface_rows_.weight[entry]);
     const int* column = neighbours_.column.data() + first;
     const double* weight = neighbours_.weight.data() + first;
     const auto edge = [&](int k) { return static_cast<float>(2 * volume * weight[k]); };
@@ -64,9 +54,41 @@ void Fluid<D>::assemble_pressure_poisson(const DissipativeLoad<D>& load) {
     } else {
       matrix_.set_row(i, count, static_cast<float>(constant), [&](int k) { return std::pair<int, float>{column[k], edge(k)}; });
     }
-    source_[i] = b;
   }
   matrix_.pad();
+}
+
+template <int D>
+void Fluid<D>::assemble_pressure_source(const DissipativeLoad<D>& load) {
+  const int n = static_cast<int>(state_.size());
+  const double density = constants_.density, scale = -density / duration_s_ * constants_.volume;
+  source_.assign(matrix_.padded_rows(), 0);
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (int i = 0; i < n; ++i) {
+    if (!active_[i]) continue;
+    double b = scale * (divergence_[i] - density_source_[i]);
+    for (int entry = surface_rows_.begin[i]; entry < surface_rows_.begin[i] + surface_rows_.count[i]; ++entry) {
+      // The face answers the pressure at the face: that of the particle and the weight of the fluid between.
+      const int k = surface_rows_.face[entry];
+      const double between = density * gravity_[i].dot(surface_.position[k] - predicted_position_[i]);
+      b += yielding(load, k, surface_rows_.weight[entry]) * (load.reference_pressure[k] - between);
+    }
+    source_[i] = b;
+  }
+}
+
+template <int D>
+double Fluid<D>::yielding(const DissipativeLoad<D>& load, int k, double weight) const {
+  return load.robin_mass[k] > 0 ? 2 * constants_.density * constants_.volume * weight / load.robin_mass[k] : 0;
+}
+
+template <int D>
+void Fluid<D>::prepare_pressure_solve() {
+  solve_ = {};
+  if (constants_.numerics.preconditioner == Preconditioner::multigrid)
+    multigrid_.build(matrix_, predicted_position_, active_, neighbours_.beside_body, constants_.spacing, constants_.volume);
+  find_sealed_pools<D>(neighbours_, active_, matrix_.constant(), pools_);
+  if (pools_.any()) account_for_sealed_fluid();
 }
 
 template <int D>
@@ -76,12 +98,12 @@ void Fluid<D>::solve_pressure_poisson() {
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (std::ptrdiff_t i = 0; i < n; ++i) pressure_[i] = active_[i] ? state_.pressure[i] : 0;
 
-  make_sealed_fluid_compatible();
+  // Sealed fluid can obey the source but for its mean.
+  if (pools_.any()) pools_.subtract_means(source_);
 
   const double tolerance = constants_.numerics.pressure_tolerance;
-  solve_ = {};
+  const int before = solve_.iterations;  // of the trials before
   if (constants_.numerics.preconditioner == Preconditioner::multigrid) {
-    multigrid_.build(matrix_, predicted_position_, active_, neighbours_.beside_body, constants_.spacing, constants_.volume);
     const auto multigrid = [&](const std::vector<double>& r, std::vector<double>& z) {
       multigrid_.apply(r, z);
       if (pools_.any()) pools_.subtract_means(z);
@@ -95,14 +117,15 @@ void Fluid<D>::solve_pressure_poisson() {
                    "Jacobi-preconditioned conjugate gradients.", solve_.iterations, solve_.residual);
       std::fill(pressure_.begin(), pressure_.end(), 0.0);
     }
-    const int before = solve_.iterations;
+    const int wasted = solve_.iterations;
     const auto jacobi = [&](const std::vector<double>& r, std::vector<double>& z) {
       for (std::ptrdiff_t i = 0; i < n; ++i) z[i] = r[i] / matrix_.diagonal()[i];
       if (pools_.any()) pools_.subtract_means(z);
     };
     solve_ = conjugate_gradient(matrix_, jacobi, source_, tolerance, jacobi_limit, pressure_, work_);
-    solve_.iterations += before;
+    solve_.iterations += wasted;
   }
+  solve_.iterations += before;
   if (!solve_.converged)
     throw NumericalFailure("The pressure solve did not converge at t = " + std::to_string(begin_s_) + " s: relative residual " +
                            std::to_string(solve_.residual) + " after " + std::to_string(solve_.iterations) +
@@ -113,9 +136,14 @@ void Fluid<D>::solve_pressure_poisson() {
   for (std::ptrdiff_t i = 0; i < n; ++i) state_.pressure[i] = pressure_[i];
 }
 
-template void Fluid<2>::assemble_pressure_poisson(const DissipativeLoad<2>&);
-template void Fluid<3>::assemble_pressure_poisson(const DissipativeLoad<3>&);
-template void Fluid<2>::solve_pressure_poisson();
-template void Fluid<3>::solve_pressure_poisson();
+#define TERN_INSTANTIATE(D)                                                      \
+  template void Fluid<D>::assemble_pressure_matrix(const DissipativeLoad<D>&);   \
+  template void Fluid<D>::assemble_pressure_source(const DissipativeLoad<D>&);   \
+  template double Fluid<D>::yielding(const DissipativeLoad<D>&, int, double) const; \
+  template void Fluid<D>::prepare_pressure_solve();                              \
+  template void Fluid<D>::solve_pressure_poisson();
+TERN_INSTANTIATE(2)
+TERN_INSTANTIATE(3)
+#undef TERN_INSTANTIATE
 
 }  // namespace tern::fluid

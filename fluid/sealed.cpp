@@ -91,9 +91,7 @@ void find_sealed_pools(const Neighbours<D>& neighbours, const std::vector<std::u
 }
 
 template <int D>
-void Fluid<D>::make_sealed_fluid_compatible() {
-  find_sealed_pools<D>(neighbours_, active_, matrix_.constant(), pools_);
-  if (!pools_.any()) return;
+void Fluid<D>::account_for_sealed_fluid() {
   const std::ptrdiff_t sealed_rows = std::accumulate(pools_.size.begin(), pools_.size.end(), std::ptrdiff_t{0});
   enclosed_ = enclosed_ || (sealed_rows == static_cast<std::ptrdiff_t>(state_.size()) && !walls_.moving() && surface_.size() == 0);
   SealedAccount& account = sealed_account_;
@@ -103,8 +101,6 @@ void Fluid<D>::make_sealed_fluid_compatible() {
     const double flux = -duration_s_ / constants_.density * b;
     if (std::abs(flux) > std::abs(account.largest_flux)) account.largest_flux = flux;
   }
-  pools_.subtract_means(source_);
-
   if (!walls_.moving() && surface_.size() == 0) return;
   pools_.sum.assign(pools_.size.size(), 0);
   for (std::size_t i = 0; i < pools_.pool.size(); ++i) {
@@ -133,7 +129,7 @@ void Fluid<D>::make_sealed_fluid_compatible() {
 #define TERN_INSTANTIATE(D)                                                                              \
   template void find_sealed_pools<D>(const Neighbours<D>&, const std::vector<std::uint8_t>&,             \
                                      const std::vector<float>&, SealedPools&);                           \
-  template void Fluid<D>::make_sealed_fluid_compatible();
+  template void Fluid<D>::account_for_sealed_fluid();
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)
 #undef TERN_INSTANTIATE

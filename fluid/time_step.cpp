@@ -84,19 +84,31 @@ Band<D> Fluid<D>::see_surface(const Surface<D>& surface) {
 
 template <int D>
 BandPressure<D> Fluid<D>::solve_pressure(const DissipativeLoad<D>& load) {
+  const bool first = load.surface_velocity.empty();
   {
     ScopedTimer timer(timing_.assembly);
-    bool loaded = false;
+    bool changed = false;
+    if (first) {
+      if (load.repeats) unprojected_velocity_ = predicted_velocity_;
+    } else {
+      predicted_velocity_ = unprojected_velocity_;  // what the last trial has done to the fluid is undone
+      move_surface_at(load.surface_velocity);
+      changed = true;
+    }
     for (std::size_t m = 0; m < load.force.size(); ++m) {
       predicted_velocity_[band_[m]] += (duration_s_ / constants_.mass) * load.force[m];
-      loaded = loaded || load.force[m].squaredNorm() > 0;
+      changed = changed || load.force[m].squaredNorm() > 0;
     }
-    if (loaded) compute_divergence();
-    compute_density_source();
-    assemble_pressure_poisson(load);
+    if (changed) compute_divergence();
+    if (first) {
+      compute_density_source();
+      assemble_pressure_matrix(load);
+    }
+    assemble_pressure_source(load);
   }
   {
     ScopedTimer timer(timing_.pressure_solve);
+    if (first) prepare_pressure_solve();
     solve_pressure_poisson();
   }
   ScopedTimer timer(timing_.correction);
@@ -211,6 +223,16 @@ void Fluid<D>::hide_walls_behind_structure() {
 }
 
 template <int D>
+void Fluid<D>::move_surface_at(const std::vector<Vector<D>>& velocity) {
+  for (int i : band_)
+    for (int entry = surface_rows_.begin[i]; entry < surface_rows_.begin[i] + surface_rows_.count[i]; ++entry) {
+      const int k = surface_rows_.face[entry];
+      boundary_.flux[i] += surface_rows_.weight[entry] * surface_.normal[k].dot(velocity[k] - surface_.velocity[k]);
+    }
+  surface_.velocity = velocity;
+}
+
+template <int D>
 void Fluid<D>::count_leaks(const Faces<D>& faces, const FaceRows& rows) {
   // A particle that saw the front of a patch and now stands a quarter spacing behind it has gone through.
   const double depth = 0.25 * constants_.spacing;
@@ -304,6 +326,7 @@ StepProposal Fluid<D>::propose_step() const {
   template void Fluid<D>::wrap_into_period();                                    \
   template void Fluid<D>::sort_by_cell();                                        \
   template void Fluid<D>::hide_walls_behind_structure();                         \
+  template void Fluid<D>::move_surface_at(const std::vector<Vector<D>>&);         \
   template void Fluid<D>::count_leaks(const Faces<D>&, const FaceRows&);          \
   template void Fluid<D>::remove_escaped();                                      \
   template void Fluid<D>::check_finite() const;

@@ -41,6 +41,10 @@ def text(contents, out):
     mean, most = measure(contents, "pressure_iterations_mean"), measure(contents, "pressure_iterations_max")
     if mean is not None:
         lines.append(f"  pressure iterations per step: mean {mean:.1f}, max {most or 0:.0f}")
+    trials, open_windows = measure(contents, "coupling_trials_mean"), measure(contents, "coupling_windows_open")
+    if trials is not None:
+        lines.append(f"  trials per window (CM3): mean {trials:.1f}, max {measure(contents, 'coupling_trials_max') or 0:.0f}"
+                     + (f"; {open_windows:.0f} windows did not reach the tolerance" if open_windows else ""))
     for name, label, form in (("volume_drift", "volume drift of the fluid", "{:+.3%}"),
                               ("momentum_audit_max", "momentum audit, largest relative sum of interface forces", "{:.1e}"),
                               ("added_mass_ratio_predicted", "added-mass ratio, predicted", "{:.3g}"),

@@ -143,7 +143,7 @@ Estimate estimate_in(const Case& scene) {
   const double paid_sub_steps = integrator == Integrator::explicit_steps ? result.sub_steps
                                 : integrator == Integrator::implicit_steps ? implicit_window
                                                                            : std::min(result.sub_steps, implicit_window);
-  const double passes = scene.fluid && scene.coupling.algorithm == CouplingAlgorithm::cm2 ? 2 : 1;
+  const double passes = !scene.fluid || scene.coupling.algorithm == CouplingAlgorithm::cm0 ? 1 : 2;
   const auto particles = static_cast<double>(result.fluid_particles);
   result.fluid_cpu = fluid_cost_2d * (D == 3 ? 3 : 1) * particles * result.steps;
   result.structure_cpu =

@@ -364,7 +364,13 @@ Case convert(const Setting& settings, const fs::path& folder) {
   if (const Setting* structure = settings.find("structure"))
     scene.structure = read_structure(*structure, scene.dimension, scene.fluid.has_value(), folder);
   if (const Setting* coupling = settings.find("coupling")) {
-    scene.coupling.algorithm = text(*coupling, "algorithm") == "CM0" ? CouplingAlgorithm::cm0 : CouplingAlgorithm::cm2;
+    const std::string algorithm = text(*coupling, "algorithm");
+    scene.coupling.algorithm = algorithm == "CM0"   ? CouplingAlgorithm::cm0
+                               : algorithm == "CM2" ? CouplingAlgorithm::cm2
+                               : algorithm == "CM3" ? CouplingAlgorithm::cm3
+                                                    : CouplingAlgorithm::automatic;
+    scene.coupling.acceleration = text(*coupling, "acceleration") == "aitken" ? Acceleration::aitken : Acceleration::iqn_ils;
+    scene.coupling.tolerance = number(*coupling, "tolerance");
     const std::string scheme = text(*coupling, "scheme");
     scene.coupling.scheme = scheme == "fsa"  ? InterfaceScheme::fsa
                             : scheme == "pi" ? InterfaceScheme::pi

@@ -17,7 +17,9 @@ namespace tern {
 
 enum class GradientForm { sum, blend };           ///< pairwise sum form, or corrected interior blended with it
 enum class Preconditioner { multigrid, jacobi };
-enum class CouplingAlgorithm { cm0, cm2 };        ///< explicit; predict-project-correct
+/// Explicit; predict-project-correct; the same, repeated until both sides agree; cm3 for light bodies, else cm2.
+enum class CouplingAlgorithm { cm0, cm2, cm3, automatic };
+enum class Acceleration { iqn_ils, aitken };      ///< of the repetitions of cm3
 enum class Integrator { explicit_steps, implicit_steps, automatic };
 enum class MaterialLaw { neo_hookean, st_venant_kirchhoff };
 enum class InterfaceScheme { fsa, pi, riemann };  ///< corrected gradient, surface integral of the pressure, pairs with dissipation
@@ -113,12 +115,14 @@ struct StructureCase {
 };
 
 struct CouplingCase {
-  CouplingAlgorithm algorithm = CouplingAlgorithm::cm2;
+  CouplingAlgorithm algorithm = CouplingAlgorithm::automatic;
   InterfaceScheme scheme = InterfaceScheme::riemann;
   double riemann_limiter = 3.0;                 ///< eta in beta = min(eta max(du,0)/c0, 1)
   std::optional<double> vem_coefficient;        ///< C of the velocity-divergence-error-mitigating term; absent = not evaluated
   VemForm vem_form = VemForm::pairmax;
   double robin_mass_factor = 1.0;               ///< m_p / m_s
+  Acceleration acceleration = Acceleration::iqn_ils;
+  double tolerance = 1e-4;                      ///< relative residual of the load at which cm3 stops to repeat a window
 };
 
 struct GaugeCase {

@@ -136,9 +136,11 @@ std::string explain_text(const Case& scene) {
   }());
   if (coupled) {
     text += fmt::format(
-        "* Their interaction through {} ({}), {}, {}.\n",
-        scene.coupling.algorithm == CouplingAlgorithm::cm2 ? "CM2" : "CM0",
-        scene.coupling.algorithm == CouplingAlgorithm::cm2 ? "predict, project, correct" : "explicit staggering",
+        "* Their interaction through {}, {}, {}.\n",
+        scene.coupling.algorithm == CouplingAlgorithm::cm0   ? "CM0 (explicit staggering)"
+        : scene.coupling.algorithm == CouplingAlgorithm::cm2 ? "CM2 (predict, project, correct)"
+        : scene.coupling.algorithm == CouplingAlgorithm::cm3 ? "CM3 (predict, project, correct, repeated until both sides agree)"
+                                                             : "CM2 (predict, project, correct; repeated, CM3, if a body is light)",
         scene.coupling.scheme == InterfaceScheme::riemann ? "Riemann pressure of every pair"
         : scene.coupling.scheme == InterfaceScheme::pi    ? "surface integral of the mean pressure"
                                                           : "corrected pressure gradient at the structure (FSA)",

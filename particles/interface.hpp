@@ -38,15 +38,18 @@ struct Band {
   std::vector<double> divergence;   ///< div u* over all phases [1/s], for the velocity-divergence-error-mitigating term
 };
 
-/// What the fluid is told before its pressure solve: forces that are already known, and how the surface yields.
+/// What the fluid is told before its pressure solve: forces that are already known, and how the surface moves and yields.
 template <int D>
 struct DissipativeLoad {
   std::vector<Vector<D>> force;            ///< on each band particle [N/m^(3-D)]
   std::vector<double> reference_pressure;  ///< p-hat on each surface point [Pa], the load the trial state already carries
   std::vector<double> robin_mass;          ///< m_p on each surface point [kg/m^2]; 0: it does not yield
+  /// Velocity of each surface point under the load that is tried now [m/s]; empty: as in Surface.
+  std::vector<Vector<D>> surface_velocity;
+  bool repeats = false;                    ///< the same window may be asked for once more
 };
 
-/// The band after the pressure solve.
+/// The band after a pressure solve.
 template <int D>
 struct BandPressure {
   std::vector<double> pressure;     ///< p [Pa]

@@ -182,9 +182,14 @@ const std::vector<Parameter>& parameters() {
        "a count of what the implicit steps take. Absent = auto beside a fluid, whose steps are what the motion needs; explicit "
        "alone, where nothing but the sub-steps resolves a wave."},
 
-      {"coupling", "algorithm", Type::choice, "", "\"CM2\"", any, {"CM0", "CM2"},
-       "CM2: predict, project, correct; CM0: explicit staggering, unstable where the fluid's added mass exceeds the "
-       "mass of the structure."},
+      {"coupling", "algorithm", Type::choice, "", "\"auto\"", any, {"auto", "CM0", "CM2", "CM3"},
+       "CM2: predict, project, correct; CM3: the same, repeated until both sides agree, for bodies of any lightness; CM0: explicit "
+       "staggering, unstable where the fluid's added mass exceeds the mass of the structure; auto: CM3 where the mass behind a "
+       "face is less than that of half a layer of fluid particles, else CM2."},
+      {"coupling", "acceleration", Type::choice, "", "\"iqn-ils\"", any, {"iqn-ils", "aitken"},
+       "How CM3 finds its next trial: quasi-Newton from the trials before, of this and earlier windows; or one factor."},
+      {"coupling", "tolerance", Type::number, "-", "1e-4", between(0, 1), {},
+       "Change of the load from one trial of CM3 to the next, over the load, at which the window is done."},
       {"coupling", "scheme", Type::choice, "", "\"riemann\"", any, {"fsa", "pi", "riemann"},
        "How the fluid's pressure becomes a load (docs/SCHEMES.md). riemann: particle by particle, with Riemann dissipation; pi: "
        "the mean pressure at a face times its area; fsa: the same with the corrected pressure gradient of the fluid."},

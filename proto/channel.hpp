@@ -15,7 +15,7 @@
 
 namespace tern::proto {
 
-inline constexpr std::uint32_t protocol_version = 1;
+inline constexpr std::uint32_t protocol_version = 2;
 
 using Kind = wire::Message::BodyCase;
 

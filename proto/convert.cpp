@@ -91,12 +91,15 @@ wire::DissipativeLoad to_wire(const DissipativeLoad<D>& load) {
   put<D>(message.mutable_force(), load.force);
   put(message.mutable_reference_pressure(), load.reference_pressure);
   put(message.mutable_robin_mass(), load.robin_mass);
+  put<D>(message.mutable_surface_velocity(), load.surface_velocity);
+  message.set_repeats(load.repeats);
   return message;
 }
 
 template <int D>
 DissipativeLoad<D> from_wire(const wire::DissipativeLoad& message) {
-  return {get_vectors<D>(message.force()), get(message.reference_pressure()), get(message.robin_mass())};
+  return {get_vectors<D>(message.force()), get(message.reference_pressure()), get(message.robin_mass()),
+          get_vectors<D>(message.surface_velocity()), message.repeats()};
 }
 
 template <int D>
@@ -136,6 +139,18 @@ SurfaceLoad<D> from_wire(const wire::SurfaceLoad& message) {
   return {get_vectors<D>(message.force())};
 }
 
+template <int D>
+wire::SurfaceVelocity to_wire(const std::vector<Vector<D>>& velocity) {
+  wire::SurfaceVelocity message;
+  put<D>(message.mutable_velocity(), velocity);
+  return message;
+}
+
+template <int D>
+std::vector<Vector<D>> from_wire(const wire::SurfaceVelocity& message) {
+  return get_vectors<D>(message.velocity());
+}
+
 #define TERN_INSTANTIATE(D)                                               \
   template wire::Surface to_wire<D>(const Surface<D>&);                   \
   template wire::Band to_wire<D>(const Band<D>&);                         \
@@ -143,6 +158,8 @@ SurfaceLoad<D> from_wire(const wire::SurfaceLoad& message) {
   template wire::BandPressure to_wire<D>(const BandPressure<D>&);         \
   template wire::BandForce to_wire<D>(const BandForce<D>&);               \
   template wire::SurfaceLoad to_wire<D>(const SurfaceLoad<D>&);           \
+  template wire::SurfaceVelocity to_wire<D>(const std::vector<Vector<D>>&); \
+  template std::vector<Vector<D>> from_wire<D>(const wire::SurfaceVelocity&); \
   template Surface<D> from_wire<D>(const wire::Surface&);                 \
   template Band<D> from_wire<D>(const wire::Band&);                       \
   template DissipativeLoad<D> from_wire<D>(const wire::DissipativeLoad&); \

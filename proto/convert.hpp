@@ -24,6 +24,8 @@ template <int D>
 wire::BandForce to_wire(const BandForce<D>& force);
 template <int D>
 wire::SurfaceLoad to_wire(const SurfaceLoad<D>& load);
+template <int D>
+wire::SurfaceVelocity to_wire(const std::vector<Vector<D>>& velocity);
 
 template <int D>
 Surface<D> from_wire(const wire::Surface& message);
@@ -37,5 +39,7 @@ template <int D>
 BandForce<D> from_wire(const wire::BandForce& message);
 template <int D>
 SurfaceLoad<D> from_wire(const wire::SurfaceLoad& message);
+template <int D>
+std::vector<Vector<D>> from_wire(const wire::SurfaceVelocity& message);
 
 }  // namespace tern::proto

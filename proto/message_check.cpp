@@ -163,7 +163,10 @@ void check_dissipative_load(Check& check, const wire::DissipativeLoad& load, con
   check.length("reference_pressure", load.reference_pressure_size(), agreement.surface_points.value_or(0),
                "one per surface point");
   check.length("robin_mass", load.robin_mass_size(), agreement.surface_points.value_or(0), "one per surface point");
+  check.length("surface_velocity", load.surface_velocity_size(), agreement.projected ? D * agreement.surface_points.value_or(0) : 0,
+               agreement.projected ? "dimension times surface points" : "none in the first of a window");
   check.finite("force", load.force());
+  check.finite("surface_velocity", load.surface_velocity());
   check.finite("reference_pressure", load.reference_pressure());
   check.each(
       "robin_mass", load.robin_mass(), [](double v) { return v >= 0; }, "finite and 0 or more");
@@ -214,6 +217,10 @@ void remember(const wire::Message& message, Agreement& agreement) {
       break;
     case Kind::kBand:
       agreement.band_particles = message.band().id_size();
+      agreement.projected = false;
+      break;
+    case Kind::kDissipativeLoad:
+      agreement.projected = true;
       break;
     default:
       break;
@@ -287,6 +294,14 @@ std::string find_body_fault(const wire::Message& message, const Agreement& agree
       check.proposed_step(done.proposed_step_s(), "finite and above 0", done.proposed_step_s() > 0);
       check.name_length("limit", done.limit());
       check.account(done.account(), agreement.energies, agreement.gauges);
+      break;
+    }
+    case Kind::kSurfaceVelocity: {
+      const auto& velocity = message.surface_velocity().velocity();
+      check.length("velocity", velocity.size(),
+                   static_cast<std::size_t>(agreement.dimension) * agreement.surface_points.value_or(0),
+                   "dimension times surface points");
+      check.finite("velocity", velocity);
       break;
     }
     case Kind::kSurfaceLoad:

@@ -23,6 +23,7 @@ struct Agreement {
   int dimension = 0;                             ///< 2 or 3, from Hello
   std::optional<std::size_t> surface_points;     ///< from Welcome or the structure's Hello
   std::optional<std::size_t> band_particles;     ///< of the last Band
+  bool projected = false;  ///< the pressure of this window has been asked for
   std::optional<std::size_t> energies, gauges;   ///< lengths of the participant's Account in its Hello
   std::optional<std::int64_t> next_begin_ticks;  ///< end of the last window
 };

@@ -1,6 +1,8 @@
 #pragma once
 // The structure as the coupling sees it: a predicted surface, then the load of the window.
 
+#include <vector>
+
 #include "particles/case_file.hpp"
 #include "structure/structure.hpp"
 
@@ -9,9 +11,10 @@ namespace tern::structure {
 template <int D>
 class CoupledStructure {
  public:
-  CoupledStructure(Structure<D>& structure, CouplingAlgorithm algorithm) : structure_(structure), algorithm_(algorithm) {}
+  CoupledStructure(Structure<D>& structure, CouplingAlgorithm algorithm)
+      : structure_(structure), algorithm_(algorithm), velocity_(structure.surface().velocity) {}
 
-  /// CM2: halfway to the trial state under the old load, with that state's velocity. CM0: the present surface moved on for
+  /// CM2, CM3: halfway to the trial state under the old load, with that state's velocity. CM0: the present surface moved on for
   /// half a window at its velocity.
   Surface<D> predict_surface(Ticks begin, Ticks duration) {
     begin_ = begin;
@@ -22,7 +25,9 @@ class CoupledStructure {
         surface.position[k] += 0.5 * seconds(duration) * surface.velocity[k];
       return surface;
     }
+    position_at_begin_ = surface.position;
     Surface<D> trial = structure_.trial(begin, duration);
+    trial.velocity = velocity_at_end(trial.position);
     for (std::size_t k = 0; k < surface.position.size(); ++k) {
       trial.position[k] = 0.5 * (surface.position[k] + trial.position[k]);
       trial.normal[k] = (surface.normal[k] + trial.normal[k]).normalized();
@@ -31,16 +36,36 @@ class CoupledStructure {
     return trial;
   }
 
+  /// CM3: velocities of the surface at the end of the window under this load.
+  std::vector<Vector<D>> respond(const SurfaceLoad<D>& load) {
+    structure_.advance(load);
+    return velocity_at_end(structure_.surface().position);
+  }
+
   /// Brings the structure to the end of the window under this load.
   void apply(const SurfaceLoad<D>& load) {
     if (algorithm_ == CouplingAlgorithm::cm0) structure_.trial(begin_, duration_);
     structure_.advance(load);
+    if (algorithm_ != CouplingAlgorithm::cm0) velocity_ = velocity_at_end(structure_.surface().position);
   }
 
  private:
+  /// Velocity of the surface at the end of the window, from where it has come to: a body that is held by its stiffness, of
+  /// which sub-steps resolve every oscillation, may at that instant move either way, but never further against a load than
+  /// without it. With the velocity at the end as twice the mean velocity less that at the begin, the work of a load on the
+  /// fluid is that on the structure. A part is forgotten from window to window, so that motions too fast for the windows die out.
+  std::vector<Vector<D>> velocity_at_end(const std::vector<Vector<D>>& position) const {
+    constexpr double kept = 0.8;
+    std::vector<Vector<D>> velocity(position.size());
+    for (std::size_t k = 0; k < position.size(); ++k)
+      velocity[k] = (1 + kept) / seconds(duration_) * (position[k] - position_at_begin_[k]) - kept * velocity_[k];
+    return velocity;
+  }
+
   Structure<D>& structure_;
   CouplingAlgorithm algorithm_;
   Ticks begin_ = 0, duration_ = 0;
+  std::vector<Vector<D>> velocity_, position_at_begin_;  ///< of the surface at the begin of the window
 };
 
 }  // namespace tern::structure

@@ -121,10 +121,17 @@ void run_coupled(const CommandLine& command, const Case& scene, RunReport& repor
         *message.mutable_surface()->mutable_account() = at_begin;
       }
       channel.send(std::move(message));
-      const auto load = proto::from_wire<D>(channel.receive({Kind::kSurfaceLoad}).surface_load());
-      {
+      for (bool trial = true; trial;) {
+        const wire::Message answer = channel.receive({Kind::kSurfaceLoad});
+        trial = answer.surface_load().trial();
+        const auto load = proto::from_wire<D>(answer.surface_load());
         ScopedTimer timer(compute_s);
-        coupled.apply(load);
+        if (!trial) {
+          coupled.apply(load);
+          break;
+        }
+        *message.mutable_surface_velocity() = proto::to_wire<D>(coupled.respond(load));
+        channel.send(message);
       }
       ++step;
       measures.add(structure);

@@ -186,6 +186,11 @@ Surface<D> Structure<D>::surface() const {
 }
 
 template <int D>
+std::vector<Vector<D>> Structure<D>::surface_velocity() const {
+  return tern::structure::surface_velocity(parts_->attachment, parts_->state);
+}
+
+template <int D>
 const SurfaceLoad<D>& Structure<D>::load() const {
   return parts_->state.load;
 }

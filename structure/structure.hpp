@@ -87,6 +87,7 @@ class Structure {
 
   /// Surface in the present state: after advance() the end of the window.
   Surface<D> surface() const;
+  std::vector<Vector<D>> surface_velocity() const;  ///< the same, velocities only [m/s]
 
   /// Load under which the present state was reached; zero forces before the first window.
   const SurfaceLoad<D>& load() const;

@@ -67,26 +67,30 @@ SurfaceAttachment<D> attach_surface(const Reference<D>& reference) {
 }
 
 template <int D>
+std::vector<Vector<D>> surface_velocity(const SurfaceAttachment<D>& attachment, const State<D>& state) {
+  std::vector<Vector<D>> velocity(attachment.row.size());
+  for (std::size_t k = 0; k < velocity.size(); ++k)
+    for (int a = 0; a < D; ++a) velocity[k][a] = state.velocity[a][attachment.row[k]];
+  return velocity;
+}
+
+template <int D>
 Surface<D> present_surface(const SurfaceAttachment<D>& attachment, const Reference<D>& reference,
                            const State<D>& state, const Workspace<D>& work) {
   const std::size_t count = attachment.row.size();
   Surface<D> surface;
+  surface.velocity = surface_velocity(attachment, state);
   surface.position.resize(count);
-  surface.velocity.resize(count);
   surface.normal.resize(count);
   surface.area.resize(count);
   for (std::size_t k = 0; k < count; ++k) {
     const auto row = attachment.row[k];
-    Vector<D> d, v;
-    for (int a = 0; a < D; ++a) {
-      d[a] = state.displacement[a][row];
-      v[a] = state.velocity[a][row];
-    }
+    Vector<D> d;
+    for (int a = 0; a < D; ++a) d[a] = state.displacement[a][row];
     const Matrix<D> f = deformation_gradient_of<D>(work, row);
     const Vector<D> normal = f.determinant() * f.inverse().transpose() * attachment.normal[k];
     const double stretch = normal.norm();
     surface.position[k] = reference.position_of(row) + d + f * attachment.offset[k];
-    surface.velocity[k] = v;
     surface.normal[k] = normal / stretch;
     surface.area[k] = attachment.area[k] * stretch;
   }
@@ -95,6 +99,8 @@ Surface<D> present_surface(const SurfaceAttachment<D>& attachment, const Referen
 
 template SurfaceAttachment<2> attach_surface<2>(const Reference<2>&);
 template SurfaceAttachment<3> attach_surface<3>(const Reference<3>&);
+template std::vector<Vector<2>> surface_velocity<2>(const SurfaceAttachment<2>&, const State<2>&);
+template std::vector<Vector<3>> surface_velocity<3>(const SurfaceAttachment<3>&, const State<3>&);
 template Surface<2> present_surface<2>(const SurfaceAttachment<2>&, const Reference<2>&, const State<2>&,
                                        const Workspace<2>&);
 template Surface<3> present_surface<3>(const SurfaceAttachment<3>&, const Reference<3>&, const State<3>&,

@@ -29,4 +29,8 @@ template <int D>
 Surface<D> present_surface(const SurfaceAttachment<D>& attachment, const Reference<D>& reference,
                            const State<D>& state, const Workspace<D>& work);
 
+/// Velocities of the surface points in a state [m/s].
+template <int D>
+std::vector<Vector<D>> surface_velocity(const SurfaceAttachment<D>& attachment, const State<D>& state);
+
 }  // namespace tern::structure

@@ -26,8 +26,11 @@ def _positive(field, values):
     _numbers(field, values, lambda v: v > 0, "finite and above 0")
 
 
-def check_body(message, dimension, surface_points, band_particles):
-    """Raises BadMessage when the body of a message of the coupler cannot be used by a participant."""
+def check_body(message, dimension, surface_points, band_particles, projected=False):
+    """Raises BadMessage when the body of a message of the coupler cannot be used by a participant.
+
+    `projected`: this participant has sent a band_pressure in this window, so that a dissipative_load repeats it.
+    """
     kind = message.WhichOneof("body")
     body = getattr(message, kind)
     if kind == "begin_window":
@@ -46,6 +49,8 @@ def check_body(message, dimension, surface_points, band_particles):
         _length("force", body.force, dimension * band_particles)
         _length("reference_pressure", body.reference_pressure, surface_points)
         _length("robin_mass", body.robin_mass, surface_points)
+        _length("surface_velocity", body.surface_velocity, dimension * surface_points if projected else 0)
+        _numbers("surface_velocity", body.surface_velocity)
         _numbers("force", body.force)
         _numbers("reference_pressure", body.reference_pressure)
         _numbers("robin_mass", body.robin_mass, lambda v: v >= 0, "finite and 0 or more")

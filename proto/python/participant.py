@@ -17,7 +17,7 @@ from zmq.utils.monitor import recv_monitor_message
 from message_check import MAX_MESSAGE_BYTES, BadMessage, check_body
 from schema import wire
 
-PROTOCOL_VERSION = 1
+PROTOCOL_VERSION = 2
 HEARTBEAT_INTERVAL_MS = 1000
 HEARTBEAT_TIMEOUT_MS = 5000
 LINGER_MS = 500
@@ -39,7 +39,7 @@ class Participant:
         self._sent = self._received = 0
         self._dimension = self._surface_points = self._band_particles = 0
         self._next_begin_ticks = None
-        self._lost = False
+        self._lost = self._projected = False
         self.step = 0
         self._context = zmq.Context()
         self._socket = self._context.socket(zmq.DEALER)
@@ -80,6 +80,7 @@ class Participant:
         self._sent += 1
         if "band" in body:
             self._band_particles = len(body["band"].id)
+        self._projected = "band_pressure" in body
         message = wire.Message(protocol_version=PROTOCOL_VERSION, sender=self._role, sequence=self._sent, step=self.step, **body)
         self._socket.send(message.SerializeToString(), zmq.DONTWAIT)
 
@@ -139,7 +140,7 @@ class Participant:
         if kind not in kinds:
             self._fail(f"body is {kind}; it must be {' or '.join(kinds)} now")
         try:
-            check_body(message, self._dimension, self._surface_points, self._band_particles)
+            check_body(message, self._dimension, self._surface_points, self._band_particles, self._projected)
         except BadMessage as fault:
             self._fail(f"{kind}: {fault}")
         if kind == "begin_window":

@@ -170,6 +170,19 @@ TEST(ProcessSplit, AnExplicitRunInOneProcessAndInThreeGivesTheSameBits) {
   expect_same_bits(run_here(read_case(case_path, options)), read_last_frame(out.path()));
 }
 
+// A light plate: every window is tried several times.
+TEST(ProcessSplit, ARepeatedWindowInOneProcessAndInThreeGivesTheSameBits) {
+  const ScratchDirectory out;
+  CaseOptions options;
+  options.overrides = {{"coupling.algorithm", "auto"}, {"structure.body.plate.density", "100"}, {"end_time", "0.06"},
+                       {"structure.numerics.integrator", "explicit"}};
+  std::vector<std::string> words;
+  for (const auto& [key, value] : options.overrides) words.insert(words.end(), {"--set", key + "=" + value});
+  ASSERT_TRUE(run_three(out.path(), words));
+  EXPECT_NE(text_of(out / "report.coupler.json").find("coupling_trials_mean"), std::string::npos) << "coupled by CM3";
+  expect_same_bits(run_here(read_case(case_path, options)), read_last_frame(out.path()));
+}
+
 // 11 250 particles: enough for every parallel loop of the fluid to be one.
 TEST(ProcessSplit, TwoRunsAndOneAndTwoThreadsGiveTheSameBits) {
   const ScratchDirectory first, second, threaded;

@@ -26,7 +26,8 @@ void fluid_run(const std::string& address) {
     channel.send(samples::make(Kind::kBand));
     channel.receive({Kind::kDissipativeLoad});
     channel.send(samples::make(Kind::kBandPressure));
-    channel.receive({Kind::kBandForce});
+    while (channel.receive({Kind::kDissipativeLoad, Kind::kBandForce}).has_dissipative_load())
+      channel.send(samples::make(Kind::kBandPressure));
     channel.send(samples::make(Kind::kWindowDone));
   }
   channel.send(samples::make(Kind::kFinished));
@@ -43,6 +44,8 @@ void structure_run(const std::string& address) {
     const wire::Message begin = channel.receive({Kind::kBeginWindow, Kind::kFinish});
     if (begin.has_finish()) break;
     channel.send(samples::make(Kind::kSurface, wire::STRUCTURE));
+    if (!channel.receive({Kind::kSurfaceLoad}).surface_load().trial()) continue;
+    channel.send(samples::make(Kind::kSurfaceVelocity, wire::STRUCTURE));
     channel.receive({Kind::kSurfaceLoad});
   }
   wire::Message finished;
@@ -67,6 +70,16 @@ void window(CouplerChannel& channel, std::uint64_t step) {
   EXPECT_EQ(band.band().id(2), 9u);
   channel.send(wire::FLUID, samples::make(Kind::kDissipativeLoad));
   channel.receive(wire::FLUID, {Kind::kBandPressure});
+  if (step % 2 == 0) {  // this window is tried a second time
+    wire::Message trial = samples::make(Kind::kSurfaceLoad);
+    trial.mutable_surface_load()->set_trial(true);
+    channel.send(wire::STRUCTURE, trial);
+    const auto answer = channel.receive(wire::STRUCTURE, {Kind::kSurfaceVelocity});
+    wire::Message load = samples::make(Kind::kDissipativeLoad);
+    *load.mutable_dissipative_load()->mutable_surface_velocity() = answer.surface_velocity().velocity();
+    channel.send(wire::FLUID, load);
+    channel.receive(wire::FLUID, {Kind::kBandPressure});
+  }
   channel.send(wire::FLUID, samples::make(Kind::kBandForce));
   channel.send(wire::STRUCTURE, samples::make(Kind::kSurfaceLoad));
   channel.receive(wire::FLUID, {Kind::kWindowDone});

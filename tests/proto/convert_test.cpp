@@ -85,11 +85,14 @@ void round_trip(std::size_t n) {
   expect_same_bits(band.volume, band2.volume);
   expect_same_bits(band.divergence, band2.divergence);
 
-  const DissipativeLoad<D> load{vectors<D>(random, n), scalars(random, n + 1), scalars(random, n + 1)};
+  const DissipativeLoad<D> load{vectors<D>(random, n), scalars(random, n + 1), scalars(random, n + 1),
+                                vectors<D>(random, n + 1), true};
   const auto load2 = from_wire<D>(through_bytes(to_wire(load)));
   expect_same_bits<D>(load.force, load2.force);
   expect_same_bits(load.reference_pressure, load2.reference_pressure);
   expect_same_bits(load.robin_mass, load2.robin_mass);
+  expect_same_bits<D>(load.surface_velocity, load2.surface_velocity);
+  EXPECT_EQ(load.repeats, load2.repeats);
 
   const BandPressure<D> pressure{scalars(random, n), vectors<D>(random, n)};
   const auto pressure2 = from_wire<D>(through_bytes(to_wire(pressure)));
@@ -100,6 +103,9 @@ void round_trip(std::size_t n) {
   expect_same_bits<D>(force.force, from_wire<D>(through_bytes(to_wire(force))).force);
   const SurfaceLoad<D> surface_load{vectors<D>(random, n)};
   expect_same_bits<D>(surface_load.force, from_wire<D>(through_bytes(to_wire(surface_load))).force);
+
+  const std::vector<Vector<D>> velocity = vectors<D>(random, n);
+  expect_same_bits<D>(velocity, from_wire<D>(through_bytes(to_wire<D>(velocity))));
 
   const SurfaceProperties properties{labels(random, n), scalars(random, n), scalars(random, n), scalars(random, n)};
   const auto properties2 = from_wire(through_bytes(to_wire(properties)));

@@ -84,8 +84,8 @@ Refusal raw_refusal(const std::function<void(wire::Message&)>& change) {
 }
 
 TEST(Handshake, AnotherProtocolVersionIsRefused) {
-  expect_both_say(raw_refusal([](wire::Message& m) { m.set_protocol_version(2); }),
-                  "The structure process speaks protocol version 2, the coupler version 1");
+  expect_both_say(raw_refusal([](wire::Message& m) { m.set_protocol_version(7); }),
+                  "The structure process speaks protocol version 7, the coupler version 2");
 }
 
 TEST(Handshake, InconsistentCountsAreRefused) {

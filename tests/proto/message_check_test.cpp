@@ -139,6 +139,13 @@ const BodyFault body_faults[] = {
      [](auto& m) { m.mutable_dissipative_load()->set_reference_pressure(1, nan); }, "reference_pressure[1] is nan"},
     {"DissipativeLoad mass negative", Kind::kDissipativeLoad, wire::COUPLER,
      [](auto& m) { m.mutable_dissipative_load()->set_robin_mass(0, -1); }, "robin_mass[0] is -1"},
+    {"DissipativeLoad velocity in the first of a window", Kind::kDissipativeLoad, wire::COUPLER,
+     [](auto& m) { samples::fill(m.mutable_dissipative_load()->mutable_surface_velocity(), {0, 0, 0, 0}); },
+     "surface_velocity has 4 entries; it must have 0"},
+    {"SurfaceVelocity length", Kind::kSurfaceVelocity, wire::STRUCTURE,
+     [](auto& m) { m.mutable_surface_velocity()->add_velocity(1); }, "velocity has 5 entries; it must have 4"},
+    {"SurfaceVelocity not finite", Kind::kSurfaceVelocity, wire::STRUCTURE,
+     [](auto& m) { m.mutable_surface_velocity()->set_velocity(2, nan); }, "velocity[2] is nan"},
     {"BandPressure length", Kind::kBandPressure, wire::FLUID,
      [](auto& m) { m.mutable_band_pressure()->add_pressure(1); }, "pressure has 4 entries"},
     {"BandPressure velocity length", Kind::kBandPressure, wire::FLUID,
@@ -210,19 +217,19 @@ TEST(MessageCheck, EveryEnvelopeFaultIsFoundAndNamed) {
     return find_envelope_fault(message, envelope, {Kind::kBand, Kind::kBandPressure});
   };
   EXPECT_EQ(fault([](auto&) {}), "");
-  EXPECT_EQ(fault([](auto& m) { m.set_protocol_version(2); }), "protocol_version is 2; this program speaks version 1");
+  EXPECT_EQ(fault([](auto& m) { m.set_protocol_version(7); }), "protocol_version is 7; this program speaks version 2");
   EXPECT_EQ(fault([](auto& m) { m.set_sender(wire::STRUCTURE); }), "sender is structure; it must be fluid");
   EXPECT_EQ(fault([](auto& m) { m.set_sender(static_cast<wire::Role>(9)); }), "sender is role 9; it must be fluid");
   EXPECT_NE(fault([](auto& m) { m.set_sequence(4); }).find("sequence is 4; it must be 5"), std::string::npos);
   EXPECT_NE(fault([](auto& m) { m.set_sequence(6); }).find("sequence is 6; it must be 5"), std::string::npos);
   EXPECT_EQ(fault([](auto& m) { m.set_step(16); }), "step is 16; it must be 17");
   EXPECT_EQ(fault([](auto& m) { m.mutable_finish(); }), "body is Finish; it must be Band or BandPressure now");
-  EXPECT_EQ(fault([](auto& m) { m.clear_body(); }), "body is of no kind that protocol version 1 knows");
+  EXPECT_EQ(fault([](auto& m) { m.clear_body(); }), "body is of no kind that protocol version 2 knows");
   EXPECT_EQ(fault([](auto& m) { m.mutable_begin_window(); }), "step is 17; it must be 18");  // always the next window
   EXPECT_EQ(fault([](auto& m) {
               m.mutable_abort();
               m.set_step(3);
-              m.set_protocol_version(2);
+              m.set_protocol_version(7);
             }),
             "");
 }

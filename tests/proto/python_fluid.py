@@ -15,9 +15,10 @@ try:
         while channel.receive("begin_window", "finish").WhichOneof("body") == "begin_window":
             channel.receive("surface")
             channel.send(band=wire.Band(id=[4], position=[0, 1], velocity=[2, 3], mass=[1], volume=[1], divergence=[0]))
-            force = channel.receive("dissipative_load").dissipative_load.force
-            channel.send(band_pressure=wire.BandPressure(pressure=[sum(force)], velocity=[0, 0]))
-            channel.receive("band_force")
+            message = channel.receive("dissipative_load")
+            while message.WhichOneof("body") == "dissipative_load":
+                channel.send(band_pressure=wire.BandPressure(pressure=[sum(message.dissipative_load.force)], velocity=[0, 0]))
+                message = channel.receive("dissipative_load", "band_force")
             channel.send(window_done=wire.WindowDone(proposed_step_s=1e-3, limit="none", account=account))
         channel.send(finished=wire.Finished(account=account))
 except RunEnded as end:

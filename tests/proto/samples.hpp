@@ -84,6 +84,9 @@ inline wire::Message make(Kind kind, wire::Role sender = wire::COUPLER) {
     case Kind::kSurfaceLoad:
       fill(m.mutable_surface_load()->mutable_force(), {1, 2, 3, 4});
       break;
+    case Kind::kSurfaceVelocity:
+      fill(m.mutable_surface_velocity()->mutable_velocity(), {0.5, 0.6, 0.7, 0.8});
+      break;
     case Kind::kFinish:
       m.mutable_finish();
       break;

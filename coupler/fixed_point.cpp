@@ -1,0 +1,96 @@
+// IQN-ILS (Degroote, Bathe & Vierendeels 2009) and Aitken's dynamic relaxation (Kuettler & Wall 2008).
+
+#include "coupler/fixed_point.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "particles/error.hpp"
+
+namespace tern::coupler {
+namespace {
+
+constexpr std::size_t reused_windows = 8;
+constexpr std::size_t most_changes = 40;  ///< that one trial is made of; a fit to more costs more than a trial
+constexpr int most_trials = 50;
+constexpr double least_load = 0.01;  ///< that counts, over the largest of the run
+constexpr double largest_residual = 0.05;  ///< with which a window may end after the last trial
+/// A change that is but for this much of it a combination of newer ones says nothing new.
+constexpr double least_new_part = 1e-3;
+/// By how much of itself an answer may change because of what is not yet known of H. A trial far off can break the structure.
+constexpr double largest_surprise = 0.3;
+
+}  // namespace
+
+void FixedPoint::begin_window(double gain) {
+  trials_ = 0;
+  residual_ = 0;
+  gain_ = gain;
+  factor_ = 1 / gain;
+  if (!changes_.empty() && changes_.front().empty()) return;
+  changes_.emplace_front();
+  if (changes_.size() > reused_windows + 1) changes_.pop_back();
+}
+
+bool FixedPoint::add(const Eigen::VectorXd& trial, const Eigen::VectorXd& answer) {
+  const Eigen::VectorXd residual = answer - trial;
+  const double size = answer.norm();
+  ++trials_;
+  if (!std::isfinite(size) || !std::isfinite(residual.norm()))
+    throw NumericalFailure(fmt::format(
+        "The load on the surface is not finite in trial {} of a window: the trials of CM3 have run away. Try a smaller "
+        "fluid.numerics.courant.", trials_));
+  if (trials_ > 1) {
+    const Eigen::VectorXd change = residual - last_residual_;
+    if (acceleration_ == Acceleration::aitken)
+      factor_ *= -last_residual_.dot(change) / change.squaredNorm();
+    else
+      changes_.front().insert(changes_.front().begin(), {change, answer - last_answer_});
+  }
+  last_residual_ = residual;
+  last_answer_ = answer;
+  // Where there is next to no load, agreement on what is left of it would be asked of the pressure solver's last digits.
+  largest_answer_ = std::max(largest_answer_, size);
+  residual_ = largest_answer_ > 0 ? residual.norm() / std::max(size, least_load * largest_answer_) : residual.norm() > 0 ? 1 : 0;
+  if (trials_ == most_trials && !(residual_ <= largest_residual))
+    throw NumericalFailure(fmt::format(
+        "Fluid and structure do not agree on the load after {} trials of one window: it changes by {:.2g} of itself from trial to "
+        "trial. A body is too light and too soft for windows this long; use a smaller fluid.numerics.gravity_courant and "
+        "courant, or a thicker body.", trials_, residual_));
+  return converged() || trials_ == most_trials;
+}
+
+Eigen::VectorXd FixedPoint::aitken() const { return last_answer_ + (factor_ - 1) * last_residual_; }
+
+Eigen::VectorXd FixedPoint::quasi_newton() const {
+  // Least squares for the combination of changes that takes the residual away, by Gram-Schmidt, the newest change first. The
+  // changes of the answers are combined alike, so that no triangular system is left to be solved.
+  std::vector<Change> basis;
+  Eigen::VectorXd residual = last_residual_, answer = last_answer_;
+  for (const auto& window : changes_)
+    for (const Change& change : window) {
+      if (basis.size() == most_changes) break;
+      Change part = change;
+      for (int pass = 0; pass < 2; ++pass)
+        for (const Change& known : basis) {
+          const double share = known.residual.dot(part.residual);
+          part.residual -= share * known.residual;
+          part.answer -= share * known.answer;
+        }
+      const double size = part.residual.norm();
+      if (!(size > least_new_part * change.residual.norm())) continue;
+      part.residual /= size;
+      part.answer /= size;
+      const double share = part.residual.dot(residual);
+      residual -= share * part.residual;
+      answer -= share * part.answer;
+      basis.push_back(std::move(part));
+    }
+  // The rest of the residual is where nothing is known of H: at worst it comes back `gain` times.
+  const double rest = gain_ * residual.norm(), most = largest_surprise * last_answer_.norm();
+  return rest > most ? Eigen::VectorXd(answer + (most / rest - 1) * residual) : answer;
+}
+
+}  // namespace tern::coupler

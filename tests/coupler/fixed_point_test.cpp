@@ -1,0 +1,115 @@
+// The trials of CM3 on maps whose fixed point is known.
+
+#include "coupler/fixed_point.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "particles/error.hpp"
+
+namespace tern::coupler {
+namespace {
+
+using Map = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
+
+/// Trials until the map agrees with itself, and the last answer.
+int trials_to_agree(FixedPoint& iteration, const Map& map, Eigen::VectorXd& x, double gain = 1) {
+  iteration.begin_window(gain);
+  for (;;) {
+    const Eigen::VectorXd answer = map(x);
+    const bool done = iteration.add(x, answer);
+    x = done ? answer : iteration.next();
+    if (done) return iteration.trials();
+  }
+}
+
+/// Explicit coupling of a fluid with a structure of n modes, of which mode k has the mass ratio `ratio`/k: an error of the load
+/// comes back multiplied by -ratio/k.
+Map modes(double ratio, int n) {
+  return [=](const Eigen::VectorXd& x) {
+    Eigen::VectorXd answer(n);
+    for (int k = 0; k < n; ++k) answer[k] = 1 + ratio / (k + 1) * (1 - x[k]);
+    return answer;  // fixed point: 1 everywhere
+  };
+}
+
+// Optimal fixed relaxation takes 10, 13, 38, 68 and 312 iterations for these. Seen to fail: without the changes of this window.
+TEST(FixedPoint, AgreesInFewTrialsAtAnyMassRatio) {
+  struct Row { double ratio; int aitken, quasi_newton; };
+  for (const Row& row : {Row{0.5, 10, 8}, {1, 13, 9}, {5, 22, 13}, {10, 35, 16}, {50, 50, 24}}) {
+    for (auto acceleration : {Acceleration::aitken, Acceleration::iqn_ils}) {
+      if (acceleration == Acceleration::aitken && row.ratio == 50) continue;  // not within 50 trials
+      FixedPoint iteration(acceleration, 1e-6);
+      Eigen::VectorXd x = Eigen::VectorXd::Zero(60);
+      const int trials = trials_to_agree(iteration, modes(row.ratio, 60), x);
+      std::printf("[ ratio %g, %s: %d trials ]\n", row.ratio, acceleration == Acceleration::aitken ? "Aitken" : "IQN-ILS", trials);
+      EXPECT_LE(trials, acceleration == Acceleration::aitken ? row.aitken : row.quasi_newton) << row.ratio;
+      EXPECT_LT((x.array() - 1).abs().maxCoeff(), 2e-6 * 60);
+    }
+  }
+}
+
+// Seen to fail: with the changes of earlier windows dropped at the begin of a window.
+TEST(FixedPoint, LearnsFromTheWindowsBefore) {
+  FixedPoint iteration(Acceleration::iqn_ils, 1e-6);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(20);
+  const int first = trials_to_agree(iteration, modes(10, 20), x);
+  for (int window = 1; window < 5; ++window) {
+    const Map moved = [&](const Eigen::VectorXd& y) {
+      Eigen::VectorXd shift = Eigen::VectorXd::Constant(20, 0.1 * window);
+      return Eigen::VectorXd(modes(10, 20)(y - shift) + shift);
+    };
+    EXPECT_LE(trials_to_agree(iteration, moved, x), first / 2) << "window " << window;
+  }
+}
+
+// A light body answers an error of the load with a thousand times as much: the first trials must not.
+// Seen to fail: with the rest of the residual taken in full.
+TEST(FixedPoint, KeepsItsTrialsNearWhatIsKnownWhereAnErrorComesBackAThousandfold) {
+  FixedPoint iteration(Acceleration::iqn_ils, 1e-6);
+  double largest = 0;
+  const Map map = [&](const Eigen::VectorXd& x) {
+    const Eigen::VectorXd answer = modes(1000, 4)(x);
+    largest = std::max(largest, answer.norm());
+    return answer;
+  };
+  Eigen::VectorXd x = Eigen::VectorXd::Constant(4, 0.999);
+  trials_to_agree(iteration, map, x, 1000);
+  EXPECT_LT(largest, 10);
+}
+
+// Seen to fail: with !(residual > tolerance) for "converged" and the check of the size left out.
+TEST(FixedPoint, NothingThatIsNotFiniteIsAgreement) {
+  for (double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    FixedPoint iteration(Acceleration::iqn_ils, 1e-2);
+    iteration.begin_window(1);
+    const Eigen::VectorXd trial = Eigen::VectorXd::Zero(3);
+    EXPECT_THROW(iteration.add(trial, Eigen::VectorXd::Constant(3, bad)), NumericalFailure);
+  }
+}
+
+// Seen to fail: with no limit to the residual of the last trial.
+TEST(FixedPoint, StopsWithItsResidualWhenTheSidesNeverAgree) {
+  FixedPoint iteration(Acceleration::aitken, 1e-6);
+  int sign = 1;
+  const Map map = [&](const Eigen::VectorXd& x) { return Eigen::VectorXd(Eigen::VectorXd::Constant(x.size(), (sign = -sign) * 3.0)); };
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(2);
+  try {
+    trials_to_agree(iteration, map, x);
+    FAIL() << "agreed";
+  } catch (const NumericalFailure& failure) {
+    EXPECT_NE(std::string(failure.what()).find("do not agree on the load after 50 trials"), std::string::npos) << failure.what();
+  }
+}
+
+TEST(FixedPoint, NoLoadOnBothSidesIsAgreementAtOnce) {
+  FixedPoint iteration(Acceleration::iqn_ils, 1e-4);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(5);
+  EXPECT_EQ(trials_to_agree(iteration, [](const Eigen::VectorXd& y) { return y; }, x), 1);
+}
+
+}  // namespace
+}  // namespace tern::coupler

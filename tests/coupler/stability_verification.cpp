@@ -1,0 +1,31 @@
+// Bodies from light to heavy, thin to thick and soft to stiff under the algorithm that is taken by default; all combinations
+// are in bench/coupling_stability.cpp.
+
+#include <gtest/gtest.h>
+
+#include "tests/coupler/coupled_scenes.hpp"
+
+namespace tern::coupler::testing {
+namespace {
+
+using Verdict = CoupledOutcome::Verdict;
+
+// Seen to fail: with CM2 for light bodies; with the velocity of the structure at the end of a window taken as it is.
+TEST(Stability, IsBoundedByDefaultFromLightToHeavy) {
+  for (const CoupledScene& s : {CoupledScene{0.01, 4, 1e7, 2}, {0.01, 8, 1e5, 1}, {0.1, 4, 1e7, 1}, {0.1, 4, 1e5, 2},
+                                {1, 4, 1e7, 2}, {10, 4, 1e9, 1}}) {
+    SCOPED_TRACE(describe(s));
+    const CoupledOutcome outcome = run(s, 0.06);
+    EXPECT_EQ(outcome.verdict, Verdict::bounded) << outcome.largest_speed << " " << outcome.unrest << " " << outcome.message;
+    EXPECT_EQ(outcome.open_windows, 0);
+    std::printf("[ %s: speed %.2f sqrt(gH), %.1f trials per window ]\n", describe(s).c_str(), outcome.largest_speed, outcome.trials);
+  }
+}
+
+// The negative control. Seen to fail: with the Robin condition set for CM0 too.
+TEST(Stability, IsLostByExplicitCouplingOfALightBody) {
+  EXPECT_NE(run({0.1, 4, 1e7, 1, CouplingAlgorithm::cm0}, 0.06).verdict, Verdict::bounded);
+}
+
+}  // namespace
+}  // namespace tern::coupler::testing
