@@ -13,8 +13,9 @@ using Doubles = google::protobuf::RepeatedField<double>;
 template <int D>
 void put(Doubles* field, const std::vector<Vector<D>>& vectors) {
   static_assert(sizeof(Vector<D>) == D * sizeof(double), "vectors are contiguous doubles");
-  field->Resize(static_cast<int>(D * vectors.size()), 0.0);
-  if (!vectors.empty()) std::memcpy(field->mutable_data(), vectors.data(), vectors.size() * sizeof(Vector<D>));
+  if (vectors.empty()) return field->Clear();
+  const double* begin = vectors.data()->data();
+  field->Assign(begin, begin + D * vectors.size());
 }
 
 void put(Doubles* field, const std::vector<double>& scalars) { field->Assign(scalars.begin(), scalars.end()); }
@@ -29,7 +30,7 @@ std::vector<Vector<D>> get_vectors(const Doubles& field) {
 
 template <class T>
 std::vector<T> get(const google::protobuf::RepeatedField<T>& field) {
-  return {field.begin(), field.end()};
+  return {field.data(), field.data() + field.size()};
 }
 
 }  // namespace
