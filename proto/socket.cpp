@@ -3,6 +3,7 @@
 #include "proto/socket.hpp"
 
 #include <fmt/format.h>
+#include <malloc.h>
 #include <zmq.h>
 
 #include <array>
@@ -45,7 +46,14 @@ struct Frame {
 
 }  // namespace
 
+void keep_freed_memory() {
+  constexpr int kept_bytes = 32 << 20;  // the most glibc allows
+  mallopt(M_MMAP_THRESHOLD, kept_bytes);
+  mallopt(M_TRIM_THRESHOLD, kept_bytes);
+}
+
 Socket::Socket(SocketKind kind) : kind_(kind) {
+  keep_freed_memory();
   context_ = zmq_ctx_new();
   require(context_ != nullptr, "make a context");
   socket_ = zmq_socket(context_, kind == SocketKind::dealer ? ZMQ_DEALER : ZMQ_ROUTER);

@@ -10,6 +10,10 @@
 
 namespace tern::proto {
 
+/// Freed memory, up to about 32 MiB, stays with this process. Otherwise glibc hands the pages of a large message back to the
+/// system when it is freed, and the next one costs page faults, more than all its copies. Every Socket asks for it.
+void keep_freed_memory();
+
 enum class SocketKind { dealer, router };
 
 /// What the monitor reports; everything else it says is dropped.
