@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 #include <malloc.h>
+#include <poll.h>
 #include <zmq.h>
 
 #include <array>
@@ -29,6 +30,14 @@ void require(bool done, const char* what) {
 
 void set(void* socket, int option, int value) {
   require(zmq_setsockopt(socket, option, &value, sizeof(value)) == 0, "set a socket option");
+}
+
+/// Becomes readable when the socket has something to say after it had nothing.
+int descriptor(void* socket) {
+  int result = -1;
+  std::size_t size = sizeof(result);
+  require(zmq_getsockopt(socket, ZMQ_FD, &result, &size) == 0, "name the descriptor of a socket");
+  return result;
 }
 
 /// RAII around zmq_msg_t.
@@ -77,6 +86,7 @@ Socket::Socket(SocketKind kind) : kind_(kind) {
   monitor_ = zmq_socket(context_, ZMQ_PAIR);
   require(monitor_ != nullptr && zmq_connect(monitor_, address) == 0, "watch a socket");
   set(monitor_, ZMQ_LINGER, 0);
+  descriptors_ = {descriptor(socket_), descriptor(monitor_)};
 }
 
 Socket::~Socket() {
@@ -104,8 +114,8 @@ void Socket::connect(const std::string& endpoint) {
 }
 
 void Socket::wait(int milliseconds) {
-  std::array<zmq_pollitem_t, 2> items{{{socket_, 0, ZMQ_POLLIN, 0}, {monitor_, 0, ZMQ_POLLIN, 0}}};
-  zmq_poll(items.data(), 2, milliseconds);
+  std::array<pollfd, 2> items{{{descriptors_[0], POLLIN, 0}, {descriptors_[1], POLLIN, 0}}};
+  ::poll(items.data(), items.size(), milliseconds);
 }
 
 bool Socket::receive(const std::function<void(const Received&)>& handle) {

@@ -1,6 +1,7 @@
 #pragma once
 // One ZeroMQ context, one socket and its monitor, owned together; nothing here knows the protocol.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -34,7 +35,8 @@ class Socket {
   std::string bind(const std::string& endpoint);
   void connect(const std::string& endpoint);
 
-  /// Waits until a message or an event may be there, at most `milliseconds`; returns early on a signal.
+  /// Waits until a message or an event may be there, at most `milliseconds`; returns early on a signal. Only after both
+  /// receive() and next_event() have found nothing: what has arrived before does not wake it.
   void wait(int milliseconds);
 
   struct Received {
@@ -56,6 +58,7 @@ class Socket {
   void* context_ = nullptr;
   void* socket_ = nullptr;
   void* monitor_ = nullptr;
+  std::array<int, 2> descriptors_{};  ///< of the two, to wait for
   SocketKind kind_;
 };
 
