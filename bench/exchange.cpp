@@ -1,0 +1,310 @@
+// What one exchange between the coupler and a participant costs: conversion, checks on both ends, supervision of the peer and
+// transport, against a bare ZeroMQ round trip of the same bytes over sockets of the same types. Table of docs/SPEED.md:
+//   build/release/bench/bench-exchange [points ...]
+// Every answer comes from a process of its own through ipc. 2D, as many band particles as surface points. Exchanges:
+//   surface:   Surface there (position, velocity, normal, area), Band back (label, position, velocity, mass, volume,
+//              divergence): the least the protocol has with two vectors each way
+//   pressure:  DissipativeLoad there (a vector, two scalars: the bytes of two vectors), BandPressure back (a vector, a scalar)
+// Blocks of both in turn and blocks of the bare round trips alternate, so that all see the same machine. Microseconds per
+// exchange: the fastest block and the median of the blocks.
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <zmq.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <functional>
+#include <numeric>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "proto/channel.hpp"
+#include "proto/convert.hpp"
+#include "proto/socket.hpp"
+
+namespace {
+
+using namespace tern;
+using proto::Kind;
+
+constexpr int blocks = 60;
+
+/// A directory for the sockets, gone with the object.
+struct Directory {
+  std::string path = (std::filesystem::temp_directory_path() / "tern-exchange-XXXXXX").string();
+  Directory() {
+    if (::mkdtemp(path.data()) == nullptr) throw std::runtime_error("no directory can be made at " + path);
+  }
+  ~Directory() { std::filesystem::remove_all(path); }
+  Directory(const Directory&) = delete;
+  Directory& operator=(const Directory&) = delete;
+};
+
+/// Runs `work` in a process of its own, which must leave by itself.
+class Answerer {
+ public:
+  explicit Answerer(const std::function<void()>& work) : process_(::fork()) {
+    if (process_ < 0) throw std::runtime_error("no process can be started");
+    if (process_ > 0) return;
+    try {
+      work();
+      ::_exit(0);
+    } catch (const std::exception& error) {
+      fmt::print(stderr, "{}\n", error.what());
+      ::_exit(1);
+    }
+  }
+  ~Answerer() { ::waitpid(process_, nullptr, 0); }
+  Answerer(const Answerer&) = delete;
+  Answerer& operator=(const Answerer&) = delete;
+
+ private:
+  pid_t process_;
+};
+
+/// What the two sides tell each other. Labels are shuffled, as particles are sorted by place and not by label.
+struct Content {
+  Surface<2> surface;
+  Band<2> band;
+  DissipativeLoad<2> load;
+  BandPressure<2> pressure;
+
+  explicit Content(std::size_t points) {
+    const std::vector<Vector<2>> vectors(points, Vector<2>(0.1, -1.3));
+    const std::vector<double> scalars(points, 0.7);
+    surface = {vectors, vectors, std::vector<Vector<2>>(points, Vector<2>(0.6, 0.8)), scalars};
+    std::vector<std::uint32_t> labels(points);
+    std::iota(labels.begin(), labels.end(), 0);
+    std::shuffle(labels.begin(), labels.end(), std::mt19937(1));
+    band = {labels, vectors, vectors, scalars, scalars, scalars};
+    load.force = vectors;
+    load.reference_pressure = load.robin_mass = scalars;
+    pressure = {scalars, vectors};
+  }
+};
+
+/// The fluid's end: answers until the coupler ends the run.
+void answer_coupler(const std::string& endpoint, std::size_t points) {
+  const Content content(points);
+  proto::ParticipantChannel channel(endpoint, wire::FLUID);
+  wire::Hello hello;
+  hello.set_dimension(2);
+  channel.handshake(hello);
+  for (;;) {
+    const wire::Message order = channel.receive({Kind::kSurface, Kind::kDissipativeLoad, Kind::kFinish});
+    wire::Message answer;
+    if (order.has_surface()) {
+      const Surface<2> surface = proto::from_wire<2>(order.surface());
+      *answer.mutable_band() = proto::to_wire<2>(content.band);
+    } else if (order.has_dissipative_load()) {
+      const DissipativeLoad<2> load = proto::from_wire<2>(order.dissipative_load());
+      *answer.mutable_band_pressure() = proto::to_wire<2>(content.pressure);
+    } else {
+      answer.mutable_finished();
+    }
+    const bool last = order.has_finish();
+    channel.send(std::move(answer));
+    if (last) return;
+  }
+}
+
+/// The coupler's end.
+class Coupler {
+ public:
+  Coupler(const std::string& endpoint, std::size_t points) : content_(points), channel_(endpoint) {
+    channel_.accept({wire::FLUID}, "", 2);
+    channel_.welcome(static_cast<std::uint32_t>(points));
+  }
+  ~Coupler() {
+    wire::Message message;
+    message.mutable_finish();
+    channel_.send(wire::FLUID, std::move(message));
+    channel_.receive(wire::FLUID, {Kind::kFinished});
+  }
+  Coupler(const Coupler&) = delete;
+  Coupler& operator=(const Coupler&) = delete;
+
+  void exchange_surface() {
+    wire::Message message;
+    *message.mutable_surface() = proto::to_wire<2>(content_.surface);
+    channel_.send(wire::FLUID, std::move(message));
+    const Band<2> band = proto::from_wire<2>(channel_.receive(wire::FLUID, {Kind::kBand}).band());
+  }
+  void exchange_pressure() {
+    wire::Message message;
+    *message.mutable_dissipative_load() = proto::to_wire<2>(content_.load);
+    channel_.send(wire::FLUID, std::move(message));
+    const BandPressure<2> pressure =
+        proto::from_wire<2>(channel_.receive(wire::FLUID, {Kind::kBandPressure}).band_pressure());
+  }
+  std::size_t bytes_sent() const { return channel_.bytes_sent(); }
+  std::size_t bytes_received() const { return channel_.bytes_received(); }
+
+ private:
+  Content content_;
+  proto::CouplerChannel channel_;
+};
+
+void require(bool done) {
+  if (!done) throw std::runtime_error(fmt::format("ZeroMQ: {}", zmq_strerror(zmq_errno())));
+}
+
+/// A ZeroMQ socket with nothing around it, in a process that keeps its memory as the others do.
+class BareSocket {
+ public:
+  explicit BareSocket(int type) : context_(zmq_ctx_new()), socket_(zmq_socket(context_, type)) {
+    require(socket_ != nullptr);
+    proto::keep_freed_memory();
+  }
+  ~BareSocket() {
+    zmq_close(socket_);
+    zmq_ctx_term(context_);
+  }
+  BareSocket(const BareSocket&) = delete;
+  BareSocket& operator=(const BareSocket&) = delete;
+
+  void bind(const std::string& endpoint) { require(zmq_bind(socket_, endpoint.c_str()) == 0); }
+  void connect(const std::string& endpoint) { require(zmq_connect(socket_, endpoint.c_str()) == 0); }
+  void send(const std::vector<std::byte>& bytes, int flags = 0) {
+    require(zmq_send(socket_, bytes.data(), bytes.size(), flags) >= 0);
+  }
+  /// One frame into `bytes`.
+  void receive(std::vector<std::byte>& bytes) {
+    zmq_msg_t frame;
+    zmq_msg_init(&frame);
+    require(zmq_msg_recv(&frame, socket_, 0) >= 0);
+    const auto* begin = static_cast<const std::byte*>(zmq_msg_data(&frame));
+    bytes.assign(begin, begin + zmq_msg_size(&frame));
+    zmq_msg_close(&frame);
+  }
+
+ private:
+  void* context_;
+  void* socket_;
+};
+
+/// Answers a message whose first bytes are a number by as many bytes, until an empty one comes.
+void answer_bare(const std::string& endpoint) {
+  BareSocket socket(ZMQ_DEALER);
+  socket.connect(endpoint);
+  std::vector<std::byte> order(1), answer;
+  socket.send(order);  // the other end learns the routing id
+  for (;;) {
+    socket.receive(order);
+    if (order.empty()) return;
+    std::size_t size = 0;
+    std::memcpy(&size, order.data(), sizeof(size));
+    answer.resize(size);
+    socket.send(answer);
+  }
+}
+
+struct Sizes {
+  std::size_t there, back;
+};
+
+class BareCoupler {
+ public:
+  explicit BareCoupler(const std::string& endpoint) : socket_(ZMQ_ROUTER) {
+    socket_.bind(endpoint);
+    socket_.receive(peer_);
+    socket_.receive(answer_);
+  }
+  ~BareCoupler() { send({}); }
+  BareCoupler(const BareCoupler&) = delete;
+  BareCoupler& operator=(const BareCoupler&) = delete;
+
+  void exchange(const Sizes& sizes) {
+    order_.resize(sizes.there);
+    std::memcpy(order_.data(), &sizes.back, sizeof(sizes.back));
+    send(order_);
+    socket_.receive(peer_);
+    socket_.receive(answer_);
+  }
+
+ private:
+  void send(const std::vector<std::byte>& bytes) {
+    socket_.send(peer_, ZMQ_SNDMORE);
+    socket_.send(bytes);
+  }
+  BareSocket socket_;
+  std::vector<std::byte> peer_, order_, answer_;
+};
+
+/// Microseconds of one call, block by block.
+struct Series {
+  std::vector<double> microseconds;
+
+  double least() const { return *std::min_element(microseconds.begin(), microseconds.end()); }
+  double median() const {
+    std::vector<double> sorted = microseconds;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted[sorted.size() / 2];
+  }
+};
+
+using Calls = std::vector<std::function<void()>>;
+
+/// Adds the mean over `rounds` of each of the calls, which are made in turn as in a window.
+void add_block(int rounds, const Calls& calls, std::vector<Series>& series) {
+  std::vector<double> sum(calls.size());
+  for (int round = 0; round < rounds; ++round)
+    for (std::size_t k = 0; k < calls.size(); ++k) {
+      const auto begin = std::chrono::steady_clock::now();
+      calls[k]();
+      sum[k] += std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count();
+    }
+  for (std::size_t k = 0; k < calls.size(); ++k) series[k].microseconds.push_back(sum[k] / rounds);
+}
+
+void measure(const Directory& directory, std::size_t points) {
+  const std::vector<std::string> names{"surface", "pressure"};
+  const std::string endpoint = fmt::format("ipc://{}/{}", directory.path, points);
+  const Answerer participant([&] { answer_coupler(endpoint, points); });  // before this process has threads
+  const Answerer echo([&] { answer_bare(endpoint + "-bare"); });
+  BareCoupler bare(endpoint + "-bare");
+  Coupler coupler(endpoint, points);
+  const Calls exchanges{[&] { coupler.exchange_surface(); }, [&] { coupler.exchange_pressure(); }};
+
+  std::vector<Sizes> sizes;
+  for (const auto& exchange : exchanges) {
+    const Sizes before{coupler.bytes_sent(), coupler.bytes_received()};
+    exchange();
+    sizes.push_back({coupler.bytes_sent() - before.there, coupler.bytes_received() - before.back});
+  }
+  Calls round_trips;
+  for (const Sizes& size : sizes) round_trips.push_back([&] { bare.exchange(size); });
+
+  const int rounds = static_cast<int>(std::clamp<std::size_t>(200000 / points, 20, 200));
+  std::vector<Series> full(names.size()), transport(names.size());
+  for (int block = 0; block < blocks; ++block) {
+    add_block(rounds, exchanges, full);
+    add_block(rounds, round_trips, transport);
+  }
+  for (std::size_t k = 0; k < names.size(); ++k)
+    fmt::print("| {} | {} | {} / {} | {:.0f} / {:.0f} | {:.0f} / {:.0f} | {:.0f} | {:.2f} |\n", points, names[k],
+               sizes[k].there, sizes[k].back, full[k].least(), full[k].median(), transport[k].least(), transport[k].median(),
+               full[k].median() - transport[k].median(), full[k].median() / transport[k].median());
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  fmt::print("| points | exchange | bytes there / back | tern, least / median [us] | bare ZeroMQ, least / median [us] | "
+             "difference of medians | ratio |\n"
+             "|---|---|---|---|---|---|---|\n");
+  std::fflush(stdout);
+  const Directory directory;
+  std::vector<std::size_t> sizes{100, 1000, 10000};
+  if (argc > 1) sizes.clear();
+  for (int k = 1; k < argc; ++k) sizes.push_back(std::stoul(argv[k]));
+  for (const std::size_t points : sizes) measure(directory, points);
+}
