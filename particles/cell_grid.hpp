@@ -8,6 +8,9 @@
 #include <span>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "particles/error.hpp"
 #include "particles/parallel.hpp"
 #include "particles/vector.hpp"
 
@@ -16,10 +19,17 @@ namespace tern {
 template <int D>
 class CellGrid {
  public:
-  /// Cells of width `width` covering the box [min, max]; points outside belong to the nearest cell.
+  /// Cells of width `width` covering the box [min, max]; points outside belong to the nearest cell. Throws NumericalFailure
+  /// when that takes more than a hundred million of them: something has been flung far off.
   void reset(const Vector<D>& min, const Vector<D>& max, double width) {
     origin_ = min;
     inverse_width_ = 1 / width;
+    double cells = 1;
+    for (int c = 0; c < D; ++c) cells *= 1 + (max[c] - min[c]) * inverse_width_;
+    if (!(cells <= 1e8))
+      throw NumericalFailure(fmt::format(
+          "Particles or surface points lie up to {:.4g} m apart, too far for cells of {:.4g} m: some have been flung off. The motion "
+          "has become unstable; look at the last frames, or try a smaller fluid.numerics.courant.", (max - min).norm(), width));
     count_ = 1;
     for (int c = 0; c < D; ++c) {
       size_[c] = std::max(1, static_cast<int>(std::floor((max[c] - min[c]) * inverse_width_)) + 1);

@@ -8,6 +8,17 @@
 
 namespace tern::structure {
 
+/// Velocity of a surface point for the fluid at the end of a window, from its mean velocity in it and that at the begin [m/s].
+/// The motion at the end itself will not do: sub-steps resolve the oscillations of a body that is held by its stiffness, and at
+/// that instant it may move against the load. From its mean velocity it never does, so that the coupling is stable for every
+/// stiffness and mass (tests/coupler/interface_velocity_test.cpp). Twice the mean less the velocity at the begin gives the load
+/// the same work on both sides; a part of it is forgotten, so that motions too fast for the windows die out.
+template <class Velocity>
+Velocity interface_velocity(const Velocity& mean, const Velocity& at_begin) {
+  constexpr double kept = 0.8;
+  return (1 + kept) * mean - kept * at_begin;
+}
+
 template <int D>
 class CoupledStructure {
  public:
@@ -50,15 +61,12 @@ class CoupledStructure {
   }
 
  private:
-  /// Velocity of the surface at the end of the window, from where it has come to: a body that is held by its stiffness, of
-  /// which sub-steps resolve every oscillation, may at that instant move either way, but never further against a load than
-  /// without it. With the velocity at the end as twice the mean velocity less that at the begin, the work of a load on the
-  /// fluid is that on the structure. A part is forgotten from window to window, so that motions too fast for the windows die out.
   std::vector<Vector<D>> velocity_at_end(const std::vector<Vector<D>>& position) const {
-    constexpr double kept = 0.8;
     std::vector<Vector<D>> velocity(position.size());
-    for (std::size_t k = 0; k < position.size(); ++k)
-      velocity[k] = (1 + kept) / seconds(duration_) * (position[k] - position_at_begin_[k]) - kept * velocity_[k];
+    for (std::size_t k = 0; k < position.size(); ++k) {
+      const Vector<D> mean = (position[k] - position_at_begin_[k]) / seconds(duration_);
+      velocity[k] = interface_velocity<Vector<D>>(mean, velocity_[k]);
+    }
     return velocity;
   }
 
