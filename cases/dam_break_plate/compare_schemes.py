@@ -8,7 +8,6 @@ Runs go to runs/schemes/NAME, the picture to runs/schemes/fields.png; a run that
 """
 
 import argparse
-import subprocess
 import sys
 from pathlib import Path
 
@@ -24,6 +23,7 @@ import numpy as np  # noqa: E402
 
 from launcher.summary import measure  # noqa: E402
 from plotting import fields, run_files, style  # noqa: E402
+from plotting.comparison import at, run_or_reuse  # noqa: E402
 
 CASE = ROOT / "cases" / "dam_break_plate"
 SCHEMES = {  # label: (directory, scheme, with VEM, shown in the picture)
@@ -53,30 +53,8 @@ def case_without_vem(directory):
 def run(label, directory, until, overrides):
     """The run of one scheme, done now unless it exists and reaches `until`."""
     name, scheme, vem, _ = SCHEMES[label]
-    out = directory / name
-    if out.is_dir():
-        found = run_files.Run(out)
-        reached = found.table("gauges.csv").get("t_s", np.zeros(1))[-1]
-        if found.contents.get("status") == "done" and reached >= until - 2e-3 and found.contents.get("options") == options(scheme, overrides):
-            return found
     case = CASE if vem else case_without_vem(directory)
-    command = [ROOT / "tern", "run", case, "--out", out, "--force", "--until", repr(until), "--quiet", *options(scheme, overrides)]
-    code = subprocess.run(command, check=False).returncode
-    if not out.is_dir():
-        sys.exit(code)
-    if code != 0:
-        print(f"{label}: the run ended with exit code {code}; what it reached is shown.", file=sys.stderr)
-    return run_files.Run(out)
-
-
-def options(scheme, overrides):
-    return [part for setting in (f"coupling.scheme={scheme}", *overrides) for part in ("--set", setting)]
-
-
-def at(table, column, time):
-    """Value at a time, NaN beyond the end of the run (rows are 1 ms apart, the last up to 1 ms before the end)."""
-    t = table["t_s"]
-    return float(np.interp(time, t, table[column])) if t[-1] >= time - 2e-3 else float("nan")
+    return run_or_reuse(label, case, directory / name, until, (f"coupling.scheme={scheme}", *overrides))
 
 
 def sides(start):

@@ -1,0 +1,37 @@
+"""What the scripts that compare runs of one case share: runs done once, values of curves."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from plotting import run_files
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def run_or_reuse(label, case, out, until, settings):
+    """The run of `case` with these KEY=VALUE settings in directory `out`, done now unless it is there and reaches `until` [s].
+
+    Ends the program when there is no result at all; a run that stops early is returned with a word to stderr.
+    """
+    options = [part for setting in settings for part in ("--set", setting)]
+    if out.is_dir():
+        found = run_files.Run(out)
+        reached = found.table("gauges.csv").get("t_s", np.zeros(1))[-1]
+        if found.contents.get("status") == "done" and reached >= until - 2e-3 and found.contents.get("options") == options:
+            return found
+    command = [ROOT / "tern", "run", case, "--out", out, "--force", "--until", repr(until), "--quiet", *options]
+    code = subprocess.run(command, check=False).returncode
+    if not out.is_dir():
+        sys.exit(code)
+    if code != 0:
+        print(f"{label}: the run ended with exit code {code}; what it reached is shown.", file=sys.stderr)
+    return run_files.Run(out)
+
+
+def at(table, column, time):
+    """Value at a time, NaN beyond the end of the run (rows are 1 ms apart, the last up to 1 ms before the end)."""
+    t = table["t_s"]
+    return float(np.interp(time, t, table[column])) if t[-1] >= time - 2e-3 else float("nan")
