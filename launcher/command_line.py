@@ -31,7 +31,7 @@ def _case_options(parser, case_count=None):
 def _override_options(parser):
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[],
                         help="override one key of the case, e.g. fluid.spacing=0.002 (may be repeated; recorded in run.json)")
-    parser.add_argument("--preset", help="named group of numerical settings, e.g. standard")
+    parser.add_argument("--preset", help="named group of numerical settings: standard or paper")
     parser.add_argument("--build", choices=build.PRESETS, default="release", help="build to use (default release)")
 
 

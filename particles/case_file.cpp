@@ -391,6 +391,15 @@ Case convert(const Setting& settings, const fs::path& folder) {
   return scene;
 }
 
+/// The interaction as the paper has it, in place of what the case says; --set goes on top.
+void apply_preset(Setting& document) {
+  const Setting* preset = document.find("preset");
+  if (!preset || preset->type != Setting::Type::text || preset->text != "paper") return;
+  if (!document.find("fluid") || !document.find("structure")) return;
+  for (const auto& [key, value] : {std::pair{"algorithm", "\"CM0\""}, {"scheme", "\"riemann\""}, {"vem.coefficient", "5.0"}, {"vem.form", "\"seed\""}})
+    apply_override(document, std::string("coupling.") + key, value);
+}
+
 }  // namespace
 
 Case read_case(const std::string& name_or_path, const CaseOptions& options) {
@@ -404,6 +413,7 @@ Case read_case(const std::string& name_or_path, const CaseOptions& options) {
     preset.where = "--preset " + options.preset;
     document.set("preset", std::move(preset));
   }
+  apply_preset(document);
   for (const auto& [key, value] : options.overrides) apply_override(document, key, value);
   const Setting settings = complete_settings(document);
   Case scene = convert(settings, fs::path(file).parent_path());

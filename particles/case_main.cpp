@@ -43,7 +43,7 @@ int run(int argc, char** argv) {
         ->type_name("");
     command->add_option("--set", overrides, "replace a value of the case, e.g. --set fluid.spacing=0.002")
         ->type_name("KEY=VALUE");
-    command->add_option("--preset", options.preset, "group of numerical options: standard")->type_name("PRESET");
+    command->add_option("--preset", options.preset, "group of numerical options: standard or paper")->type_name("PRESET");
     return command;
   };
   const CLI::App* check = add("check", "validate; print particles, step limits, memory and expected time");

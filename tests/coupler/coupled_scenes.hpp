@@ -23,6 +23,7 @@ struct CoupledScene {
   double young_modulus = 1e6;  ///< [Pa]
   int wet_faces = 1;           ///< 1: the plate is a part of the floor; 2: it stands under water
   CouplingAlgorithm algorithm = CouplingAlgorithm::automatic;
+  double window = 1;           ///< length of the windows over what the fluid takes by default
 };
 
 inline constexpr double plate_spacing = 0.005, water_spacing = 0.01, water_depth = 0.16, tank_width = 0.24;
@@ -82,6 +83,8 @@ inline Case case_of(const CoupledScene& s) {
   c.structure->numerics.integrator = Integrator::automatic;
   c.coupling.riemann_limiter = 3;
   c.coupling.algorithm = s.algorithm;
+  c.fluid->numerics.courant *= s.window;
+  c.fluid->numerics.gravity_courant *= s.window;
   return c;
 }
 
