@@ -217,7 +217,8 @@ void CouplingStep<D>::add_pressure(const BandPressure<D>& pressure) {
 
 template <int D>
 void CouplingStep<D>::settle_contacts(const BandPressure<D>& pressure) {
-  // Inelastic: a particle nearer to a face than the contact distance goes on with the face; the impulse is part of the load. Thin sheets and spray feel too little pressure to be stopped otherwise.
+  // Inelastic: a particle nearer to a face than the contact distance goes on with the face; the impulse is part of the load.
+  // Thin sheets and spray feel too little pressure to be stopped otherwise.
   for (const auto& pair : pairs_.pairs()) {
     const int i = pair.particle, k = pair.point;
     const Vector<D>& n = surface_.normal[k];

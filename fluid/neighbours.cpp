@@ -125,10 +125,11 @@ void find_neighbours(const Constants<D>& constants, const Period<D>& period, con
     for (const auto& x : position) low = low.cwiseMin(x), high = high.cwiseMax(x);
 
   // Each thread owns one contiguous range of particles and one contiguous part of the arrays.
-  std::size_t row_length = std::max<std::size_t>(initial_row_length(D), n ? result.column.size() / n : 0);
+  const std::size_t rows = static_cast<std::size_t>(n) / threads + 1;
+  std::size_t row_length = std::max<std::size_t>(initial_row_length(D), result.column.size() / (rows * threads));
   for (bool fits = false; !fits; row_length += row_length / 2) {
     fits = true;
-    const std::size_t part = (static_cast<std::size_t>(n) / threads + 1) * row_length;
+    const std::size_t part = rows * row_length;
     if (result.column.size() < part * threads) {
       result.column.resize(part * threads);
       result.weight.resize(part * threads);

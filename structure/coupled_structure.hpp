@@ -1,6 +1,7 @@
 #pragma once
 // The structure as the coupling sees it: a predicted surface, then the load of the window.
 
+#include <utility>
 #include <vector>
 
 #include "particles/case_file.hpp"
@@ -23,26 +24,25 @@ template <int D>
 class CoupledStructure {
  public:
   CoupledStructure(Structure<D>& structure, CouplingAlgorithm algorithm)
-      : structure_(structure), algorithm_(algorithm), velocity_(structure.surface().velocity) {}
+      : structure_(structure), algorithm_(algorithm), at_begin_(structure.surface()) {}
 
   /// CM2, CM3: halfway to the trial state under the old load, with that state's velocity. CM0: the present surface moved on for
   /// half a window at its velocity.
   Surface<D> predict_surface(Ticks begin, Ticks duration) {
     begin_ = begin;
     duration_ = duration;
-    Surface<D> surface = structure_.surface();
     if (algorithm_ == CouplingAlgorithm::cm0) {
+      Surface<D> surface = at_begin_;
       for (std::size_t k = 0; k < surface.position.size(); ++k)
         surface.position[k] += 0.5 * seconds(duration) * surface.velocity[k];
       return surface;
     }
-    position_at_begin_ = surface.position;
     Surface<D> trial = structure_.trial(begin, duration);
     trial.velocity = velocity_at_end(trial.position);
-    for (std::size_t k = 0; k < surface.position.size(); ++k) {
-      trial.position[k] = 0.5 * (surface.position[k] + trial.position[k]);
-      trial.normal[k] = (surface.normal[k] + trial.normal[k]).normalized();
-      trial.area[k] = 0.5 * (surface.area[k] + trial.area[k]);
+    for (std::size_t k = 0; k < trial.position.size(); ++k) {
+      trial.position[k] = 0.5 * (at_begin_.position[k] + trial.position[k]);
+      trial.normal[k] = (at_begin_.normal[k] + trial.normal[k]).normalized();
+      trial.area[k] = 0.5 * (at_begin_.area[k] + trial.area[k]);
     }
     return trial;
   }
@@ -57,15 +57,17 @@ class CoupledStructure {
   void apply(const SurfaceLoad<D>& load) {
     if (algorithm_ == CouplingAlgorithm::cm0) structure_.trial(begin_, duration_);
     structure_.advance(load);
-    if (algorithm_ != CouplingAlgorithm::cm0) velocity_ = velocity_at_end(structure_.surface().position);
+    Surface<D> end = structure_.surface();
+    if (algorithm_ != CouplingAlgorithm::cm0) end.velocity = velocity_at_end(end.position);
+    at_begin_ = std::move(end);
   }
 
  private:
   std::vector<Vector<D>> velocity_at_end(const std::vector<Vector<D>>& position) const {
     std::vector<Vector<D>> velocity(position.size());
     for (std::size_t k = 0; k < position.size(); ++k) {
-      const Vector<D> mean = (position[k] - position_at_begin_[k]) / seconds(duration_);
-      velocity[k] = interface_velocity<Vector<D>>(mean, velocity_[k]);
+      const Vector<D> mean = (position[k] - at_begin_.position[k]) / seconds(duration_);
+      velocity[k] = interface_velocity<Vector<D>>(mean, at_begin_.velocity[k]);
     }
     return velocity;
   }
@@ -73,7 +75,7 @@ class CoupledStructure {
   Structure<D>& structure_;
   CouplingAlgorithm algorithm_;
   Ticks begin_ = 0, duration_ = 0;
-  std::vector<Vector<D>> velocity_, position_at_begin_;  ///< of the surface at the begin of the window
+  Surface<D> at_begin_;  ///< of the window; velocity: as the fluid was given it
 };
 
 }  // namespace tern::structure
