@@ -37,6 +37,9 @@ class VerifyCasesTest(unittest.TestCase):
     def test_the_floor_carries_ten_times_its_mass_of_water(self):
         self.verify("hydrostatic_plate")
 
+    def test_the_plate_under_water_swings_in_two_modes(self):
+        self.verify("submerged_plate_modes")
+
     def test_the_column_bends_over_and_back(self):
         self.verify("bending_column_2d")
 
