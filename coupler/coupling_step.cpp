@@ -160,8 +160,10 @@ void CouplingStep<D>::add_velocity_divergence_mitigation() {
 
 template <int D>
 double CouplingStep<D>::responding_mass(std::size_t k) const {
-  // Over a window a pressure moves the section behind the point, or the layer an elastic wave reaches, at least one particle.
-  return std::max(std::min(properties_.section_mass[k], properties_.impedance[k] * duration_), properties_.least_mass[k]);
+  // Over a window a pressure accelerates the section behind the point. As long as an elastic wave is on its way through it the
+  // face moves at the constant p/(rho c) instead, which for the fluid, that takes the mean velocity for half of that at the
+  // end, is the answer of half the layer that the wave reaches. At least one particle moves.
+  return std::max(std::min(properties_.section_mass[k], 0.5 * properties_.impedance[k] * duration_), properties_.least_mass[k]);
 }
 
 template <int D>

@@ -12,7 +12,7 @@ constexpr double dx = 0.01;
 SurfaceProperties five_points() {
   SurfaceProperties p = properties(5);
   p.section_mass = {4.0, 4.0, 4.0, 0.5, 4.0};
-  p.impedance = {1e6, 1e3, 1e2, 1e6, 2e3};  // times 1e-3 s: 1000, 1, 0.1, 1000, 2 kg/m^2
+  p.impedance = {1e6, 1e3, 1e2, 1e6, 2e3};  // times 1e-3 s / 2: 500, 0.5, 0.05, 500, 1 kg/m^2
   p.least_mass = {1.0, 0.2, 0.8, 1.0, 2.5};
   return p;
 }
@@ -25,14 +25,14 @@ Surface<2> row(std::size_t n) {
 }
 
 // Seen to fail: with the floor applied before the minimum; with the factor left out.
-TEST(RobinMass, IsTheSectionOrTheLayerAWaveReachesAndAtLeastAParticle) {
+TEST(RobinMass, IsTheSectionOrHalfTheLayerAWaveReachesAndAtLeastAParticle) {
   for (double factor : {1.0, 0.5}) {
     Case c = scene(2, dx);
     c.coupling.algorithm = CouplingAlgorithm::cm2;
     c.coupling.robin_mass_factor = factor;
     CouplingStep<2> step(c, five_points());
     const auto load = step.dissipative_load(0, 1e-3, row(5), {});
-    const std::vector<double> expected = {4.0, 1.0, 0.8, 1.0, 2.5};
+    const std::vector<double> expected = {4.0, 0.5, 0.8, 1.0, 2.5};
     ASSERT_EQ(load.robin_mass.size(), 5u);
     for (int k = 0; k < 5; ++k) EXPECT_DOUBLE_EQ(load.robin_mass[k], factor * expected[k]) << k;
   }
