@@ -25,7 +25,7 @@ std::string describe(const CoupledOutcome& o) {
 int main(int argc, char** argv) {
   const std::pair<const char*, CouplingAlgorithm> algorithms[] = {
       {"CM0", CouplingAlgorithm::cm0}, {"CM2", CouplingAlgorithm::cm2}, {"CM3", CouplingAlgorithm::cm3}};
-  constexpr double until = 0.2;
+  constexpr double until = 0.1;
   std::map<std::string, std::map<Verdict, int>> count;
   bool wrong = false;
   fmt::print("| plate | CM0 | CM2 | CM3 | default |\n|---|---|---|---|---|\n");

@@ -28,7 +28,7 @@ ROWS = (
     (CASE_ITSELF, "as it stands: fluid 4 mm, plate 1 mm, CM2", (), "cm3"),
     ("fluid_8", "fluid 8 mm", ("fluid.spacing=0.008",), "fluid_2"),
     ("fluid_2", "fluid 2 mm", ("fluid.spacing=0.002",), "fluid_2"),
-    ("plate_2", "plate 2 mm (two across)", ("structure.body.plate.spacing=0.002",), "plate_05"),
+    ("plate_133", "plate 1.33 mm (three across)", ("structure.body.plate.spacing=0.00133333333",), "plate_05"),
     ("plate_05", "plate 0.5 mm (eight across)", ("structure.body.plate.spacing=0.0005",), "plate_05"),
     ("window_2", "windows twice as long", ("fluid.numerics.courant=0.3", "fluid.numerics.gravity_courant=0.2"), "window_05"),
     ("window_05", "windows half as long", ("fluid.numerics.courant=0.075", "fluid.numerics.gravity_courant=0.05"), "window_05"),
