@@ -39,7 +39,7 @@ double largest_growth(auto&& interface_velocity_of) {
   return largest;
 }
 
-// Seen to fail: with twice the mean velocity and nothing taken off; with the velocity at the end (the next test).
+// Seen to fail: with 1.2 of the velocity before kept; the velocity at the end is the next test.
 TEST(InterfaceVelocity, NeverLetsAModeGrowWhateverItsStiffnessAndMass) {
   EXPECT_LE(largest_growth([](double moved, double, double before) { return interface_velocity<double>(moved, before); }), 1 + 1e-6);
 }
