@@ -17,7 +17,6 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <functional>
 #include <numeric>
 #include <random>
@@ -28,6 +27,7 @@
 #include "proto/channel.hpp"
 #include "proto/convert.hpp"
 #include "proto/socket.hpp"
+#include "tests/particles/scratch_directory.hpp"
 
 namespace {
 
@@ -35,17 +35,6 @@ using namespace tern;
 using proto::Kind;
 
 constexpr int blocks = 60;
-
-/// A directory for the sockets, gone with the object.
-struct Directory {
-  std::string path = (std::filesystem::temp_directory_path() / "tern-exchange-XXXXXX").string();
-  Directory() {
-    if (::mkdtemp(path.data()) == nullptr) throw std::runtime_error("no directory can be made at " + path);
-  }
-  ~Directory() { std::filesystem::remove_all(path); }
-  Directory(const Directory&) = delete;
-  Directory& operator=(const Directory&) = delete;
-};
 
 /// Runs `work` in a process of its own, which must leave by itself.
 class Answerer {
@@ -264,9 +253,9 @@ void add_block(int rounds, const Calls& calls, std::vector<Series>& series) {
   for (std::size_t k = 0; k < calls.size(); ++k) series[k].microseconds.push_back(sum[k] / rounds);
 }
 
-void measure(const Directory& directory, std::size_t points) {
+void measure(const ScratchDirectory& directory, std::size_t points) {
   const std::vector<std::string> names{"surface", "pressure"};
-  const std::string endpoint = fmt::format("ipc://{}/{}", directory.path, points);
+  const std::string endpoint = fmt::format("ipc://{}/{}", directory.path(), points);
   const Answerer participant([&] { answer_coupler(endpoint, points); });  // before this process has threads
   const Answerer echo([&] { answer_bare(endpoint + "-bare"); });
   BareCoupler bare(endpoint + "-bare");
@@ -302,7 +291,7 @@ int main(int argc, char** argv) {
              "difference of medians | ratio |\n"
              "|---|---|---|---|---|---|---|\n");
   std::fflush(stdout);
-  const Directory directory;
+  const ScratchDirectory directory;
   std::vector<std::size_t> sizes{100, 1000, 10000};
   if (argc > 1) sizes.clear();
   for (int k = 1; k < argc; ++k) sizes.push_back(std::stoul(argv[k]));

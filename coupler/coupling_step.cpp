@@ -19,7 +19,7 @@
 namespace tern::coupler {
 namespace {
 
-/// Mass behind a face, over that of a layer of fluid particles, below which one pass is not enough.
+/// Mass behind a face, over that of a layer of fluid particles, up to which one pass is not enough.
 constexpr double lightest_of_one_pass = 0.5;
 /// Mass with which a light surface yields in the pressure equation of CM3, in layers of fluid particles. From 2 to 12 it makes
 /// no difference to the number of trials.
@@ -40,7 +40,7 @@ DissipativeLoad<D> CouplingStep<D>::dissipative_load(double begin, double durati
     trial_load_ = load_;
   else
     trial_load_.force.assign(surface.position.size(), Vector<D>::Zero());
-  fixed_point_.begin_window(largest_gain());
+  if (algorithm_ == CouplingAlgorithm::cm3) fixed_point_.begin_window(largest_gain());
   dissipative_.surface_velocity.clear();
   add_known_forces();
   return dissipative_;

@@ -187,7 +187,7 @@ const std::vector<Parameter>& parameters() {
       {"coupling", "algorithm", Type::choice, "", "\"auto\"", any, {"auto", "CM0", "CM2", "CM3"},
        "CM2: predict, project, correct; CM3: the same, repeated until both sides agree, for bodies of any lightness; CM0: explicit "
        "staggering, unstable where the fluid's added mass exceeds the mass of the structure; auto: CM3 where the mass behind a "
-       "face is less than that of half a layer of fluid particles, else CM2."},
+       "face is at most that of half a layer of fluid particles, else CM2."},
       {"coupling", "acceleration", Type::choice, "", "\"iqn-ils\"", any, {"iqn-ils", "aitken"},
        "How CM3 finds its next trial: quasi-Newton from the trials before, of this and earlier windows; or one factor."},
       {"coupling", "tolerance", Type::number, "-", "1e-4", between(0, 1), {},

@@ -210,10 +210,10 @@ void check_band_pressure(Check& check, const wire::BandPressure& band, const Agr
   check.finite("velocity", band.velocity());
 }
 
-void check_force(Check& check, const google::protobuf::RepeatedField<double>& force, int dimension,
-                 std::optional<std::size_t> points, const char* reason) {
-  check.length("force", force.size(), static_cast<std::size_t>(dimension) * points.value_or(0), reason);
-  check.finite("force", force);
+void check_vectors(Check& check, const char* field, const google::protobuf::RepeatedField<double>& vectors, int dimension,
+                   std::optional<std::size_t> points, const char* reason) {
+  check.length(field, vectors.size(), static_cast<std::size_t>(dimension) * points.value_or(0), reason);
+  check.finite(field, vectors);
 }
 
 void check_abort(Check& check, const wire::Abort& abort) {
@@ -315,7 +315,7 @@ std::string find_body_fault(const wire::Message& message, const Agreement& agree
       check_band_pressure(check, message.band_pressure(), agreement);
       break;
     case Kind::kBandForce:
-      check_force(check, message.band_force().force(), agreement.dimension, agreement.band_particles,
+      check_vectors(check, "force", message.band_force().force(), agreement.dimension, agreement.band_particles,
                   "dimension times band particles");
       break;
     case Kind::kWindowDone: {
@@ -325,16 +325,12 @@ std::string find_body_fault(const wire::Message& message, const Agreement& agree
       check.account(done.account(), agreement.energies, agreement.gauges);
       break;
     }
-    case Kind::kSurfaceVelocity: {
-      const auto& velocity = message.surface_velocity().velocity();
-      check.length("velocity", velocity.size(),
-                   static_cast<std::size_t>(agreement.dimension) * agreement.surface_points.value_or(0),
-                   "dimension times surface points");
-      check.finite("velocity", velocity);
+    case Kind::kSurfaceVelocity:
+      check_vectors(check, "velocity", message.surface_velocity().velocity(), agreement.dimension, agreement.surface_points,
+                    "dimension times surface points");
       break;
-    }
     case Kind::kSurfaceLoad:
-      check_force(check, message.surface_load().force(), agreement.dimension, agreement.surface_points,
+      check_vectors(check, "force", message.surface_load().force(), agreement.dimension, agreement.surface_points,
                   "dimension times surface points");
       break;
     case Kind::kFinish:

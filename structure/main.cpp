@@ -121,12 +121,11 @@ void run_coupled(const CommandLine& command, const Case& scene, RunReport& repor
         *message.mutable_surface()->mutable_account() = at_begin;
       }
       channel.send(std::move(message));
-      for (bool trial = true; trial;) {
+      for (;;) {
         const wire::Message answer = channel.receive({Kind::kSurfaceLoad});
-        trial = answer.surface_load().trial();
         const auto load = proto::from_wire<D>(answer.surface_load());
         ScopedTimer timer(compute_s);
-        if (!trial) {
+        if (!answer.surface_load().trial()) {
           coupled.apply(load);
           break;
         }
