@@ -45,9 +45,13 @@ struct Totals {
   }
   /// Of the impulses exchanged, the part that the two sides did not receive alike.
   double mean_force_error() const { return impulse_size > 0 ? impulse_sum / impulse_size : 0; }
-  std::vector<double> energies() const { return {work_on_fluid, riemann, mitigation, contact}; }
+  /// The last is the work on both sides together: what the interface made or took because the fluid has seen another motion of
+  /// the surface than the one that came about.
+  std::vector<double> energies(double work_on_structure) const {
+    return {work_on_fluid, riemann, mitigation, contact, work_on_structure + work_on_fluid};
+  }
   static std::vector<std::string> columns() {
-    return {"interface_work_on_fluid_J", "riemann_dissipation_J", "vem_dissipation_J", "contact_dissipation_J"};
+    return {"interface_work_on_fluid_J", "riemann_dissipation_J", "vem_dissipation_J", "contact_dissipation_J", "interface_staggering_J"};
   }
 };
 
@@ -56,6 +60,18 @@ std::vector<T> joined(std::vector<T> first, const std::vector<T>& second, const 
   first.insert(first.end(), second.begin(), second.end());
   first.insert(first.end(), third.begin(), third.end());
   return first;
+}
+
+/// Throws BadInput when a participant accounts for other things than the case asks it for.
+void check_account(const char* role, const wire::Account& account, const std::vector<std::string>& energies,
+                   const std::vector<std::string>& gauges) {
+  const auto check = [&](const char* field, int size, const std::vector<std::string>& columns) {
+    if (size == static_cast<int>(columns.size())) return;
+    throw BadInput(fmt::format("The {} process reports {} values in account.{}, the case asks for {}: {}.", role, size, field,
+                               columns.size(), columns.empty() ? "none" : fmt::format("{}", fmt::join(columns, ", "))));
+  };
+  check("energy", account.energy_size(), energies);
+  check("gauge", account.gauge_size(), gauges);
 }
 
 /// Reports the added-mass ratio. Throws BadInput where explicit coupling cannot work, unless that was asked for.
@@ -78,6 +94,10 @@ void run(const CommandLine& command, const Case& scene, RunReport& report) {
     const auto hello = channel.accept({wire::FLUID, wire::STRUCTURE}, scene.hash, D);
     const wire::Hello &fluid_hello = hello.at(wire::FLUID), &structure_hello = hello.at(wire::STRUCTURE);
     const SurfaceProperties properties = proto::from_wire(structure_hello.surface());
+    const std::vector<std::string> structure_columns = structure_energy_columns(scene);
+    const auto work_column = std::find(structure_columns.begin(), structure_columns.end(), "interface_work_on_structure_J");
+    check_account("fluid", fluid_hello.account(), fluid_energy_columns(), gauge_columns(scene, GaugeOwner::fluid));
+    check_account("structure", structure_hello.account(), structure_columns, gauge_columns(scene, GaugeOwner::structure));
     refuse_predicted_instability<D>(command, scene, properties, report);
     coupler::CouplingStep<D> step(scene, properties);
     if (scene.coupling.algorithm == CouplingAlgorithm::automatic)
@@ -85,7 +105,7 @@ void run(const CommandLine& command, const Case& scene, RunReport& report) {
     Recorder recorder(command.out,
                       joined(gauge_columns(scene, GaugeOwner::fluid), gauge_columns(scene, GaugeOwner::structure),
                              gauge_columns(scene, GaugeOwner::coupler)),
-                      joined(fluid_energy_columns(), structure_energy_columns(scene), Totals::columns()), scene.output.gauge_interval);
+                      joined(fluid_energy_columns(), structure_columns, Totals::columns()), scene.output.gauge_interval);
     Progress progress(scene.end_time, command.quiet);
     channel.welcome(static_cast<std::uint32_t>(properties.body.size()));
 
@@ -111,8 +131,10 @@ void run(const CommandLine& command, const Case& scene, RunReport& report) {
         const Vector<D> load = step.total_load(static_cast<std::uint32_t>(body - scene.structure->bodies.begin()));
         for (int c = 0; c < D; ++c) own.push_back(load[c]);
       }
+      const std::vector<double> structure_energies = proto::energies(structure_account);
+      const double work = structure_energies[static_cast<std::size_t>(work_column - structure_columns.begin())];
       recorder.account(now, joined(proto::gauge_values(fluid_account), proto::gauge_values(structure_account), own),
-                       joined(proto::energies(fluid_account), proto::energies(structure_account), totals.energies()));
+                       joined(proto::energies(fluid_account), structure_energies, totals.energies(work)));
     };
     Ticks now = 0;
     coupler::RemoteParticipants<D> participants(channel, [&](const wire::Account& account) { record(now, account); });

@@ -8,6 +8,7 @@
 
 #include "particles/case_estimate.hpp"
 #include "particles/error.hpp"
+#include "particles/gauges.hpp"
 #include "particles/parameter_table.hpp"
 #include "particles/version.hpp"
 
@@ -16,7 +17,14 @@ namespace {
 using namespace tern;
 
 std::string json_text(const Case& scene) {
-  const nlohmann::json json = {{"name", scene.name},
+  // What a participant has to report, in this order (docs/PROTOCOL.md, Account).
+  nlohmann::json account = nlohmann::json::object();
+  if (scene.fluid)
+    account["fluid"] = {{"energy", fluid_energy_columns()}, {"gauge", gauge_columns(scene, GaugeOwner::fluid)}};
+  if (scene.structure)
+    account["structure"] = {{"energy", structure_energy_columns(scene)}, {"gauge", gauge_columns(scene, GaugeOwner::structure)}};
+  const nlohmann::json json = {{"account", account},
+                               {"name", scene.name},
                                {"path", scene.path},
                                {"hash", scene.hash},
                                {"dimension", scene.dimension},

@@ -108,7 +108,7 @@ def judge(label, result):
     for name in ("momentum_audit_max", "volume_drift", "particles_leaked"):
         numbers[name] = measure(result.contents, name)
     end = {name: values[-1] for name, values in energy.items()}
-    numbers["staggering"] = end["interface_work_on_structure_J"] + end["interface_work_on_fluid_J"]
+    numbers["staggering"] = end["interface_staggering_J"]
     kept = [name for name in end if name.endswith(("kinetic_J", "potential_J", "strain_J", "dissipation_J", "diffusion_J"))]
     numbers["energy"] = sum(end[name] for name in kept) / (0.5 * DENSITY * GRAVITY * HEIGHT**2 * WIDTH)
     numbers["end"] = gauges["t_s"][-1]
