@@ -109,6 +109,17 @@ def parser():
     one.add_argument("--json", action="store_true", help="print the table as JSON")
     _run_options(one)
 
+    one = _add(commands, "conform", _conform, "test whether a participant, yours or ours, keeps the protocol (docs/PROTOCOL.md)",
+               ["./tern conform structure \"/usr/bin/python3 my_structure.py\"   (started anew for every check)",
+                "./tern conform fluid build/release/tern-fluid",
+                "./tern conform structure tcp://127.0.0.1:5555               (you start it when asked to)"])
+    one.add_argument("role", choices=("fluid", "structure"), help="what the participant is")
+    one.add_argument("target", metavar="COMMAND|ADDRESS", help="the command that starts it, to which CASE --out DIR --endpoint "
+                     "ADDRESS --quiet are appended; or the address where you let it connect")
+    one.add_argument("--case", default="conformance", help=CASE_HELP + " (default: cases/conformance, a plate in shallow water)")
+    one.add_argument("--check", metavar="NAME", action="append", default=[], help="only this check (may be repeated)")
+    _override_options(one)
+
     one = _add(commands, "plot", _plot, "pictures of a run; with several runs, also their gauges in one picture",
                ["./tern plot runs/dam_break_plate", "./tern plot runs/dam_break_plate --times 0.28 0.50 0.80",
                 "./tern plot runs/dam_break_plate runs/dam_break_plate-2"])
@@ -146,6 +157,13 @@ def _verify(arguments):
     packages.ensure(packages.PYTHON)
     arguments.case_options = _forwarded(arguments)
     return verify.verify(arguments)
+
+
+def _conform(arguments):
+    from launcher import conform
+    packages.ensure(packages.PYTHON)
+    arguments.case_options = _forwarded(arguments)
+    return conform.conform(arguments)
 
 
 def _plot(arguments):

@@ -1,4 +1,4 @@
-"""Checks of a received message before its content is used (docs/PROTOCOL.md): lengths, finiteness, physical bounds."""
+"""Checks of a message before its content is used (docs/PROTOCOL.md, section 4): lengths, finiteness, physical bounds."""
 
 import numpy
 
@@ -26,6 +26,75 @@ def _positive(field, values):
     _numbers(field, values, lambda v: v > 0, "finite and above 0")
 
 
+def _unit_vectors(field, values, dimension):
+    lengths = numpy.linalg.norm(numpy.array(values).reshape(-1, dimension), axis=1)
+    _numbers(f"length of {field}", lengths, lambda v: abs(v - 1) <= 1e-6, "1 to within 1e-6")
+
+
+def _account(account, hello):
+    for field in ("energy", "gauge"):
+        if hello is not None:
+            _length(f"account.{field}", getattr(account, field), len(getattr(hello.account, field)))
+        _numbers(f"account.{field}", getattr(account, field))
+    _length("account.undefined", account.undefined, len(account.gauge))
+    for index, (value, undefined) in enumerate(zip(account.gauge, account.undefined)):
+        if undefined and value != 0:
+            raise BadMessage(f"account.gauge[{index}] is {value:g} although undefined; it must be 0")
+
+
+def check_from_participant(message, role, dimension, surface_points, band_particles, hello):
+    """Raises BadMessage when the body of a message of a participant cannot be used; `hello` is None before it was sent."""
+    kind = message.WhichOneof("body")
+    body = getattr(message, kind)
+    if kind == "hello":
+        _account(body.account, None)
+        _numbers("proposed_step_s", [body.proposed_step_s], lambda v: v >= 0, "finite and 0 or more")
+        points = len(body.surface.body)
+        if (points > 0) != (role == "structure"):
+            raise BadMessage(f"surface.body has {points} entries; a structure must have at least one, a fluid none")
+        for field in ("section_mass", "impedance", "least_mass"):
+            _length(f"surface.{field}", getattr(body.surface, field), points)
+            _positive(f"surface.{field}", getattr(body.surface, field))
+    elif kind == "surface":
+        for field in ("position", "velocity", "normal"):
+            _length(field, getattr(body, field), dimension * surface_points)
+            _numbers(field, getattr(body, field))
+        _length("area", body.area, surface_points)
+        _positive("area", body.area)
+        _unit_vectors("normal", body.normal, dimension)
+        _account(body.account, hello)
+    elif kind == "surface_velocity":
+        _length("velocity", body.velocity, dimension * surface_points)
+        _numbers("velocity", body.velocity)
+    elif kind == "band":
+        particles = len(body.id)
+        if len(set(body.id)) != particles:
+            raise BadMessage("id has the same label twice; labels must be distinct")
+        for field in ("position", "velocity"):
+            _length(field, getattr(body, field), dimension * particles)
+            _numbers(field, getattr(body, field))
+        for field in ("mass", "volume"):
+            _length(field, getattr(body, field), particles)
+            _positive(field, getattr(body, field))
+        _length("divergence", body.divergence, particles)
+        _numbers("divergence", body.divergence)
+    elif kind == "band_pressure":
+        _length("pressure", body.pressure, band_particles)
+        _numbers("pressure", body.pressure)
+        _length("velocity", body.velocity, dimension * band_particles)
+        _numbers("velocity", body.velocity)
+    elif kind == "window_done":
+        _positive("proposed_step_s", [body.proposed_step_s])
+        _account(body.account, hello)
+    elif kind == "finished":
+        _account(body.account, hello)
+    elif kind == "abort":
+        if body.exit_code not in (2, 3, 4, 5, 130):
+            raise BadMessage(f"exit_code is {body.exit_code}; it must be 2, 3, 4, 5 or 130")
+        if not 1 <= len(body.sentence.encode()) <= 4096:
+            raise BadMessage(f"sentence has {len(body.sentence.encode())} bytes; it must have 1 to 4096")
+
+
 def check_body(message, dimension, surface_points, band_particles, projected=False):
     """Raises BadMessage when the body of a message of the coupler cannot be used by a participant.
 
@@ -43,8 +112,7 @@ def check_body(message, dimension, surface_points, band_particles, projected=Fal
             _numbers(field, getattr(body, field))
         _length("area", body.area, surface_points)
         _positive("area", body.area)
-        lengths = numpy.linalg.norm(numpy.array(body.normal).reshape(-1, dimension), axis=1)
-        _numbers("length of normal", lengths, lambda v: abs(v - 1) <= 1e-6, "1 to within 1e-6")
+        _unit_vectors("normal", body.normal, dimension)
     elif kind == "dissipative_load":
         _length("force", body.force, dimension * band_particles)
         _length("reference_pressure", body.reference_pressure, surface_points)

@@ -1,0 +1,76 @@
+"""./tern conform: content with the real participants and with a small one, and not with one that breaks a rule."""
+
+import os
+import re
+import subprocess
+import unittest
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from fake_build import ROOT
+from real_run import build_directory
+
+# Every fault of faulty_structure.py, the check that must find it, and what the finding must say.
+FAULTS = {
+    "hash": ("hello", r"case_hash is 0; it must be [0-9a-f]{16}"),
+    "account": ("hello", r"number of account.energy is 5; it must be 6"),
+    "own exit code": ("abort", r"ended with exit code 1; it must be 3"),
+    "sequence": ("order", r"sequence of surface is 5; it must be 2"),
+    "normal": ("order", r"length of normal\[0\] is 1.1"),
+    "short": ("order", r"position has 7 entries; it must have 8"),
+    "not finite": ("order", r"velocity\[3\] is nan"),
+    "talks": ("silence", r"surface_velocity came after the end of a window"),
+    "forgets to restore": ("restore", r"the same trial got .* instead of"),
+    "deaf": ("restore", r"the answer is the same whatever is tried"),
+    "moves backwards": ("sense", r"does not move the surface along"),
+    "stays": ("finish", r"no finished within"),
+    "always content": ("finish interrupted", r"ended with exit code 0; it must be 130"),
+    "silent interrupt": ("interrupt", r"ended with exit code 130 where abort was due"),
+    "credulous": ("not finite", r"no abort within 2 s"),
+}
+
+
+class ConformTest(unittest.TestCase):
+    def setUp(self):
+        self.build = build_directory()
+
+    def conform(self, *words):
+        environment = os.environ | {"TERN_BUILD": str(self.build)}
+        answer = subprocess.run([ROOT / "tern", "conform", *words], text=True, env=environment, stdout=subprocess.PIPE,
+                                stderr=subprocess.STDOUT, timeout=300, check=False)
+        return answer.returncode, answer.stdout
+
+    def faulty(self, fault, *checks):
+        script = Path(__file__).with_name("faulty_structure.py")
+        words = [word for check in checks for word in ("--check", check)]
+        return self.conform("structure", f"/usr/bin/python3 {script} '{fault}'", *words)
+
+    def test_our_own_participants_conform(self):
+        for role in ("structure", "fluid"):
+            code, text = self.conform(role, str(self.build / f"tern-{role}"))
+            self.assertEqual(code, 0, text)
+            self.assertRegex(text, r"(\d\d) of \1 checks hold")
+
+    def test_a_small_participant_conforms(self):
+        code, text = self.faulty("none")
+        self.assertEqual(code, 0, text)
+
+    def test_every_fault_is_found_and_named(self):
+        with ThreadPoolExecutor(4) as pool:
+            answers = list(pool.map(lambda fault: self.faulty(fault, FAULTS[fault][0]), FAULTS))
+        for (fault, (check, sentence)), (code, text) in zip(FAULTS.items(), answers):
+            with self.subTest(fault):
+                self.assertEqual(code, 3, text)
+                self.assertTrue(re.search(rf"NO   {check}: .*{sentence}.*\[docs/PROTOCOL.md, \d", text), text)
+
+    def test_what_cannot_be_tested_is_said_in_a_sentence(self):
+        for words, sentence in ((["structure", "no-such-program"], "neither an address"),
+                                (["structure", "/bin/true", "--check", "magic"], "There is no check 'magic'"),
+                                (["structure", "/bin/true", "--case", "hydrostatic_tank"], "has no structure")):
+            code, text = self.conform(*words)
+            self.assertEqual(code, 2, text)
+            self.assertIn(sentence, text)
+
+
+if __name__ == "__main__":
+    unittest.main()
