@@ -8,13 +8,11 @@
 #include "particles/recorder.hpp"
 #include "particles/timing.hpp"
 #include "proto/account.hpp"
-#include "proto/channel.hpp"
-#include "proto/convert.hpp"
+#include "proto/participant.hpp"
 
 namespace {
 
 using namespace tern;
-using proto::Kind;
 
 /// The whole run in this process.
 template <int D>
@@ -66,116 +64,103 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report)
   progress.finish();
 }
 
-/// One of three processes: obeys the coupler's windows.
+/// The fluid as one of three processes: what proto/participant.hpp asks of a solver.
 template <int D>
-void run_coupled(const CommandLine& command, const Case& scene, RunReport& report) {
-  proto::ParticipantChannel channel(command.endpoint, wire::FLUID);
-  double& compute_s = report.timing("compute");
-  double& output_s = report.timing("output");
-  try {
-    fluid::Fluid<D> fluid(scene);
-    fluid::Measures<D> measures;
-    FrameWriter frames(command.out, "fluid");
-    // The coupler's recorder writes rows on the same schedule and ignores the gauges of other instants: there the last
-    // values go with the message once more.
-    RowSchedule rows(scene.output.gauge_interval);
-    GaugeValues gauges;
-    const auto account = [&] {
-      if (const Ticks now = fluid.state().time; rows.due(now)) {
-        gauges = gauge_values(fluid, scene);
-        rows.written(now);
-      }
-      return proto::account(energy_values(fluid), gauges);
-    };
+class Participant {
+ public:
+  Participant(const CommandLine& command, const Case& scene, RunReport& report, const proto::ParticipantChannel& channel)
+      : scene_(scene), report_(report), channel_(channel), fluid_(scene), frames_(command.out, "fluid"),
+        rows_(scene.output.gauge_interval) {}
 
+  wire::Hello hello() {
     wire::Hello hello;
-    hello.set_case_hash(scene.hash);
+    hello.set_case_hash(scene_.hash);
     hello.set_dimension(D);
-    hello.set_particles(static_cast<std::uint32_t>(fluid.state().size()));
-    hello.set_proposed_step_s(fluid.propose_step().seconds);
-    hello.set_limit(fluid.propose_step().limit);
+    hello.set_particles(static_cast<std::uint32_t>(fluid_.state().size()));
+    hello.set_proposed_step_s(fluid_.propose_step().seconds);
+    hello.set_limit(fluid_.propose_step().limit);
     *hello.mutable_account() = account();
-    write_frame(fluid, frames, 0);
-    channel.handshake(hello);
-
-    const auto report_now = [&] {
-      measures.report(fluid, report);
-      report.timing("wait") = channel.wait_seconds();
-      report.timing("exchange") = channel.exchange_seconds();
-      report.set_count("bytes_sent", static_cast<long>(channel.bytes_sent()));
-      report.set_count("bytes_received", static_cast<long>(channel.bytes_received()));
-    };
-    long step = 0, last_frame = 0;
-    for (;;) {
-      wire::Message order = channel.receive({Kind::kBeginWindow, Kind::kFinish});
-      if (order.has_finish()) {
-        if (last_frame != step) write_frame(fluid, frames, step);
-        report_now();
-        wire::Message answer;
-        *answer.mutable_finished()->mutable_account() = account();
-        channel.send(std::move(answer));
-        if (order.finish().interrupted()) throw Interrupted("The run was interrupted; results up to here are kept.");
-        return;
-      }
-      const Ticks begin = order.begin_window().begin_ticks(), duration = order.begin_window().duration_ticks();
-      wire::Message message;
-      {
-        ScopedTimer timer(compute_s);
-        fluid.begin_window(begin, duration);
-      }
-      const Surface<D> surface = proto::from_wire<D>(channel.receive({Kind::kSurface}).surface());
-      {
-        ScopedTimer timer(compute_s);
-        *message.mutable_band() = proto::to_wire<D>(fluid.see_surface(surface));
-      }
-      channel.send(std::move(message));
-      message = channel.receive({Kind::kDissipativeLoad});
-      while (message.has_dissipative_load()) {
-        const auto load = proto::from_wire<D>(message.dissipative_load());
-        message.Clear();
-        {
-          ScopedTimer timer(compute_s);
-          *message.mutable_band_pressure() = proto::to_wire<D>(fluid.solve_pressure(load));
-        }
-        channel.send(std::move(message));
-        message = channel.receive({Kind::kDissipativeLoad, Kind::kBandForce});
-      }
-      const auto force = proto::from_wire<D>(message.band_force());
-      message.Clear();
-      {
-        ScopedTimer timer(compute_s);
-        fluid.end_window(force);
-      }
-      ++step;
-      measures.add(fluid);
-      const StepProposal proposal = fluid.propose_step();
-      wire::WindowDone& done = *message.mutable_window_done();
-      done.set_proposed_step_s(proposal.seconds);
-      done.set_limit(proposal.limit);
-      done.set_iterations(static_cast<std::uint32_t>(fluid.last_solve().iterations));
-      *done.mutable_account() = account();
-      channel.send(std::move(message));
-      ScopedTimer timer(output_s);
-      if (order.begin_window().write_frame()) {
-        write_frame(fluid, frames, step);
-        last_frame = step;
-      }
-      report.set_time(seconds(begin + duration), step);
-      report_now();
-      report.update();
-    }
-  } catch (const Error& error) {
-    channel.abort(error);
-    throw;
+    write_output_frame();
+    return hello;
   }
-}
+  wire::Account account() {
+    // The coupler's recorder writes rows on the same schedule and ignores the gauges of other instants: there the last values
+    // go with the message once more.
+    if (const Ticks now = fluid_.state().time; rows_.due(now)) {
+      gauges_ = gauge_values(fluid_, scene_);
+      rows_.written(now);
+    }
+    return proto::account(energy_values(fluid_), gauges_);
+  }
+
+  void begin_window(Ticks begin, Ticks duration) {
+    ScopedTimer timer(compute_s_);
+    fluid_.begin_window(begin, duration);
+  }
+  Band<D> see_surface(const Surface<D>& surface) {
+    ScopedTimer timer(compute_s_);
+    return fluid_.see_surface(surface);
+  }
+  BandPressure<D> solve_pressure(const DissipativeLoad<D>& load) {
+    ScopedTimer timer(compute_s_);
+    return fluid_.solve_pressure(load);
+  }
+  wire::WindowDone end(const BandForce<D>& force) {
+    ScopedTimer timer(compute_s_);
+    fluid_.end_window(force);
+    const StepProposal proposal = fluid_.propose_step();
+    wire::WindowDone done;
+    done.set_proposed_step_s(proposal.seconds);
+    done.set_limit(proposal.limit);
+    done.set_iterations(static_cast<std::uint32_t>(fluid_.last_solve().iterations));
+    return done;
+  }
+
+  void end_window(const proto::Window& window) {
+    ++step_;
+    measures_.add(fluid_);
+    ScopedTimer timer(output_s_);
+    if (window.write_frame) write_output_frame();
+    report_.set_time(seconds(window.end()), step_);
+    report_now();
+    report_.update();
+  }
+  void finish() {
+    if (last_frame_ != step_) write_output_frame();
+    report_now();
+  }
+
+ private:
+  void write_output_frame() {
+    write_frame(fluid_, frames_, step_);
+    last_frame_ = step_;
+  }
+  void report_now() {
+    measures_.report(fluid_, report_);
+    proto::report_traffic(channel_, report_);
+  }
+
+  const Case& scene_;
+  RunReport& report_;
+  const proto::ParticipantChannel& channel_;
+  double& compute_s_ = report_.timing("compute");
+  double& output_s_ = report_.timing("output");
+  fluid::Fluid<D> fluid_;
+  fluid::Measures<D> measures_;
+  FrameWriter frames_;
+  RowSchedule rows_;
+  GaugeValues gauges_;
+  long step_ = 0, last_frame_ = 0;
+};
 
 template <int D>
 void run(const CommandLine& command, const Case& scene, RunReport& report) {
-  if (command.alone())
-    run_alone<D>(command, scene, report);
-  else
-    run_coupled<D>(command, scene, report);
+  if (command.alone()) return run_alone<D>(command, scene, report);
+  proto::ParticipantChannel channel(command.endpoint, wire::FLUID);
+  proto::telling_the_coupler(channel, [&] {
+    Participant<D> participant(command, scene, report, channel);
+    proto::take_part_as_fluid<D>(channel, participant);
+  });
 }
 
 }  // namespace

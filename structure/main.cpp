@@ -10,15 +10,13 @@
 #include "particles/recorder.hpp"
 #include "particles/timing.hpp"
 #include "proto/account.hpp"
-#include "proto/channel.hpp"
-#include "proto/convert.hpp"
+#include "proto/participant.hpp"
 #include "structure/coupled_structure.hpp"
 #include "structure/output.hpp"
 
 namespace {
 
 using namespace tern;
-using proto::Kind;
 
 /// The whole run in this process, without surface load.
 template <int D>
@@ -69,92 +67,87 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report)
   progress.finish();
 }
 
-/// One of three processes: obeys the coupler's windows.
+/// The structure as one of three processes: what proto/participant.hpp asks of a solver.
 template <int D>
-void run_coupled(const CommandLine& command, const Case& scene, RunReport& report) {
-  proto::ParticipantChannel channel(command.endpoint, wire::STRUCTURE);
-  double& compute_s = report.timing("compute");
-  double& output_s = report.timing("output");
-  try {
-    structure::Structure<D> structure(scene);
-    structure::CoupledStructure<D> coupled(structure, scene.coupling.algorithm);
-    const structure::StructureGauges<D> gauges(scene, structure);
-    structure::Measures measures;
-    FrameWriter frames(command.out, "structure");
-    const auto account = [&] {
-      return proto::account(structure::energy_values(scene, structure), gauges.values(structure));
-    };
+class Participant {
+ public:
+  Participant(const CommandLine& command, const Case& scene, RunReport& report, const proto::ParticipantChannel& channel)
+      : scene_(scene), report_(report), channel_(channel), structure_(scene), coupled_(structure_, scene.coupling.algorithm),
+        gauges_(scene, structure_), frames_(command.out, "structure") {}
 
+  wire::Hello hello() {
     wire::Hello hello;
-    hello.set_case_hash(scene.hash);
+    hello.set_case_hash(scene_.hash);
     hello.set_dimension(D);
-    hello.set_particles(static_cast<std::uint32_t>(structure.particles()));
-    *hello.mutable_surface() = proto::to_wire(structure.surface_properties());
+    hello.set_particles(static_cast<std::uint32_t>(structure_.particles()));
+    *hello.mutable_surface() = proto::to_wire(structure_.surface_properties());
     *hello.mutable_account() = account();
-    structure::write_frame(structure, frames, 0);
-    channel.handshake(hello);
-
-    const auto report_now = [&] {
-      measures.report(structure, report);
-      report.timing("wait") = channel.wait_seconds();
-      report.timing("exchange") = channel.exchange_seconds();
-      report.set_count("bytes_sent", static_cast<long>(channel.bytes_sent()));
-      report.set_count("bytes_received", static_cast<long>(channel.bytes_received()));
-    };
-    long step = 0, last_frame = 0;
-    for (;;) {
-      const wire::Message order = channel.receive({Kind::kBeginWindow, Kind::kFinish});
-      wire::Message message;
-      if (order.has_finish()) {
-        if (last_frame != step) structure::write_frame(structure, frames, step);
-        report_now();
-        *message.mutable_finished()->mutable_account() = account();
-        channel.send(std::move(message));
-        if (order.finish().interrupted()) throw Interrupted("The run was interrupted; results up to here are kept.");
-        return;
-      }
-      const Ticks begin = order.begin_window().begin_ticks(), duration = order.begin_window().duration_ticks();
-      {
-        ScopedTimer timer(compute_s);
-        const wire::Account at_begin = account();
-        *message.mutable_surface() = proto::to_wire<D>(coupled.predict_surface(begin, duration));
-        *message.mutable_surface()->mutable_account() = at_begin;
-      }
-      channel.send(std::move(message));
-      for (;;) {
-        const wire::Message answer = channel.receive({Kind::kSurfaceLoad});
-        const auto load = proto::from_wire<D>(answer.surface_load());
-        ScopedTimer timer(compute_s);
-        if (!answer.surface_load().trial()) {
-          coupled.apply(load);
-          break;
-        }
-        *message.mutable_surface_velocity() = proto::to_wire<D>(coupled.respond(load));
-        channel.send(message);
-      }
-      ++step;
-      measures.add(structure);
-      ScopedTimer timer(output_s);
-      if (order.begin_window().write_frame()) {
-        structure::write_frame(structure, frames, step);
-        last_frame = step;
-      }
-      report.set_time(seconds(begin + duration), step);
-      report_now();
-      report.update();
-    }
-  } catch (const Error& error) {
-    channel.abort(error);
-    throw;
+    write_frame();
+    return hello;
   }
-}
+  wire::Account account() {
+    ScopedTimer timer(compute_s_);
+    return proto::account(structure::energy_values(scene_, structure_), gauges_.values(structure_));
+  }
+
+  Surface<D> predict_surface(Ticks begin, Ticks duration) {
+    ScopedTimer timer(compute_s_);
+    return coupled_.predict_surface(begin, duration);
+  }
+  std::vector<Vector<D>> respond(const SurfaceLoad<D>& load) {
+    ScopedTimer timer(compute_s_);
+    return coupled_.respond(load);
+  }
+  void apply(const SurfaceLoad<D>& load) {
+    ScopedTimer timer(compute_s_);
+    coupled_.apply(load);
+  }
+
+  void end_window(const proto::Window& window) {
+    ++step_;
+    measures_.add(structure_);
+    ScopedTimer timer(output_s_);
+    if (window.write_frame) write_frame();
+    report_.set_time(seconds(window.end()), step_);
+    report_now();
+    report_.update();
+  }
+  void finish() {
+    if (last_frame_ != step_) write_frame();
+    report_now();
+  }
+
+ private:
+  void write_frame() {
+    structure::write_frame(structure_, frames_, step_);
+    last_frame_ = step_;
+  }
+  void report_now() {
+    measures_.report(structure_, report_);
+    proto::report_traffic(channel_, report_);
+  }
+
+  const Case& scene_;
+  RunReport& report_;
+  const proto::ParticipantChannel& channel_;
+  double& compute_s_ = report_.timing("compute");
+  double& output_s_ = report_.timing("output");
+  structure::Structure<D> structure_;
+  structure::CoupledStructure<D> coupled_;
+  structure::StructureGauges<D> gauges_;
+  structure::Measures measures_;
+  FrameWriter frames_;
+  long step_ = 0, last_frame_ = 0;
+};
 
 template <int D>
 void run(const CommandLine& command, const Case& scene, RunReport& report) {
-  if (command.alone())
-    run_alone<D>(command, scene, report);
-  else
-    run_coupled<D>(command, scene, report);
+  if (command.alone()) return run_alone<D>(command, scene, report);
+  proto::ParticipantChannel channel(command.endpoint, wire::STRUCTURE);
+  proto::telling_the_coupler(channel, [&] {
+    Participant<D> participant(command, scene, report, channel);
+    proto::take_part_as_structure<D>(channel, participant);
+  });
 }
 
 }  // namespace
