@@ -3,7 +3,7 @@
 import signal
 from dataclasses import dataclass
 
-from launcher.errors import DONE, INTERRUPTED, PEER_LOST, STATUS
+from launcher.errors import DONE, INPUT_OUTPUT, INTERRUPTED, PEER_LOST, STATUS
 
 SAME_MOMENT_S = 1.0
 
@@ -25,7 +25,9 @@ def _candidate(process, report):
         return process.ended_at, Cause(PEER_LOST, f"tern-{process.role} was killed by signal {-code} ({name}).",
                                        process.role)
     when = report.get("cause_time") or process.ended_at
-    sentence = report.get("cause") or f"tern-{process.role} ended with exit code {code} and left no report of the cause."
+    sentence = report.get("cause") or (
+        f"tern-{process.role} ended with exit code {code} and left no report of the cause"
+        + ("; its message is above: is the disk full?" if code == INPUT_OUTPUT else "."))
     return min(when, process.ended_at), Cause(code if code in STATUS else PEER_LOST, sentence, process.role)
 
 
@@ -36,8 +38,16 @@ def find(processes, reports, interrupted):
     itself, and a sentence that only repeats another one with the name of who said it. What the launcher ended itself is
     no cause, unless nothing else is (`interrupted`: the user ended the run).
     """
+    for process in processes:
+        if process.frozen:
+            return Cause(PEER_LOST, f"tern-{process.role} was stopped (SIGSTOP) and did not go on; the launcher ended the run.",
+                         process.role)
     failed = [(process, _candidate(process, reports.get(process.role, {})))
               for process in processes if process.exit_code != DONE and not process.ended_by_launcher]
+    # Who could not write a report (the disk is full) has told the others.
+    told = [entry for entry in failed if reports.get(entry[0].role, {}).get("cause")]
+    failed = [entry for entry in failed if entry in told
+              or not any(f"The {entry[0].role} process stopped" in cause.sentence for _, (_, cause) in told)]
     if not failed:
         if interrupted and any(process.exit_code != DONE for process in processes):
             return Cause(INTERRUPTED, "The run was interrupted by the user; the results up to there are readable.", "")

@@ -14,6 +14,7 @@ GRACE_AFTER_FAILURE_S = 5.0    # the others notice a lost peer by themselves: ki
 GRACE_AFTER_SUCCESS_S = 60.0   # the others write their last frame
 GRACE_AFTER_INTERRUPT_S = 1.6  # Ctrl-C ends everything within 2 s
 GRACE_AFTER_TERMINATE_S = 2.0
+LONGEST_STOP_S = 9.0  # by SIGSTOP; connected peers notice after 5 s, but nobody misses a process that has not joined yet
 
 
 @dataclass
@@ -27,11 +28,13 @@ class Process:
     ended_at: float = 0.0         # unix seconds
     cpu_s: float = 0.0
     ended_by_launcher: bool = False
+    stopped_since: float | None = None  # monotonic seconds
+    frozen: bool = False                # stopped for so long that the launcher ended the run
 
     def stopped(self):
         """Whether the process is frozen by SIGSTOP (state T)."""
         try:
-            return Path(f"/proc/{self.handle.pid}/stat").read_text().rsplit(")", 1)[1].split()[0] in "Tt"
+            return Path(f"/proc/{self.handle.pid}/stat").read_text().rsplit(")", 1)[1].split()[0] == "T"
         except OSError:
             return False
 
@@ -111,6 +114,8 @@ class Group:
                 grace = 0.0 if frozen else GRACE_AFTER_FAILURE_S if failed else GRACE_AFTER_SUCCESS_S
                 if kill_at == float("inf"):
                     terminate_at = min(terminate_at, now + grace)
+            if seen_interrupts == 0 and kill_at == float("inf") and self._one_is_frozen(now):
+                terminate_at = now
             if now >= terminate_at:
                 terminate_at, kill_at = float("inf"), now + GRACE_AFTER_TERMINATE_S
                 self._signal_all(signal.SIGTERM)
@@ -118,6 +123,20 @@ class Group:
             if now >= kill_at:
                 self._signal_all(signal.SIGKILL)
                 kill_at = now + 1.0
+
+    def _one_is_frozen(self, now):
+        """Whether a process has been stopped for too long while others go on; all of them together may pause."""
+        running = self.running()
+        for process in running:
+            if not process.stopped():
+                process.stopped_since = None
+            elif process.stopped_since is None:
+                process.stopped_since = now
+        stopped = [process for process in running if process.stopped_since is not None]
+        if 0 < len(stopped) < len(running):
+            for process in stopped:
+                process.frozen = now - process.stopped_since > LONGEST_STOP_S
+        return any(process.frozen for process in stopped)
 
     def _reap(self, interrupts, deadline):
         """Waits for an end, an interrupt or the deadline, and collects those that have ended."""
