@@ -120,6 +120,10 @@ def parser():
     one.add_argument("--check", metavar="NAME", action="append", default=[], help="only this check (may be repeated)")
     _override_options(one)
 
+    one = _add(commands, "status", _status, "say how a run is doing: how far, which process lives, who waits for whom",
+               ["./tern status runs/dam_break_plate"])
+    one.add_argument("runs", metavar="RUN", nargs="+", help="directory of a run")
+
     one = _add(commands, "plot", _plot, "pictures of a run; with several runs, also their gauges in one picture",
                ["./tern plot runs/dam_break_plate", "./tern plot runs/dam_break_plate --times 0.28 0.50 0.80",
                 "./tern plot runs/dam_break_plate runs/dam_break_plate-2"])
@@ -157,6 +161,11 @@ def _verify(arguments):
     packages.ensure(packages.PYTHON)
     arguments.case_options = _forwarded(arguments)
     return verify.verify(arguments)
+
+
+def _status(arguments):
+    from launcher import status
+    return status.status(arguments)
 
 
 def _conform(arguments):

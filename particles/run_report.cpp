@@ -3,6 +3,7 @@
 #include "particles/run_report.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
@@ -98,6 +99,7 @@ std::string RunReport::json() const {
   Json report = {{"role", role_},
                  {"status", status_},
                  {"exit_code", exit_code_},
+                 {"process_id", ::getpid()},
                  {"cause", cause_},
                  {"cause_time", cause_time_},
                  {"case", case_name_},

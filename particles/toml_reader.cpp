@@ -49,6 +49,23 @@ Setting convert(const toml::node& node, const std::string& file, bool with_line)
   return setting;
 }
 
+/// Throws BadInput for bytes that TOML has no place for, with line and column: the parser relies on not meeting them in a key.
+void check_characters(const std::string& text, const std::string& path) {
+  int line = 1, column = 1, following = 0;  // bytes of a UTF-8 character that are still to come
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool continues = (byte & 0xc0) == 0x80;
+    const bool control = (byte < 0x20 && c != '\t' && c != '\n' && c != '\r') || byte == 0x7f;
+    if (control || continues != (following > 0) || byte == 0xc0 || byte == 0xc1 || byte > 0xf4)
+      throw BadInput(fmt::format("{}:{}:{}: the byte 0x{:02x} has no place in a text of UTF-8; is this a case file? Remove it.", path,
+                                 line, column, byte));
+    following = continues ? following - 1 : byte >= 0xf0 ? 3 : byte >= 0xe0 ? 2 : byte >= 0xc0 ? 1 : 0;
+    if (c == '\n') ++line, column = 1;
+    else if (!continues) ++column;
+  }
+  if (following > 0) throw BadInput(fmt::format("{}:{}:{}: the file ends within a character of UTF-8; was it cut?", path, line, column));
+}
+
 }  // namespace
 
 Setting read_toml_file(const std::string& path) {
@@ -58,6 +75,7 @@ Setting read_toml_file(const std::string& path) {
     throw InputOutputError(
         fmt::format("The case file {} cannot be read or is empty; check its name and permissions.", path));
   }
+  check_characters(text.str(), path);
   try {
     return convert(toml::parse(text.str(), path), path, true);
   } catch (const toml::parse_error& fault) {
