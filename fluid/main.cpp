@@ -69,7 +69,7 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report)
 /// One of three processes: obeys the coupler's windows.
 template <int D>
 void run_coupled(const CommandLine& command, const Case& scene, RunReport& report) {
-  proto::ParticipantChannel channel(command.endpoint, wire::FLUID);
+  proto::ParticipantChannel channel({command.endpoint, command.keys, command.insecure}, wire::FLUID);
   double& compute_s = report.timing("compute");
   double& output_s = report.timing("output");
   try {
