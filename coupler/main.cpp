@@ -89,7 +89,9 @@ void refuse_predicted_instability(const CommandLine& command, const Case& scene,
 
 template <int D>
 void run(const CommandLine& command, const Case& scene, RunReport& report) {
-  proto::CouplerChannel channel(command.endpoint);
+  proto::CouplerChannel channel({command.endpoint, command.keys, command.insecure});
+  if (!command.quiet && channel.endpoint().starts_with("tcp://"))
+    fmt::print(stderr, "tern-coupler: listens at {} and waits for fluid and structure\n", channel.endpoint());
   try {
     const auto hello = channel.accept({wire::FLUID, wire::STRUCTURE}, scene.hash, D);
     const wire::Hello &fluid_hello = hello.at(wire::FLUID), &structure_hello = hello.at(wire::STRUCTURE);

@@ -59,6 +59,11 @@ def _run_options(parser):
     parser.add_argument("--quiet", action="store_true", help="say nothing unless something fails")
 
 
+def _network_options(parser):
+    parser.add_argument("--keys", metavar="DIR", help="directory with this role's keys, made by ./tern keys: encrypts and authenticates")
+    parser.add_argument("--insecure", action="store_true", help="use a network address without keys")
+
+
 def _add(commands, name, function, summary, examples):
     parser = commands.add_parser(name, help=summary, description=summary[0].upper() + summary[1:] + ".",
                                  epilog="examples:\n" + "\n".join(f"  {line}" for line in examples),
@@ -75,7 +80,8 @@ def parser():
 
     one = _add(commands, "run", _run, "run a case and leave its results in one directory",
                ["./tern run cases/dam_break_plate", "./tern run dam_break_plate --until 0.3 --set fluid.spacing=0.008",
-                "./tern run CASE --only fluid --endpoint ipc:///tmp/mine.sock   (the other two are started by hand)"])
+                "./tern run CASE --only fluid --endpoint ipc:///tmp/mine.sock   (the other two are started by hand)",
+                "./tern run CASE --only coupler --bind tcp://0.0.0.0:5555 --keys DIR   (the other two come over the network)"])
     _case_options(one)
     one.add_argument("--out", metavar="DIR", help="results directory (default runs/<case>; an earlier run is kept: -2, -3, ...)")
     one.add_argument("--force", action="store_true", help="replace the results of an earlier run in the directory")
@@ -85,6 +91,24 @@ def parser():
     one.add_argument("--endpoint", metavar="ADDRESS", help="where the coupler listens, e.g. ipc:///tmp/mine.sock "
                      "(default: a private socket)")
     _run_options(one)
+    one.add_argument("--bind", metavar="ADDRESS", help="with --only coupler: the same for a network, tcp://HOST:PORT with the name "
+                     "or number of this machine's interface, 0.0.0.0 for all, PORT * for any free one")
+    _network_options(one)
+
+    one = _add(commands, "join", _join, "start one participant of a run whose coupler is on another machine",
+               ["./tern join fluid tcp://coupler.example.org:5555 CASE --keys DIR",
+                "./tern join structure tcp://192.168.1.20:5555 CASE --keys DIR --out DIR   (results stay on this machine)"])
+    one.add_argument("role", metavar="ROLE", choices=("fluid", "structure"), help="fluid or structure")
+    one.add_argument("endpoint", metavar="ADDRESS", help="where the coupler listens: tcp://HOST:PORT")
+    _case_options(one)
+    one.add_argument("--out", metavar="DIR", help="results directory (default runs/<case>; an earlier run is kept: -2, -3, ...)")
+    one.add_argument("--force", action="store_true", help="replace the results of an earlier run in the directory")
+    _network_options(one)
+    _run_options(one)
+
+    one = _add(commands, "keys", _keys, "make the keys of a run over a network, and say which belongs where",
+               ["./tern keys ~/tern-keys"])
+    one.add_argument("directory", metavar="DIR", help="where to put them; made if missing, earlier keys are never overwritten")
 
     one = _add(commands, "test", _test, "build and run all tests",
                ["./tern test", "./tern test -L unit       (labels: unit, verify, process)", "./tern test --build asan"])
@@ -141,13 +165,32 @@ def _run(arguments):
     from launcher import run
     if arguments.endpoint and not arguments.only:
         raise LauncherError(BAD_INPUT, "--endpoint is for a single process; add --only fluid, structure or coupler.")
+    if arguments.bind:
+        if arguments.only != "coupler" or arguments.endpoint:
+            raise LauncherError(BAD_INPUT, "--bind is for --only coupler, in place of --endpoint; participants come with ./tern join.")
+        arguments.endpoint = arguments.bind
+    if (arguments.keys or arguments.insecure) and not arguments.only:
+        raise LauncherError(BAD_INPUT, "--keys and --insecure are for runs over a network; add --only coupler --bind tcp://HOST:PORT.")
     if arguments.only and not arguments.endpoint:
         raise LauncherError(BAD_INPUT, "--only needs --endpoint: the address at which the three processes meet.")
     arguments.case_options = _forwarded(arguments)
+    arguments.network_options = ["--keys", arguments.keys] if arguments.keys else []
+    arguments.network_options += ["--insecure"] if arguments.insecure else []
     cause, _ = run.run(arguments)
     if cause.exit_code != DONE:
         print(f"tern: stopped: {cause.sentence} (exit code {cause.exit_code})", file=sys.stderr)
     return cause.exit_code
+
+
+def _join(arguments):
+    arguments.only, arguments.bind, arguments.allow_unstable = arguments.role, None, False
+    return _run(arguments)
+
+
+def _keys(arguments):
+    from launcher import keys
+    keys.make(arguments.directory)
+    return DONE
 
 
 def _case_tool(arguments):

@@ -81,7 +81,7 @@ def run(arguments):
     contents = {"case": case["name"], "case_path": str(path), "title": case.get("title", ""), "case_hash": case["hash"],
                 "started": datetime.now(timezone.utc).isoformat(timespec="seconds"), "status": "running",
                 "settings": case.get("settings", {}), "options": case_options}
-    options = [*case_options, "--out", str(out)]
+    options = [*case_options, "--out", str(out), *arguments.network_options]
     if arguments.until is not None:
         options += ["--until", repr(arguments.until)]
     if arguments.threads is not None:

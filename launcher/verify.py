@@ -92,6 +92,7 @@ def _verify_one(name, arguments):
     else:
         arguments.case, arguments.out, arguments.only, arguments.endpoint = name, None, None, None
         arguments.force = arguments.allow_unstable = False
+        arguments.network_options = []
         cause, directory = run.run(arguments)
         code = cause.exit_code
         if code != DONE:

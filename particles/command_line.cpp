@@ -61,6 +61,9 @@ CommandLine parse_command_line(int argc, const char* const* argv, const std::str
       app.add_option("--endpoint", result.endpoint, "ZeroMQ address of the coupler, ipc://PATH or tcp://HOST:PORT")
           ->type_name("ADDRESS");
   if (role == "coupler") endpoint->required();
+  app.add_option("--keys", result.keys, "directory of this role's keys, made by ./tern keys: encrypts and authenticates")
+      ->type_name("DIR");
+  app.add_flag("--insecure", result.insecure, "use a network address without keys");
   app.add_option("--set", overrides, "override a key of the case; may be repeated")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
@@ -95,6 +98,8 @@ CommandLine parse_command_line(int argc, const char* const* argv, const std::str
   if (result.threads < 1 || result.threads > most_threads)
     throw BadInput(fmt::format("--threads {} is not between 1 and {}; give the number of cores for this process.",
                                result.threads, most_threads));
+  if (result.endpoint.empty() && (!result.keys.empty() || result.insecure))
+    throw BadInput(fmt::format("--keys and --insecure are about the connection to a coupler; add --endpoint to {}.", program));
   if (role == "coupler" && result.endpoint.empty())
     throw BadInput("--endpoint is empty; give the address the coupler shall bind, for example ipc:///tmp/tern.sock.");
   return result;

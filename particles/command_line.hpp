@@ -14,6 +14,8 @@ struct CommandLine {
   std::string case_path;  ///< a case.toml, its folder, or a name under cases/
   std::string out;        ///< output directory
   std::string endpoint;   ///< ZeroMQ address of the coupler; empty: this process runs alone (never for the coupler)
+  std::string keys;       ///< directory of the keys for a network; empty: none
+  bool insecure = false;  ///< on a network without keys
   CaseOptions options;    ///< --set and --preset
   std::optional<double> until;  ///< end time instead of the case's [s]
   int threads = 1;

@@ -9,6 +9,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "particles/error.hpp"
 #include "proto/tern.pb.h"
@@ -19,20 +20,28 @@ inline constexpr std::uint32_t protocol_version = 2;
 
 using Kind = wire::Message::BodyCase;
 
+/// Where the coupler is, and how the two make sure of each other.
+struct Address {
+  Address(std::string where, std::string keys_directory = {}, bool without_keys = false)
+      : endpoint(std::move(where)), keys(std::move(keys_directory)), insecure(without_keys) {}
+  std::string endpoint;   ///< ipc://PATH or tcp://HOST:PORT
+  std::string keys;       ///< directory of the keys (keys.hpp); empty: no encryption, for this machine only
+  bool insecure = false;  ///< no keys on a network either; every start says so
+};
+
 /// One participant's end (fluid or structure). One object per process, for its whole life; not thread-safe.
 class ParticipantChannel {
  public:
-  /// Connects to `endpoint` (ipc://PATH or tcp://HOST:PORT); returns at once, the coupler may start later.
-  /// Throws BadInput when the endpoint cannot be used. A coupler that has not answered after `start_deadline_s` or
-  /// leaves a message out for `progress_deadline_s` is given up as PeerLost.
-  ParticipantChannel(const std::string& endpoint, wire::Role role, double start_deadline_s = 60,
+  /// Connects; returns at once, the coupler may start later. Throws BadInput when address or keys cannot be used. A coupler that
+  /// has not answered after `start_deadline_s` or leaves a message out for `progress_deadline_s` is given up as PeerLost.
+  ParticipantChannel(const Address& address, wire::Role role, double start_deadline_s = 300,
                      double progress_deadline_s = 300);
   ~ParticipantChannel();
   ParticipantChannel(const ParticipantChannel&) = delete;
   ParticipantChannel& operator=(const ParticipantChannel&) = delete;
 
   /// Says hello and waits for the answer. Fills Hello.process_id, and Hello.version when it is empty. Throws the error
-  /// of the coupler's Abort (BadInput when the two do not fit), PeerLost when nobody answers.
+  /// of the coupler's Abort (BadInput when the two do not fit), BadInput when the keys do not fit, PeerLost when nobody answers.
   wire::Welcome handshake(wire::Hello hello);
 
   /// Fills protocol_version, sender, sequence and step, checks the content and sends it; never blocks.
@@ -64,9 +73,9 @@ class ParticipantChannel {
 /// The coupler's end. One object per process, for its whole life; not thread-safe.
 class CouplerChannel {
  public:
-  /// Binds and logs the endpoint. tcp:// only on loopback addresses (port * = any free one). Throws BadInput for an
-  /// endpoint that cannot be used or is in use, InputOutputError when the socket file cannot be made.
-  explicit CouplerChannel(const std::string& endpoint, double start_deadline_s = 300, double progress_deadline_s = 300);
+  /// Binds and logs the endpoint (port * = any free one). Throws BadInput for an address or keys that cannot be used, among them
+  /// a network address without keys, InputOutputError when the socket file cannot be made or the port is in use.
+  explicit CouplerChannel(const Address& address, double start_deadline_s = 300, double progress_deadline_s = 300);
   ~CouplerChannel();  ///< removes the ipc socket file; pending messages get at most 0.5 s
   CouplerChannel(const CouplerChannel&) = delete;
   CouplerChannel& operator=(const CouplerChannel&) = delete;
@@ -74,8 +83,8 @@ class CouplerChannel {
   const std::string& endpoint() const;  ///< as bound, with the real port
 
   /// Waits for one Hello of each expected role. The first difference (protocol version, case hash, dimension, counts)
-  /// is sent back as Abort and thrown as BadInput; a role taken twice or not expected is refused and logged, the others
-  /// go on.
+  /// is sent back as Abort and thrown as BadInput; a role taken twice, not expected or not that of the key, and somebody whose
+  /// first words are no message, is refused and logged, the others go on.
   std::map<wire::Role, wire::Hello> accept(const std::set<wire::Role>& expected, const std::string& case_hash,
                                            int dimension);
 

@@ -22,8 +22,8 @@ PeerLost lost(wire::Role role, std::uint32_t process_id, const Place& place) {
   const std::string who = name(role);
   const std::string id = process_id == 0 ? std::string() : fmt::format(" (process {})", process_id);
   return PeerLost(
-      fmt::format("The {} process{} was lost {}: it was killed, crashed, or froze for more than 5 s. Its own "
-                  "messages and {}.log in the output directory may say why.",
+      fmt::format("The {} process{} was lost {}: it was killed, crashed, or froze for more than 5 s, or the network to it was cut "
+                  "that long. Its own messages and {}.log in the output directory may say why.",
                   who, id, where(place.step, place.time_s), who));
 }
 

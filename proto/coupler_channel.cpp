@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <deque>
 #include <functional>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "proto/conversation.hpp"
 #include "proto/endpoint.hpp"
 #include "proto/handshake.hpp"
+#include "proto/keys.hpp"
 #include "proto/names.hpp"
 #include "proto/socket.hpp"
 #include "proto/traffic.hpp"
@@ -36,11 +38,39 @@ struct Peer {
   bool gone = false;      // lost, or stopped by its own Abort
 };
 
+/// Tells the log who was turned away: the first at once, then at most a line every 5 s, whoever floods the port.
+class Refusals {
+ public:
+  void add(const std::string& sentence) {
+    ++count_;
+    const auto now = std::chrono::steady_clock::now();
+    if (count_ > 1 && now < next_) return;
+    const long more = count_ - told_ - 1;
+    log_warning(more > 0 ? fmt::format("{} ({} more since the last such line)", sentence, more) : sentence);
+    told_ = count_;
+    next_ = now + std::chrono::seconds(5);
+  }
+  ~Refusals() {
+    if (count_ > told_) log_info(fmt::format("{} more were refused without a line of their own", count_ - told_));
+  }
+
+ private:
+  long count_ = 0, told_ = 0;
+  std::chrono::steady_clock::time_point next_;
+};
+
 }  // namespace
 
 struct CouplerChannel::State {
-  State(double start_s, double progress_s)
-      : start_deadline_s(start_s), progress_deadline_s(progress_s), socket(SocketKind::router) {}
+  State(const std::optional<Keys>& own_keys, const std::string& directory, double start_s, double progress_s)
+      : secured(own_keys.has_value()),
+        keys(directory),
+        start_deadline_s(start_s),
+        progress_deadline_s(progress_s),
+        socket(SocketKind::router, own_keys) {}
+
+  bool secured;
+  std::string keys;  // their directory
 
   double start_deadline_s, progress_deadline_s;
   std::string endpoint;
@@ -49,6 +79,7 @@ struct CouplerChannel::State {
   Traffic traffic;
   std::map<wire::Role, Peer> peers;
   std::set<std::string> refused;  // routing ids that have been answered with Abort
+  Refusals refusals;
 
   void keep(Peer& peer, Arrived&& arrived) {
     const std::string who = fmt::format("The {} process", name(peer.conversation.peer()));
@@ -80,18 +111,42 @@ struct CouplerChannel::State {
   /// Sorts everything that has arrived; throws when somebody aborted or is lost.
   void collect(Waiting& waiting, const std::function<void(Arrived&&)>& stranger) {
     take_all(stranger);
+    // What has become of each connection: a participant may have got the descriptor that a stranger has just given up, so only
+    // the last event of each counts.
+    std::map<int, bool> open;
+    while (const auto event = socket.next_event()) {
+      if (event->what == SocketEvent::What::accepted || event->what == SocketEvent::What::disconnected)
+        open[event->connection] = event->what == SocketEvent::What::accepted;
+      const std::string sentence = refusal(*event);
+      if (!sentence.empty()) refusals.add(sentence);
+    }
     bool anybody_left = false;
-    while (const auto event = socket.next_event())
-      if (event->what == SocketEvent::What::disconnected)
-        for (auto& [role, peer] : peers)
-          if (peer.connection == event->connection) {
-            peer.gone = true;
-            anybody_left = true;
-          }
+    for (auto& [role, peer] : peers)
+      if (const auto found = open.find(peer.connection); found != open.end() && !found->second) peer.gone = anybody_left = true;
     if (anybody_left) take_all(stranger);  // last words arrived before the end of the connection
     waiting.check();                       // our own interruption first: after Ctrl-C the others leave as well
     for (const auto& [role, peer] : peers)
       if (peer.gone && !peer.finished) throw lost(role, peer.process_id, place);
+  }
+
+  /// A sentence for a connection that did not come about, empty for other events.
+  std::string refusal(const SocketEvent& event) const {
+    switch (event.what) {
+      case SocketEvent::What::key_refused:
+        return fmt::format("refused a process at {}, which is not in {}/{}", event.who, keys, allow_list);
+      case SocketEvent::What::other_security:
+        return secured ? "refused a process that came without keys: every participant of this run needs --keys DIR"
+                       : "refused a process that came with keys, and this coupler has none: start it with --keys DIR as well";
+      case SocketEvent::What::other_key:
+        return fmt::format("refused a process that took this coupler for another one: its coupler.public is not that of {}", keys);
+      case SocketEvent::What::broken_off:
+        if (!socket_file(endpoint).empty()) return {};  // another coupler has looked whether this one is alive
+        return secured ? "a process connected and left before it had joined: it came without keys, was too slow, or is no participant"
+                       : "a process connected and left before it had joined: it came with keys (this coupler has none), was too slow, "
+                         "or is no participant";
+      default:
+        return {};
+    }
   }
 
   void refuse(const std::string& routing_id, const Error& error) {
@@ -124,13 +179,16 @@ struct CouplerChannel::State {
   }
 };
 
-CouplerChannel::CouplerChannel(const std::string& endpoint, double start_deadline_s, double progress_deadline_s) {
-  check_bind_endpoint(endpoint);
-  state_ = std::make_unique<State>(start_deadline_s, progress_deadline_s);
+CouplerChannel::CouplerChannel(const Address& address, double start_deadline_s, double progress_deadline_s) {
+  const std::string endpoint = resolved(address.endpoint);
+  const auto keys = keys_for(endpoint, address.keys, address.insecure, "coupler");
+  check_socket_file(endpoint);
+  state_ = std::make_unique<State>(keys, address.keys, start_deadline_s, progress_deadline_s);
   state_->endpoint = state_->socket.bind(endpoint);
   const std::string file = socket_file(state_->endpoint);
   if (!file.empty()) ::chmod(file.c_str(), S_IRUSR | S_IWUSR);  // nobody else may join
-  log_info(fmt::format("bound to {}", state_->endpoint));
+  log_info(keys ? fmt::format("bound to {}, for the {} keys of {}/{}", state_->endpoint, keys->allowed.size(), address.keys, allow_list)
+                : fmt::format("bound to {}", state_->endpoint));
 }
 
 CouplerChannel::~CouplerChannel() {
@@ -154,20 +212,23 @@ std::map<wire::Role, wire::Hello> CouplerChannel::accept(const std::set<wire::Ro
     };
     const wire::Message& message = arrived.message;
     const wire::Role role = message.sender();
-    if (!arrived.fault.empty())
-      stop(bad_message("A process that joined", "a message", state_->place, arrived.fault).what());
+    const auto turn_away = [&](const std::string& sentence) {
+      state_->refuse(arrived.peer, BadInput(sentence));
+      state_->refusals.add(sentence);
+    };
+    if (!arrived.fault.empty()) return turn_away(bad_message("A stranger", "a message", state_->place, arrived.fault).what());
+    if (state_->secured && arrived.role != name(role))
+      return turn_away(fmt::format("A process with a key of the {0} calls itself {1} and was refused: start each participant with the "
+                                   "keys of its own role.",
+                                   arrived.role, name(role)));
     if (message.body_case() == Kind::kAbort) {  // it failed before it joined
       state_->refused.insert(arrived.peer);
       Conversation(wire::COUPLER, role).check(message, state_->place, {});
     }
-    if (!expected.contains(role) || state_->peers.contains(role)) {
-      const std::string sentence = fmt::format(
-          "A process that calls itself {} was refused: {}.", name(role),
-          expected.contains(role) ? "this role is taken; start each participant once" : "the case has no such role");
-      state_->refuse(arrived.peer, BadInput(sentence));
-      log_warning(sentence);
-      return;
-    }
+    if (!expected.contains(role) || state_->peers.contains(role))
+      return turn_away(
+          fmt::format("A process that calls itself {} was refused: {}.", name(role),
+                      expected.contains(role) ? "this role is taken; start each participant once" : "the case has no such role"));
     if (message.body_case() == Kind::kHello) {
       const std::string difference = find_difference(message, case_hash, dimension);
       if (!difference.empty()) stop(difference);
@@ -216,7 +277,7 @@ wire::Message CouplerChannel::receive(wire::Role from, std::initializer_list<Kin
   const Traffic::Exchange exchange(state_->traffic);
   const auto ignore = [&](Arrived&& arrived) {
     const BadInput error("The run has begun; nobody can join it any more.");
-    log_warning(
+    state_->refusals.add(
         fmt::format("a process that calls itself {} was refused: {}", name(arrived.message.sender()), error.what()));
     state_->refuse(arrived.peer, error);
   };

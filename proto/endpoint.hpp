@@ -1,5 +1,5 @@
 #pragma once
-// Addresses of the coupler: ipc://PATH (default, one machine) or tcp://HOST:PORT (loopback addresses only).
+// Addresses of the coupler: ipc://PATH (default, one machine) or tcp://HOST:PORT (HOST a name, a number, or [IPv6]).
 
 #include <string>
 
@@ -8,11 +8,15 @@ namespace tern::proto {
 /// Path of the socket file of an ipc endpoint, empty for tcp.
 std::string socket_file(const std::string& endpoint);
 
-/// Throws BadInput for an address of another form.
-void check_connect_endpoint(const std::string& endpoint);
+/// The endpoint with the host of tcp as a number (IPv4 where there is one); "*" stays. Throws BadInput for an address of another
+/// form and for a host that cannot be found.
+std::string resolved(const std::string& endpoint);
 
-/// As check_connect_endpoint; besides, tcp must be a loopback address, and the ipc path must not be a file of another
-/// kind or the socket of a coupler that is running. Throws InputOutputError when its directory does not exist.
-void check_bind_endpoint(const std::string& endpoint);
+/// Whether a resolved endpoint can only be reached from this machine.
+bool is_local(const std::string& endpoint);
+
+/// Throws BadInput for an ipc path that is a file of another kind or the socket of a coupler that is running,
+/// InputOutputError when its directory does not exist. tcp always passes.
+void check_socket_file(const std::string& endpoint);
 
 }  // namespace tern::proto

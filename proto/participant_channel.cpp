@@ -13,23 +13,34 @@
 #include "proto/channel.hpp"
 #include "proto/conversation.hpp"
 #include "proto/endpoint.hpp"
+#include "proto/keys.hpp"
 #include "proto/names.hpp"
 #include "proto/socket.hpp"
 #include "proto/traffic.hpp"
 #include "proto/waiting.hpp"
 
 namespace tern::proto {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double nobody_there_s = 1;  // then the user is told; a run on one machine meets sooner
+// Keys that do not fit look like a coupler that is just ending, and like a tunnel whose far end is not there yet.
+constexpr std::chrono::seconds broken_off_patience{4};
+
+}  // namespace
 
 struct ParticipantChannel::State {
-  State(const std::string& address, wire::Role self, double start_s, double progress_s)
-      : endpoint(address),
+  State(const Address& address, const std::optional<Keys>& own_keys, wire::Role self, double start_s, double progress_s)
+      : endpoint(address.endpoint),
+        keys(address.keys),
         role(self),
         start_deadline_s(start_s),
         progress_deadline_s(progress_s),
         conversation(self, wire::COUPLER),
-        socket(SocketKind::dealer) {}
+        socket(SocketKind::dealer, own_keys) {}
 
-  std::string endpoint;
+  std::string endpoint, keys;
   wire::Role role;
   double start_deadline_s, progress_deadline_s;
   Place place;
@@ -49,21 +60,61 @@ struct ParticipantChannel::State {
     return std::move(arrived->message);
   }
 
+  /// A sentence for the end of an attempt to connect that cannot succeed by waiting, empty otherwise.
+  std::string hopeless(SocketEvent::What what) const {
+    if (what == SocketEvent::What::key_refused)
+      return fmt::format("The coupler at {0} refused the key {1}/{2}.secret: its public key is not in the coupler's list. Copy the "
+                         "keys of this role from where ./tern keys made those of the coupler, or add the line \"{2} KEY\" with the "
+                         "key of {2}.public to its {3}.",
+                         endpoint, keys, name(role), allow_list);
+    if (what == SocketEvent::What::other_security)
+      return keys.empty() ? fmt::format("The coupler at {} demands keys, and this {} was started without: add --keys DIR.",
+                                        endpoint, name(role))
+                          : fmt::format("The coupler at {} was started without keys, and this {} has some: start both with --keys "
+                                        "DIR, or both without.",
+                                        endpoint, name(role));
+    return {};
+  }
+
+  /// The same for connections that are ended during the handshake again and again.
+  std::string broken_off() const {
+    return fmt::format("What answers at {} ends every connection during the handshake: {}, or it is no tern coupler.", endpoint,
+                       keys.empty() ? std::string("the coupler there demands keys (add --keys DIR)")
+                                    : fmt::format("{}/coupler.public is not the key of the coupler there (copy it from its machine), it "
+                                                  "was started without keys",
+                                                  keys));
+  }
+
   /// Until the coupler has answered at all, it may still have to be started: another deadline, another sentence.
   wire::Message receive(std::initializer_list<Kind> expected, bool connected) {
     const Traffic::Exchange exchange(traffic);
-    Waiting waiting(name(role), connected ? "coupler" : fmt::format("a coupler at {}", endpoint), place.step,
-                    place.time_s, connected ? progress_deadline_s : start_deadline_s);
+    const std::string coupler = fmt::format("a coupler at {}", endpoint);
+    Waiting waiting(name(role), connected ? "coupler" : coupler, place.step, place.time_s,
+                    connected ? progress_deadline_s : start_deadline_s);
+    std::optional<Clock::time_point> first_broken_off;
     for (;;) {
       if (auto message = take(expected)) return std::move(*message);
       bool lost_now = coupler_gone;
       while (const auto event = socket.next_event()) {
-        if (event->what == SocketEvent::What::disconnected) lost_now = true;
-        if (!connected && event->what == SocketEvent::What::connected) {
+        using What = SocketEvent::What;
+        if (connected) {
+          lost_now |= event->what == What::disconnected;
+          continue;
+        }
+        if (event->what == What::connected) {
           connected = true;
           waiting = Waiting(name(role), "coupler", place.step, place.time_s, progress_deadline_s);
+        } else if (event->what == What::nobody_there) {
+          waiting.set_whom(coupler + ", where nobody answers (not started yet, another address, or a firewall)");
+          waiting.speak_after(nobody_there_s);
+        } else if (event->what == What::broken_off || event->what == What::other_key) {
+          if (!first_broken_off) first_broken_off = Clock::now();
+          waiting.set_whom(coupler + ", which ends the connection during the handshake");
+        } else if (const std::string sentence = hopeless(event->what); !sentence.empty()) {
+          throw BadInput(sentence);
         }
       }
+      if (!connected && first_broken_off && Clock::now() - *first_broken_off > broken_off_patience) throw BadInput(broken_off());
       waiting.check();
       if (lost_now) {
         coupler_gone = true;
@@ -76,10 +127,11 @@ struct ParticipantChannel::State {
   }
 };
 
-ParticipantChannel::ParticipantChannel(const std::string& endpoint, wire::Role role, double start_deadline_s,
+ParticipantChannel::ParticipantChannel(const Address& address, wire::Role role, double start_deadline_s,
                                        double progress_deadline_s) {
-  check_connect_endpoint(endpoint);
-  state_ = std::make_unique<State>(endpoint, role, start_deadline_s, progress_deadline_s);
+  const std::string endpoint = resolved(address.endpoint);
+  const auto keys = keys_for(endpoint, address.keys, address.insecure, name(role));
+  state_ = std::make_unique<State>(address, keys, role, start_deadline_s, progress_deadline_s);
   state_->socket.connect(endpoint);
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <malloc.h>
 #include <poll.h>
+#include <sys/resource.h>
 #include <zmq.h>
 
 #include <array>
@@ -20,8 +21,10 @@ namespace {
 
 constexpr int heartbeat_interval_ms = 1000;
 constexpr int heartbeat_timeout_ms = 5000;
+constexpr int handshake_ms = 5000;  // somebody who connects and says nothing is dropped
+constexpr int connect_ms = 3000;
 constexpr int linger_ms = 500;
-constexpr int reconnect_ms = 20;
+constexpr int reconnect_ms = 20, longest_reconnect_ms = 500;
 constexpr int queue_messages = 64;  // the protocol never has more than a few on the way
 
 void require(bool done, const char* what) {
@@ -30,6 +33,23 @@ void require(bool done, const char* what) {
 
 void set(void* socket, int option, int value) {
   require(zmq_setsockopt(socket, option, &value, sizeof(value)) == 0, "set a socket option");
+}
+
+void set(void* socket, int option, const std::string& value) {
+  require(zmq_setsockopt(socket, option, value.c_str(), value.size()) == 0, "set a socket option");
+}
+
+/// Numbers with a colon are IPv6 and stand in brackets.
+void permit_ipv6(void* socket, const std::string& endpoint) {
+  if (endpoint.starts_with("tcp://[")) set(socket, ZMQ_IPV6, 1);
+}
+
+/// A stranger who opens connections must not leave this process without descriptors for its own files.
+void raise_descriptor_limit() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 
 /// Becomes readable when the socket has something to say after it had nothing.
@@ -61,7 +81,7 @@ void keep_freed_memory() {
   mallopt(M_TRIM_THRESHOLD, kept_bytes);
 }
 
-Socket::Socket(SocketKind kind) : kind_(kind) {
+Socket::Socket(SocketKind kind, const std::optional<Keys>& keys) : kind_(kind) {
   keep_freed_memory();
   context_ = zmq_ctx_new();
   require(context_ != nullptr, "make a context");
@@ -71,33 +91,59 @@ Socket::Socket(SocketKind kind) : kind_(kind) {
   set(socket_, ZMQ_HEARTBEAT_IVL, heartbeat_interval_ms);
   set(socket_, ZMQ_HEARTBEAT_TIMEOUT, heartbeat_timeout_ms);
   set(socket_, ZMQ_HEARTBEAT_TTL, heartbeat_timeout_ms);
+  set(socket_, ZMQ_HANDSHAKE_IVL, handshake_ms);
+  set(socket_, ZMQ_CONNECT_TIMEOUT, connect_ms);
   set(socket_, ZMQ_RECONNECT_IVL, reconnect_ms);
+  set(socket_, ZMQ_RECONNECT_IVL_MAX, longest_reconnect_ms);
   set(socket_, ZMQ_SNDHWM, queue_messages);
   set(socket_, ZMQ_RCVHWM, queue_messages);
   // Twice the protocol's cap: between the two the sender is told what was wrong, above it the connection is dropped
   // unread.
   const std::int64_t cap = 2 * static_cast<std::int64_t>(max_message_bytes);
   require(zmq_setsockopt(socket_, ZMQ_MAXMSGSIZE, &cap, sizeof(cap)) == 0, "limit the message size");
-  if (kind == SocketKind::router) set(socket_, ZMQ_ROUTER_MANDATORY, 1);  // a message to a lost peer is an error
+  int events = ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
+               ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL;
+  if (kind == SocketKind::router) {
+    set(socket_, ZMQ_ROUTER_MANDATORY, 1);  // a message to a lost peer is an error
+    if (keys) doorkeeper_.emplace(context_, keys->allowed);
+    events |= ZMQ_EVENT_ACCEPTED;
+  } else {
+    events |= ZMQ_EVENT_CLOSED | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
+  }
+  if (keys) {
+    set(socket_, ZMQ_CURVE_SECRETKEY, keys->own_secret);
+    if (kind == SocketKind::router) {
+      set(socket_, ZMQ_CURVE_SERVER, 1);
+    } else {
+      set(socket_, ZMQ_CURVE_PUBLICKEY, keys->own_public);
+      set(socket_, ZMQ_CURVE_SERVERKEY, keys->coupler_public);
+    }
+  }
 
   constexpr const char* address = "inproc://monitor";
-  require(zmq_socket_monitor(socket_, address, ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED) == 0,
-          "watch a socket");
+  require(zmq_socket_monitor(socket_, address, events) == 0, "watch a socket");
   monitor_ = zmq_socket(context_, ZMQ_PAIR);
-  require(monitor_ != nullptr && zmq_connect(monitor_, address) == 0, "watch a socket");
+  require(monitor_ != nullptr, "watch a socket");
   set(monitor_, ZMQ_LINGER, 0);
-  descriptors_ = {descriptor(socket_), descriptor(monitor_)};
+  // No limit of waiting events: at the limit ZeroMQ's own thread would stop, in the midst of a flood of connections, until this
+  // process looks; in the destructor it would never look again.
+  set(monitor_, ZMQ_RCVHWM, 0);
+  require(zmq_connect(monitor_, address) == 0, "watch a socket");
+  descriptors_ = {descriptor(socket_), descriptor(monitor_), doorkeeper_ ? doorkeeper_->descriptor() : -1};
 }
 
 Socket::~Socket() {
   zmq_socket_monitor(socket_, nullptr, 0);
   zmq_close(monitor_);
   zmq_close(socket_);
+  doorkeeper_.reset();
   while (zmq_ctx_term(context_) != 0 && zmq_errno() == EINTR) {
   }
 }
 
 std::string Socket::bind(const std::string& endpoint) {
+  permit_ipv6(socket_, endpoint);
+  if (endpoint.starts_with("tcp://")) raise_descriptor_limit();
   if (zmq_bind(socket_, endpoint.c_str()) != 0)
     throw InputOutputError(fmt::format("The coupler cannot bind the endpoint \"{}\": {}; choose another one.", endpoint,
                                        zmq_strerror(zmq_errno())));
@@ -108,13 +154,15 @@ std::string Socket::bind(const std::string& endpoint) {
 }
 
 void Socket::connect(const std::string& endpoint) {
+  permit_ipv6(socket_, endpoint);
   if (zmq_connect(socket_, endpoint.c_str()) != 0)
     throw BadInput(fmt::format("The endpoint \"{}\" cannot be used: {}; use the one the coupler printed.", endpoint,
                                zmq_strerror(zmq_errno())));
 }
 
 void Socket::wait(int milliseconds) {
-  std::array<pollfd, 2> items{{{descriptors_[0], POLLIN, 0}, {descriptors_[1], POLLIN, 0}}};
+  std::array<pollfd, 3> items{};
+  for (std::size_t k = 0; k < items.size(); ++k) items[k] = {descriptors_[k], POLLIN, 0};  // poll passes over -1
   ::poll(items.data(), items.size(), milliseconds);
 }
 
@@ -128,7 +176,9 @@ bool Socket::receive(const std::function<void(const Received&)>& handle) {
     Frame extra;
     more = zmq_msg_recv(&extra.message, socket_, 0) >= 0 && extra.more();
   }
+  const char* role = kind_ == SocketKind::router ? zmq_msg_gets(&payload.message, "User-Id") : nullptr;
   handle({{reinterpret_cast<const char*>(peer.data()), peer.size()},
+          role != nullptr ? role : "",
           zmq_msg_get(&payload.message, ZMQ_SRCFD),
           {payload.data(), payload.size()},
           frames});
@@ -136,6 +186,9 @@ bool Socket::receive(const std::function<void(const Received&)>& handle) {
 }
 
 std::optional<SocketEvent> Socket::next_event() {
+  using What = SocketEvent::What;
+  if (doorkeeper_)
+    if (auto who = doorkeeper_->answer()) return SocketEvent{What::key_refused, -1, *std::move(who)};
   Frame frame;
   if (zmq_msg_recv(&frame.message, monitor_, ZMQ_DONTWAIT) < 0) return std::nullopt;
   std::uint16_t event = 0;
@@ -144,8 +197,25 @@ std::optional<SocketEvent> Socket::next_event() {
   std::memcpy(&value, frame.data() + sizeof(event), sizeof(value));
   Frame address;
   zmq_msg_recv(&address.message, monitor_, 0);
-  return SocketEvent{event == ZMQ_EVENT_DISCONNECTED ? SocketEvent::What::disconnected : SocketEvent::What::connected,
-                     value};
+  switch (event) {
+    case ZMQ_EVENT_ACCEPTED:
+      return SocketEvent{What::accepted, value, {}};
+    case ZMQ_EVENT_HANDSHAKE_SUCCEEDED:
+      return SocketEvent{What::connected, -1, {}};
+    case ZMQ_EVENT_DISCONNECTED:
+      return SocketEvent{What::disconnected, value, {}};
+    case ZMQ_EVENT_CLOSED:
+      return SocketEvent{What::nobody_there, -1, {}};
+    case ZMQ_EVENT_HANDSHAKE_FAILED_AUTH:
+      return SocketEvent{What::key_refused, -1, {}};
+    case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL:
+      return SocketEvent{value == ZMQ_PROTOCOL_ERROR_ZMTP_MECHANISM_MISMATCH ? What::other_security
+                         : value == ZMQ_PROTOCOL_ERROR_ZMTP_CRYPTOGRAPHIC    ? What::other_key
+                                                                             : What::broken_off,
+                         -1, {}};
+    default:
+      return SocketEvent{What::broken_off, -1, {}};
+  }
 }
 
 bool Socket::send(const std::string& peer, std::size_t size, const std::function<void(std::byte*)>& write) {

@@ -9,6 +9,9 @@
 #include <span>
 #include <string>
 
+#include "proto/doorkeeper.hpp"
+#include "proto/keys.hpp"
+
 namespace tern::proto {
 
 /// Freed memory, up to about 32 MiB, stays with this process. Otherwise glibc hands the pages of a large message back to the
@@ -17,21 +20,33 @@ void keep_freed_memory();
 
 enum class SocketKind { dealer, router };
 
-/// What the monitor reports; everything else it says is dropped.
+/// What happens to connections.
 struct SocketEvent {
-  enum class What { connected, disconnected } what;  ///< handshake of ZeroMQ done; connection lost, whatever the reason
-  int connection;                                    ///< file descriptor
+  enum class What {
+    accepted,        ///< somebody has connected; nothing is known about who it is
+    connected,       ///< handshake of ZeroMQ done
+    disconnected,    ///< connection lost, whatever the reason, also during the handshake
+    nobody_there,    ///< an attempt to connect has failed: refused, or no answer for 3 s
+    key_refused,     ///< the key is not in the coupler's list; at the coupler with `who`
+    other_security,  ///< one end uses keys and the other does not
+    other_key,       ///< what came cannot be decrypted: it was meant for another coupler
+    broken_off,      ///< connection ended during the handshake, by the other end or after 5 s of silence
+  } what;
+  int connection = -1;  ///< file descriptor, of accepted and disconnected
+  std::string who;      ///< address and key, of key_refused at the coupler
 };
 
 class Socket {
  public:
-  explicit Socket(SocketKind kind);
+  /// With keys all connections are encrypted, and a router lets in only those of its list.
+  explicit Socket(SocketKind kind, const std::optional<Keys>& keys = {});
   /// Messages that are still queued get at most 0.5 s.
   ~Socket();
   Socket(const Socket&) = delete;
   Socket& operator=(const Socket&) = delete;
 
-  /// Returns the endpoint as bound. Throws InputOutputError with the system's reason.
+  /// The host of a tcp endpoint must be a number, "*" or an interface. Returns the endpoint as bound. Throws InputOutputError
+  /// with the system's reason.
   std::string bind(const std::string& endpoint);
   void connect(const std::string& endpoint);
 
@@ -41,6 +56,7 @@ class Socket {
 
   struct Received {
     std::string peer;                  ///< routing id, router only
+    std::string role;                  ///< of the sender's key, router with keys only
     int connection;                    ///< file descriptor
     std::span<const std::byte> bytes;  ///< valid during the call
     int frames;                        ///< payload frames; 1 in a proper message
@@ -58,7 +74,8 @@ class Socket {
   void* context_ = nullptr;
   void* socket_ = nullptr;
   void* monitor_ = nullptr;
-  std::array<int, 2> descriptors_{};  ///< of the two, to wait for
+  std::optional<Doorkeeper> doorkeeper_;  ///< router with keys only
+  std::array<int, 3> descriptors_{};      ///< of the three, to wait for
   SocketKind kind_;
 };
 

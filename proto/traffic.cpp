@@ -29,6 +29,7 @@ std::optional<Arrived> take_message(Socket& socket, Traffic& traffic) {
   socket.receive([&](const Socket::Received& received) {
     arrived.emplace();
     arrived->peer = received.peer;
+    arrived->role = received.role;
     arrived->connection = received.connection;
     traffic.bytes_received += received.bytes.size();
     arrived->fault = received.frames == 1 ? parse(received.bytes, arrived->message)

@@ -36,6 +36,7 @@ struct Traffic {
 
 struct Arrived {
   std::string peer;     ///< routing id, router only
+  std::string role;     ///< of the sender's key, router with keys only
   int connection = -1;  ///< file descriptor, as in SocketEvent
   std::string fault;    ///< of the bytes; empty when `message` holds what was sent
   wire::Message message;

@@ -13,6 +13,12 @@
 
 namespace tern::proto {
 
+namespace {
+
+constexpr double first_log_s = 5;
+
+}  // namespace
+
 Waiting::Waiting(std::string who, std::string whom, std::uint64_t step, double time_s, double deadline_s)
     : who_(std::move(who)), whom_(std::move(whom)), step_(step), time_s_(time_s), deadline_s_(deadline_s) {}
 
@@ -27,8 +33,13 @@ void Waiting::check() {
   if (waited >= next_log_s_) {
     const std::string since = step_ == 0 ? "the start" : fmt::format("step {}", step_);
     log_warning(fmt::format("{} waits for {} since {} ({:.0f} s)", who_, whom_, since, waited));
-    next_log_s_ *= 2;
+    next_log_s_ = next_log_s_ < first_log_s ? first_log_s : 2 * next_log_s_;
+    spoken_ = true;
   }
+}
+
+void Waiting::speak_after(double seconds) {
+  if (!spoken_) next_log_s_ = seconds;
 }
 
 }  // namespace tern::proto

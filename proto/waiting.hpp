@@ -16,6 +16,9 @@ class Waiting {
   void check();
   void set_deadline(double deadline_s) { deadline_s_ = deadline_s; }
 
+  /// Tells the log earlier than after 5 s.
+  void speak_after(double seconds);
+
   /// Who is waited for, when it is not simply `whom` any more.
   void set_whom(std::string whom) { whom_ = std::move(whom); }
 
@@ -25,6 +28,7 @@ class Waiting {
   double time_s_;
   double deadline_s_;
   double next_log_s_ = 5;
+  bool spoken_ = false;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 

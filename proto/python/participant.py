@@ -5,6 +5,7 @@
     message = channel.receive("begin_window", "finish")
     channel.send(band=wire.Band(...))
 
+Over a network: Participant("tcp://HOST:PORT", wire.FLUID, keys="DIR"), with the keys that ./tern keys made for this role.
 Needs python3-zmq, python3-protobuf, python3-numpy and protobuf-compiler. See docs/PROTOCOL.md for who sends what when.
 """
 
@@ -16,6 +17,7 @@ from zmq.utils.monitor import recv_monitor_message
 
 from message_check import MAX_MESSAGE_BYTES, BadMessage, check_body
 from schema import wire
+from security import EVENTS, CannotConnect, Handshake
 
 PROTOCOL_VERSION = 2
 HEARTBEAT_INTERVAL_MS = 1000
@@ -32,7 +34,7 @@ class RunEnded(Exception):
 
 
 class Participant:
-    def __init__(self, endpoint, role, start_deadline_s=60.0, progress_deadline_s=300.0):
+    def __init__(self, endpoint, role, start_deadline_s=300.0, progress_deadline_s=300.0, keys=None, insecure=False):
         self._role = role
         self._endpoint = endpoint
         self._deadlines = (start_deadline_s, progress_deadline_s)
@@ -41,14 +43,18 @@ class Participant:
         self._next_begin_ticks = None
         self._lost = self._projected = False
         self.step = 0
+        try:
+            self._handshake = Handshake(endpoint, wire.Role.Name(role).lower(), keys, insecure)
+        except CannotConnect as fault:
+            raise RunEnded(2, str(fault)) from None
         self._context = zmq.Context()
         self._socket = self._context.socket(zmq.DEALER)
         for option, value in ((zmq.LINGER, LINGER_MS), (zmq.HEARTBEAT_IVL, HEARTBEAT_INTERVAL_MS),
                               (zmq.HEARTBEAT_TIMEOUT, HEARTBEAT_TIMEOUT_MS), (zmq.HEARTBEAT_TTL, HEARTBEAT_TIMEOUT_MS),
                               (zmq.RECONNECT_IVL, 20), (zmq.MAXMSGSIZE, 2 * MAX_MESSAGE_BYTES)):
             self._socket.setsockopt(option, value)
-        self._monitor = self._socket.get_monitor_socket(zmq.EVENT_HANDSHAKE_SUCCEEDED | zmq.EVENT_DISCONNECTED)
-        self._socket.connect(endpoint)
+        self._monitor = self._socket.get_monitor_socket(EVENTS)
+        self._handshake.connect(self._socket)
 
     def __enter__(self):
         return self
@@ -105,10 +111,16 @@ class Participant:
             if self._lost:
                 raise RunEnded(4, f"The coupler process was lost at step {self.step}.")
             while self._monitor.poll(0):
-                event = recv_monitor_message(self._monitor)["event"]
-                self._lost |= event == zmq.EVENT_DISCONNECTED
-                if event == zmq.EVENT_HANDSHAKE_SUCCEEDED and not connected:
+                message = recv_monitor_message(self._monitor)
+                if connected:
+                    self._lost |= message["event"] == zmq.EVENT_DISCONNECTED
+                elif message["event"] == zmq.EVENT_HANDSHAKE_SUCCEEDED:
                     connected, begin = True, time.monotonic()
+                else:
+                    try:
+                        self._handshake.hear(message["event"], message["value"])
+                    except CannotConnect as fault:
+                        raise RunEnded(2, str(fault)) from None
             if self._lost:
                 continue  # its last words may have arrived before the end of the connection
             if time.monotonic() - begin > self._deadlines[connected]:

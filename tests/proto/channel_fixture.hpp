@@ -2,13 +2,18 @@
 // Endpoints and threads for tests of the channel over real sockets.
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
+#include <zmq.h>
 
+#include <array>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <future>
 #include <string>
 
+#include "proto/keys.hpp"
 #include "samples.hpp"
 
 namespace tern::proto {
@@ -33,6 +38,38 @@ class TemporaryEndpoint {
 
  private:
   std::string directory_;
+};
+
+struct Pair {
+  std::string open, secret;
+};
+
+inline Pair make_pair_of_keys() {
+  std::array<char, 41> open{}, secret{};
+  zmq_curve_keypair(open.data(), secret.data());
+  return {open.data(), secret.data()};
+}
+
+/// The keys of a run in a directory of their own, as ./tern keys makes them.
+class KeysOfARun {
+ public:
+  KeysOfARun() {
+    const Pair coupler = make_pair_of_keys(), fluid = make_pair_of_keys(), structure = make_pair_of_keys();
+    write_secret("coupler", coupler.secret);
+    write_secret("fluid", fluid.secret);
+    write_secret("structure", structure.secret);
+    write("coupler.public", coupler.open);
+    write(allow_list, "fluid " + fluid.open + "\nstructure " + structure.open + "\n");
+  }
+  std::string path() const { return place_.directory(); }
+  void write(const std::string& name, const std::string& text) const { std::ofstream(path() + "/" + name) << text << '\n'; }
+  void write_secret(const std::string& role, const std::string& key) const {
+    write(role + ".secret", key);
+    ::chmod((path() + "/" + role + ".secret").c_str(), S_IRUSR | S_IWUSR);
+  }
+
+ private:
+  TemporaryEndpoint place_;
 };
 
 /// What a participant or the coupler ended with: exit code and sentence; code 0 = no error.

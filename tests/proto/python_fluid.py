@@ -1,4 +1,4 @@
-"""A fluid written in Python from docs/PROTOCOL.md alone; python_participant_test.cpp runs it. Usage: ENDPOINT CASE_HASH."""
+"""A fluid written in Python from docs/PROTOCOL.md alone; python_participant_test.cpp runs it. Usage: ENDPOINT CASE_HASH [KEYS]."""
 
 import pathlib
 import sys
@@ -10,7 +10,8 @@ from schema import wire  # noqa: E402
 
 account = wire.Account(energy=[1.5, 2.5], gauge=[0, 2.5], undefined=[True, False])
 try:
-    with Participant(sys.argv[1], wire.FLUID, start_deadline_s=10, progress_deadline_s=10) as channel:
+    with Participant(sys.argv[1], wire.FLUID, start_deadline_s=10, progress_deadline_s=10,
+                     keys=sys.argv[3] if len(sys.argv) > 3 else None) as channel:
         channel.handshake(wire.Hello(case_hash=sys.argv[2], dimension=2, version="python", account=account))
         while channel.receive("begin_window", "finish").WhichOneof("body") == "begin_window":
             channel.receive("surface")
