@@ -75,12 +75,16 @@ def parser():
 
     one = _add(commands, "run", _run, "run a case and leave its results in one directory",
                ["./tern run cases/dam_break_plate", "./tern run dam_break_plate --until 0.3 --set fluid.spacing=0.008",
+                "./tern run cases/piston --structure \"proto/python/participants/rigid_spring.py --stiffness 2e7\"",
                 "./tern run CASE --only fluid --endpoint ipc:///tmp/mine.sock   (the other two are started by hand)"])
     _case_options(one)
     one.add_argument("--out", metavar="DIR", help="results directory (default runs/<case>; an earlier run is kept: -2, -3, ...)")
     one.add_argument("--force", action="store_true", help="replace the results of an earlier run in the directory")
     one.add_argument("--allow-unstable", action="store_true",
                      help="run CM0 although the added mass predicts that it is unstable")
+    for role in ("fluid", "structure"):
+        one.add_argument(f"--{role}", metavar="COMMAND", help=f"program to start in place of tern-{role}, with its options; it is "
+                         "given those of tern-" + role + " in addition (docs/PARTICIPANTS.md)")
     one.add_argument("--only", choices=("fluid", "structure", "coupler"), help="start this process only")
     one.add_argument("--endpoint", metavar="ADDRESS", help="where the coupler listens, e.g. ipc:///tmp/mine.sock "
                      "(default: a private socket)")
@@ -155,7 +159,7 @@ def _plot(arguments):
 
 
 def _test(arguments):
-    packages.ensure(packages.BUILD + packages.PYTHON)
+    packages.ensure(packages.BUILD + packages.PYTHON + sum(packages.PARTICIPANTS.values(), []))
     directory = build.ensure(arguments.build, targets=None)
     ctest = ["ctest", "--test-dir", str(directory), "--output-on-failure", "--no-tests=error"]
     parallel = ["-j", str(len(os.sched_getaffinity(0)))]

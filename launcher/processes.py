@@ -21,12 +21,14 @@ class Process:
     """One started executable and how it ended."""
 
     role: str
+    program: str                  # how sentences call it
     handle: subprocess.Popen
     pidfd: int
     exit_code: int | None = None  # negative: killed by that signal; None: still running
     ended_at: float = 0.0         # unix seconds
     cpu_s: float = 0.0
     ended_by_launcher: bool = False
+    never_joined: bool = False    # a foreign program that ended before the run began
 
     def stopped(self):
         """Whether the process is frozen by SIGSTOP (state T)."""
@@ -81,21 +83,26 @@ class Group:
         self._guardian.stdin.close()
         self._guardian.wait()
 
-    def start(self, role, command):
-        """Starts one executable; standard output and error are the launcher's."""
-        handle = subprocess.Popen(command, stdin=subprocess.DEVNULL, process_group=0)
+    def start(self, role, command, program=None, environment=None):
+        """Starts one executable; standard output and error are the launcher's. `program`: a foreign one, by its name."""
+        handle = subprocess.Popen(command, stdin=subprocess.DEVNULL, process_group=0, env=environment)
         self._tell(f"started {handle.pid}")
-        self.processes.append(Process(role, handle, os.pidfd_open(handle.pid)))
+        self.processes.append(Process(role, program or f"tern-{role}", handle, os.pidfd_open(handle.pid)))
 
     def running(self):
         return [process for process in self.processes if process.exit_code is None]
 
-    def supervise(self, interrupts):
-        """Waits until all have ended. The first failure gives the others time to end by themselves, then ends them."""
+    def supervise(self, interrupts, has_begun=lambda: True):
+        """Waits until all have ended. The first failure gives the others time to end by themselves, then ends them.
+
+        `has_begun`: whether all have joined. The coupler does not notice a foreign program that ends before that.
+        """
         terminate_at = kill_at = float("inf")
         seen_interrupts = 0
         while self.running():
-            self._reap(interrupts, min(terminate_at, kill_at))
+            for process in self._reap(interrupts, min(terminate_at, kill_at)):
+                process.never_joined = (process.program != f"tern-{process.role}" and not process.ended_by_launcher
+                                        and not has_begun())
             now = time.monotonic()
             if interrupts.count > seen_interrupts:
                 if seen_interrupts == 0:
@@ -107,8 +114,9 @@ class Group:
                     kill_at = now
             elif seen_interrupts == 0 and len(self.running()) < len(self.processes):
                 failed = any(process.exit_code not in (None, 0) for process in self.processes)
-                frozen = failed and all(process.stopped() for process in self.running())
-                grace = 0.0 if frozen else GRACE_AFTER_FAILURE_S if failed else GRACE_AFTER_SUCCESS_S
+                hopeless = failed and all(process.stopped() for process in self.running())
+                hopeless = hopeless or any(process.never_joined for process in self.processes)
+                grace = 0.0 if hopeless else GRACE_AFTER_FAILURE_S if failed else GRACE_AFTER_SUCCESS_S
                 if kill_at == float("inf"):
                     terminate_at = min(terminate_at, now + grace)
             if now >= terminate_at:
@@ -120,22 +128,26 @@ class Group:
                 kill_at = now + 1.0
 
     def _reap(self, interrupts, deadline):
-        """Waits for an end, an interrupt or the deadline, and collects those that have ended."""
+        """Waits for an end, an interrupt or the deadline; collects and returns those that have ended."""
         by_fd = {process.pidfd: process for process in self.running()}
         timeout = max(0.0, min(deadline - time.monotonic(), 0.5))
         ready, _, _ = select.select([*by_fd, interrupts.read_end], [], [], timeout)
         if interrupts.read_end in ready:
             os.read(interrupts.read_end, 4096)
+        ended = []
         for descriptor in ready:
             process = by_fd.get(descriptor)
             if process is None:
                 continue
+            self._signal(process, signal.SIGKILL)  # what a foreign command has left running in its group
             _, status, usage = os.wait4(process.handle.pid, 0)
             process.exit_code = process.handle.returncode = os.waitstatus_to_exitcode(status)
             process.ended_at = time.time()
             process.cpu_s = usage.ru_utime + usage.ru_stime
             os.close(process.pidfd)
             self._tell(f"ended {process.handle.pid}")
+            ended.append(process)
+        return ended
 
     def _signal_all(self, number):
         for process in self.running():

@@ -91,6 +91,7 @@ def _verify_one(name, arguments):
         code = DONE
     else:
         arguments.case, arguments.out, arguments.only, arguments.endpoint = name, None, None, None
+        arguments.fluid = arguments.structure = None
         arguments.force = arguments.allow_unstable = False
         cause, directory = run.run(arguments)
         code = cause.exit_code
