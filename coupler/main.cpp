@@ -75,6 +75,7 @@ template <int D>
 void run(const CommandLine& command, const Case& scene, RunReport& report) {
   proto::CouplerChannel channel(command.endpoint);
   try {
+    if (command.record) channel.record(command.out + "/interface.record");
     const auto hello = channel.accept({wire::FLUID, wire::STRUCTURE}, scene.hash, D);
     const wire::Hello &fluid_hello = hello.at(wire::FLUID), &structure_hello = hello.at(wire::STRUCTURE);
     const SurfaceProperties properties = proto::from_wire(structure_hello.surface());

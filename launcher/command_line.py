@@ -85,6 +85,8 @@ def parser():
     for role in ("fluid", "structure"):
         one.add_argument(f"--{role}", metavar="COMMAND", help=f"program to start in place of tern-{role}, with its options; it is "
                          "given those of tern-" + role + " in addition (docs/PARTICIPANTS.md)")
+    one.add_argument("--record", action="store_true", help="keep all messages of fluid and structure in interface.record, from which "
+                     "either can be played back (docs/PARTICIPANTS.md)")
     one.add_argument("--only", choices=("fluid", "structure", "coupler"), help="start this process only")
     one.add_argument("--endpoint", metavar="ADDRESS", help="where the coupler listens, e.g. ipc:///tmp/mine.sock "
                      "(default: a private socket)")

@@ -58,10 +58,12 @@ def foreign_command(text, role, case, roles):
     return [os.path.abspath(program), *words[1:]]
 
 
-def _foreign_environment(directory):
-    """What a participant started by us finds: the build that reads cases, and the Python library of participants."""
+def _foreign_environment(directory, threads):
+    """What a participant started by us finds: the build that reads cases, the Python library of participants, and as many
+    threads in the libraries it uses as tern's own processes have."""
     library = str(build.ROOT / "proto" / "python")
-    return os.environ | {"TERN_BUILD": str(directory),
+    threads = str(threads or 1)
+    return os.environ | {"TERN_BUILD": str(directory), "OMP_NUM_THREADS": threads, "OPENBLAS_NUM_THREADS": threads,
                          "PYTHONPATH": os.pathsep.join(filter(None, (library, os.environ.get("PYTHONPATH"))))}
 
 
@@ -137,11 +139,13 @@ def run(arguments):
                 own = list(options)
                 if len(roles) > 1 or arguments.only:
                     own += ["--endpoint", endpoint]
+                if arguments.record and role == "coupler":
+                    own.append("--record")
                 if arguments.quiet or (len(roles) > 1 and role != "coupler"):
                     own.append("--quiet")  # one progress line: the coupler's, or that of the process that runs alone
                 if role in commands:
                     group.start(role, [*commands[role], str(path), *own], Path(commands[role][0]).name,
-                                _foreign_environment(directory))
+                                _foreign_environment(directory, arguments.threads))
                 else:
                     group.start(role, [str(directory / f"tern-{role}"), str(path), *own])
         except OSError as error:

@@ -92,7 +92,7 @@ def _verify_one(name, arguments):
     else:
         arguments.case, arguments.out, arguments.only, arguments.endpoint = name, None, None, None
         arguments.fluid = arguments.structure = None
-        arguments.force = arguments.allow_unstable = False
+        arguments.force = arguments.allow_unstable = arguments.record = False
         cause, directory = run.run(arguments)
         code = cause.exit_code
         if code != DONE:
