@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 GRACE_AFTER_FAILURE_S = 5.0    # the others notice a lost peer by themselves: killed < 1 s, frozen < 10 s at the same time
+GRACE_NEVER_JOINED_S = 1.0     # the coupler, if it was it that refused the foreign program, ends with the cause
 GRACE_AFTER_SUCCESS_S = 60.0   # the others write their last frame
 GRACE_AFTER_INTERRUPT_S = 1.6  # Ctrl-C ends everything within 2 s
 GRACE_AFTER_TERMINATE_S = 2.0
@@ -114,9 +115,10 @@ class Group:
                     kill_at = now
             elif seen_interrupts == 0 and len(self.running()) < len(self.processes):
                 failed = any(process.exit_code not in (None, 0) for process in self.processes)
-                hopeless = failed and all(process.stopped() for process in self.running())
-                hopeless = hopeless or any(process.never_joined for process in self.processes)
-                grace = 0.0 if hopeless else GRACE_AFTER_FAILURE_S if failed else GRACE_AFTER_SUCCESS_S
+                frozen = failed and all(process.stopped() for process in self.running())
+                unjoined = any(process.never_joined for process in self.processes)
+                grace = (0.0 if frozen else GRACE_NEVER_JOINED_S if unjoined else GRACE_AFTER_FAILURE_S if failed
+                         else GRACE_AFTER_SUCCESS_S)
                 if kill_at == float("inf"):
                     terminate_at = min(terminate_at, now + grace)
             if now >= terminate_at:

@@ -14,7 +14,7 @@ What the coupler makes of band particles: it carries the pressure of each to a f
 coupling.scheme "pi" (or "fsa") the load on the face is its area times the mean of what is carried, weighted by the kernel,
 provided that the particles fill at least three quarters of the kernel before it. So any band will do that fills it and whose
 carried pressures are p: here one particle per face at half a spacing, p - rho g dx/2, with four times the volume of the layer it
-stands for: a layer fills two thirds, half of that at the end of a row. "riemann" does not divide by the filling and is refused.
+stands for, since at the end of a row only half of the kernel is before it. "riemann" does not divide by the filling and is refused.
 """
 
 import sys
