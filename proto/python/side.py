@@ -98,7 +98,7 @@ def _read_case(options):
         raise bad_input(f"{build} has no tern-case to read the case with ({error.strerror}); build there first, or set "
                         "TERN_BUILD to a finished build directory.") from error
     if answer.returncode != 0:
-        raise RunEnded(answer.returncode, answer.stderr.strip().removeprefix("tern-case: "))
+        raise RunEnded(INPUT_OUTPUT if answer.returncode == INPUT_OUTPUT else BAD_INPUT, answer.stderr.strip().removeprefix("tern-case: "))
     return Case(json.loads(answer.stdout))
 
 
@@ -286,7 +286,7 @@ def run_participant(role, obey, add_options=None):
             run.log(traceback.format_exc(), "err")
         if run and run.channel:
             with contextlib.suppress(zmq.ZMQError):
-                run.channel.abort(code, sentence[:4096])
+                run.channel.abort(code, sentence.encode("ascii", "replace").decode()[:4096])
         print(f"{program}: {sentence}", file=sys.stderr)
     if run:
         run.report.set_end(code, sentence)

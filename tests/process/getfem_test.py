@@ -85,7 +85,7 @@ class SolidTest(unittest.TestCase):
 
 
 class CoupledTest(RealRunTest):
-    # Seen to fail: FILL
+    # Seen to fail: with 0.8 of the load.
     def test_it_bends_with_the_particles_of_tern_structure(self):
         tips = {}
         for name, words in (("particles", []), ("elements", ["--structure", GETFEM])):

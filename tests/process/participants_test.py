@@ -174,7 +174,7 @@ class CommandTest(ParticipantTest):
         self.assertRegex(errors, sentence)
         self.assertLess(time.monotonic() - began, 10)
 
-    # Seen to fail: without shutil.which() (FileNotFoundError, 5); without the test for a coupled case (the command is ignored).
+    # Seen to fail: without the test of what shutil.which() finds (TypeError, 1); without the test for a coupled case (the command is ignored).
     def test_a_command_that_cannot_be_started_is_refused_before_anything_is(self):
         plain = self.path / "plain.py"
         plain.write_text("print()\n")

@@ -40,8 +40,8 @@ class RecordingTest(RealRunTest):
             self.assertEqual(*((self.path / name / table).read_bytes() for name in ("first", "second")), table)
         self.assertTrue(self.frames("first", role) == self.frames("second", role), "the frames differ in their bits")
 
-    # Seen to fail: with the sign of one number of each BandPressure turned in recorded_fluid.py (and of each Surface in
-    # recorded_structure.py).
+    # Seen to fail: with another first number in each BandPressure of recorded_fluid.py; with 1.001 times the velocities of each
+    # Surface in recorded_structure.py.
     def test_a_side_that_is_played_back_gives_the_same_bits(self):
         self.record("--until", "0.15")
         for role, computed in (("fluid", "structure"), ("structure", "fluid")):
