@@ -84,7 +84,8 @@ class Case:
         """Corners (min, max) of the one elastic body, which has to be a box."""
         shape = self.only_body()["shape"]
         if "box" not in shape:
-            raise bad_input(f"{self.path}: the body '{self.only_body()['name']}' is a {next(iter(shape))}; this solver takes a box only.")
+            raise bad_input(f"{self.path}: the body '{self.only_body()['name']}' is a {next(iter(shape))}; this solver takes a "
+                            "box only.")
         return tuple(numpy.array(shape["box"][side], dtype=float) for side in ("min", "max"))
 
 
@@ -98,7 +99,8 @@ def _read_case(options):
         raise bad_input(f"{build} has no tern-case to read the case with ({error.strerror}); build there first, or set "
                         "TERN_BUILD to a finished build directory.") from error
     if answer.returncode != 0:
-        raise RunEnded(INPUT_OUTPUT if answer.returncode == INPUT_OUTPUT else BAD_INPUT, answer.stderr.strip().removeprefix("tern-case: "))
+        code = INPUT_OUTPUT if answer.returncode == INPUT_OUTPUT else BAD_INPUT
+        raise RunEnded(code, answer.stderr.strip().removeprefix("tern-case: "))
     return Case(json.loads(answer.stdout))
 
 
@@ -164,7 +166,8 @@ class Run:
         hello.version = hello.version or f"{self.program} (Python)"
         with self._interruptible():
             welcome = self.channel.handshake(hello)
-        self.log(f"joined the coupler (version {welcome.version}) at {self.options.endpoint}: {welcome.surface_points} surface points")
+        self.log(f"joined the coupler (version {welcome.version}) at {self.options.endpoint}: {welcome.surface_points} surface "
+                 "points")
 
     def receive(self, *kinds):
         """The next message of the coupler; Ctrl-C ends the wait."""

@@ -41,7 +41,8 @@ class ColumnFluid:
         low, high = (np.array(boxes[0][side]) for side in ("min", "max"))
         self.density, self.spacing, self.gravity, self.step = fluid["density"], fluid["spacing"], -case.gravity[1], options.step
         self.top, (self.width, self.height) = high[1], high - low
-        self.position = np.array([[low[0] + self.width / 2, low[1] + self.height / 2]])  # until the faces are known
+        along = np.arange(low[0] + self.spacing / 2, high[0], self.spacing)
+        self.position = np.column_stack([along, np.full_like(along, low[1] + self.spacing / 2)])  # until the faces are known
         self.rise, self.velocity, self.pressure = 0.0, 0.0, self.density * self.gravity * self.height
 
     def propose_step(self):
