@@ -93,6 +93,7 @@ void run(const CommandLine& command, const Case& scene, RunReport& report) {
   if (!command.quiet && channel.endpoint().starts_with("tcp://"))
     fmt::print(stderr, "tern-coupler: listens at {} and waits for fluid and structure\n", channel.endpoint());
   try {
+    if (command.record) channel.record(command.out + "/interface.record");
     const auto hello = channel.accept({wire::FLUID, wire::STRUCTURE}, scene.hash, D);
     const wire::Hello &fluid_hello = hello.at(wire::FLUID), &structure_hello = hello.at(wire::STRUCTURE);
     const SurfaceProperties properties = proto::from_wire(structure_hello.surface());

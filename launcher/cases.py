@@ -45,7 +45,7 @@ def is_run(directory):
 
 def results_in(directory):
     """The files a run writes, as far as they are in `directory`."""
-    names = ["run.json", "gauges.csv", "energy.csv", "steps.csv"]
+    names = ["run.json", "gauges.csv", "energy.csv", "steps.csv", "interface.record"]
     for role in ("fluid", "structure", "coupler"):
         names += [f"report.{role}.json", f"{role}.h5", f"{role}.xmf", f"{role}.log"]
     return [directory / name for name in names if (directory / name).exists()]

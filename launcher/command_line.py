@@ -80,6 +80,7 @@ def parser():
 
     one = _add(commands, "run", _run, "run a case and leave its results in one directory",
                ["./tern run cases/dam_break_plate", "./tern run dam_break_plate --until 0.3 --set fluid.spacing=0.008",
+                "./tern run cases/piston --structure \"proto/python/participants/rigid_spring.py --stiffness 2e7\"",
                 "./tern run CASE --only fluid --endpoint ipc:///tmp/mine.sock   (the other two are started by hand)",
                 "./tern run CASE --only coupler --bind tcp://0.0.0.0:5555 --keys DIR   (the other two come over the network)"])
     _case_options(one)
@@ -87,6 +88,11 @@ def parser():
     one.add_argument("--force", action="store_true", help="replace the results of an earlier run in the directory")
     one.add_argument("--allow-unstable", action="store_true",
                      help="run CM0 although the added mass predicts that it is unstable")
+    for role in ("fluid", "structure"):
+        one.add_argument(f"--{role}", metavar="COMMAND", help=f"program to start in place of tern-{role}, with its options; it is "
+                         "given those of tern-" + role + " in addition (docs/PARTICIPANTS.md)")
+    one.add_argument("--record", action="store_true", help="keep all messages of fluid and structure in interface.record, from which "
+                     "either can be played back (docs/PARTICIPANTS.md)")
     one.add_argument("--only", choices=("fluid", "structure", "coupler"), help="start this process only")
     one.add_argument("--endpoint", metavar="ADDRESS", help="where the coupler listens, e.g. ipc:///tmp/mine.sock "
                      "(default: a private socket)")
@@ -225,7 +231,7 @@ def _plot(arguments):
 
 
 def _test(arguments):
-    packages.ensure(packages.BUILD + packages.PYTHON)
+    packages.ensure(packages.BUILD + packages.PYTHON + sum(packages.PARTICIPANTS.values(), []))
     directory = build.ensure(arguments.build, targets=None)
     ctest = ["ctest", "--test-dir", str(directory), "--output-on-failure", "--no-tests=error"]
     parallel = ["-j", str(len(os.sched_getaffinity(0)))]

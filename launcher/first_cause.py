@@ -22,13 +22,16 @@ def _candidate(process, report):
     code = process.exit_code
     if code < 0:
         name = signal.Signals(-code).name if -code in signal.valid_signals() else "unknown"
-        return process.ended_at, Cause(PEER_LOST, f"tern-{process.role} was killed by signal {-code} ({name}).",
+        return process.ended_at, Cause(PEER_LOST, f"{process.program} was killed by signal {-code} ({name}).",
                                        process.role)
     when = report.get("cause_time") or process.ended_at
     sentence = report.get("cause") or (
-        f"tern-{process.role} ended with exit code {code} and left no report of the cause"
+        f"{process.program} ended with exit code {code} and left no report of the cause"
         + ("; its message is above: is the disk full?" if code == INPUT_OUTPUT else "."))
-    return min(when, process.ended_at), Cause(code if code in STATUS else PEER_LOST, sentence, process.role)
+    if process.never_joined and not report.get("cause"):
+        sentence = (f"{process.program}, the {process.role} of this run, ended with exit code {code} before it had joined the coupler; "
+                    "what it printed is above.")
+    return min(when, process.ended_at), Cause(code if code in STATUS and code != DONE else PEER_LOST, sentence, process.role)
 
 
 def find(processes, reports, interrupted):
@@ -40,10 +43,11 @@ def find(processes, reports, interrupted):
     """
     for process in processes:
         if process.frozen:
-            return Cause(PEER_LOST, f"tern-{process.role} was stopped (SIGSTOP) and did not go on; the launcher ended the run.",
+            return Cause(PEER_LOST, f"{process.program} was stopped (SIGSTOP) and did not go on; the launcher ended the run.",
                          process.role)
     failed = [(process, _candidate(process, reports.get(process.role, {})))
-              for process in processes if process.exit_code != DONE and not process.ended_by_launcher]
+              for process in processes
+              if (process.exit_code != DONE or process.never_joined) and not process.ended_by_launcher]
     # Who could not write a report (the disk is full) has told the others.
     told = [entry for entry in failed if reports.get(entry[0].role, {}).get("cause")]
     failed = [entry for entry in failed if entry in told
@@ -53,7 +57,7 @@ def find(processes, reports, interrupted):
             return Cause(INTERRUPTED, "The run was interrupted by the user; the results up to there are readable.", "")
         for process in processes:
             if process.exit_code != DONE:
-                return Cause(PEER_LOST, f"tern-{process.role} did not end after the others had ended, and was ended by "
+                return Cause(PEER_LOST, f"{process.program} did not end after the others had ended, and was ended by "
                                         f"the launcher.", process.role)
         return Cause()
     origins = [entry for entry in failed if entry[0].exit_code != PEER_LOST]

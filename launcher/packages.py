@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 from launcher.errors import INPUT_OUTPUT, LauncherError
 
@@ -13,6 +14,16 @@ BUILD = (
     "libmuparser-dev nlohmann-json3-dev libgtest-dev libgmock-dev"
 ).split()
 PYTHON = "python3-numpy python3-matplotlib python3-h5py python3-zmq python3-protobuf".split()
+# Of single participants of proto/python/participants, beyond those of all.
+PARTICIPANTS = {"getfem_structure.py": "python3-getfem python3-scipy".split()}
+
+
+def ensure_for(command):
+    """Installs what a participant of this repository needs; a stranger's program is its owner's business."""
+    library = Path(__file__).resolve().parent.parent / "proto" / "python"
+    for word in command:
+        if Path(word).is_file() and library in Path(word).resolve().parents:
+            ensure(["protobuf-compiler", *PYTHON, *PARTICIPANTS.get(Path(word).name, [])])
 
 
 def missing(packages):

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 GRACE_AFTER_FAILURE_S = 5.0    # the others notice a lost peer by themselves: killed < 1 s, frozen < 10 s at the same time
+GRACE_NEVER_JOINED_S = 1.0     # the coupler, if it was it that refused the foreign program, ends with the cause
 GRACE_AFTER_SUCCESS_S = 60.0   # the others write their last frame
 GRACE_AFTER_INTERRUPT_S = 1.6  # Ctrl-C ends everything within 2 s
 GRACE_AFTER_TERMINATE_S = 2.0
@@ -22,6 +23,7 @@ class Process:
     """One started executable and how it ended."""
 
     role: str
+    program: str                  # how sentences call it
     handle: subprocess.Popen
     pidfd: int
     exit_code: int | None = None  # negative: killed by that signal; None: still running
@@ -30,6 +32,7 @@ class Process:
     ended_by_launcher: bool = False
     stopped_since: float | None = None  # monotonic seconds
     frozen: bool = False                # stopped for so long that the launcher ended the run
+    never_joined: bool = False    # a foreign program that ended before the run began
 
     def stopped(self):
         """Whether the process is frozen by SIGSTOP (state T)."""
@@ -84,21 +87,26 @@ class Group:
         self._guardian.stdin.close()
         self._guardian.wait()
 
-    def start(self, role, command):
-        """Starts one executable; standard output and error are the launcher's."""
-        handle = subprocess.Popen(command, stdin=subprocess.DEVNULL, process_group=0)
+    def start(self, role, command, program=None, environment=None):
+        """Starts one executable; standard output and error are the launcher's. `program`: a foreign one, by its name."""
+        handle = subprocess.Popen(command, stdin=subprocess.DEVNULL, process_group=0, env=environment)
         self._tell(f"started {handle.pid}")
-        self.processes.append(Process(role, handle, os.pidfd_open(handle.pid)))
+        self.processes.append(Process(role, program or f"tern-{role}", handle, os.pidfd_open(handle.pid)))
 
     def running(self):
         return [process for process in self.processes if process.exit_code is None]
 
-    def supervise(self, interrupts):
-        """Waits until all have ended. The first failure gives the others time to end by themselves, then ends them."""
+    def supervise(self, interrupts, has_begun=lambda: True):
+        """Waits until all have ended. The first failure gives the others time to end by themselves, then ends them.
+
+        `has_begun`: whether all have joined. The coupler does not notice a foreign program that ends before that.
+        """
         terminate_at = kill_at = float("inf")
         seen_interrupts = 0
         while self.running():
-            self._reap(interrupts, min(terminate_at, kill_at))
+            for process in self._reap(interrupts, min(terminate_at, kill_at)):
+                process.never_joined = (process.program != f"tern-{process.role}" and not process.ended_by_launcher
+                                        and not has_begun())
             now = time.monotonic()
             if interrupts.count > seen_interrupts:
                 if seen_interrupts == 0:
@@ -111,7 +119,9 @@ class Group:
             elif seen_interrupts == 0 and len(self.running()) < len(self.processes):
                 failed = any(process.exit_code not in (None, 0) for process in self.processes)
                 frozen = failed and all(process.stopped() for process in self.running())
-                grace = 0.0 if frozen else GRACE_AFTER_FAILURE_S if failed else GRACE_AFTER_SUCCESS_S
+                unjoined = any(process.never_joined for process in self.processes)
+                grace = (0.0 if frozen else GRACE_NEVER_JOINED_S if unjoined else GRACE_AFTER_FAILURE_S if failed
+                         else GRACE_AFTER_SUCCESS_S)
                 if kill_at == float("inf"):
                     terminate_at = min(terminate_at, now + grace)
             if seen_interrupts == 0 and kill_at == float("inf") and self._one_is_frozen(now):
@@ -139,22 +149,26 @@ class Group:
         return any(process.frozen for process in stopped)
 
     def _reap(self, interrupts, deadline):
-        """Waits for an end, an interrupt or the deadline, and collects those that have ended."""
+        """Waits for an end, an interrupt or the deadline; collects and returns those that have ended."""
         by_fd = {process.pidfd: process for process in self.running()}
         timeout = max(0.0, min(deadline - time.monotonic(), 0.5))
         ready, _, _ = select.select([*by_fd, interrupts.read_end], [], [], timeout)
         if interrupts.read_end in ready:
             os.read(interrupts.read_end, 4096)
+        ended = []
         for descriptor in ready:
             process = by_fd.get(descriptor)
             if process is None:
                 continue
+            self._signal(process, signal.SIGKILL)  # what a foreign command has left running in its group
             _, status, usage = os.wait4(process.handle.pid, 0)
             process.exit_code = process.handle.returncode = os.waitstatus_to_exitcode(status)
             process.ended_at = time.time()
             process.cpu_s = usage.ru_utime + usage.ru_stime
             os.close(process.pidfd)
             self._tell(f"ended {process.handle.pid}")
+            ended.append(process)
+        return ended
 
     def _signal_all(self, number):
         for process in self.running():

@@ -91,7 +91,8 @@ def _verify_one(name, arguments):
         code = DONE
     else:
         arguments.case, arguments.out, arguments.only, arguments.endpoint = name, None, None, None
-        arguments.force = arguments.allow_unstable = False
+        arguments.fluid = arguments.structure = None
+        arguments.force = arguments.allow_unstable = arguments.record = False
         arguments.network_options = []
         cause, directory = run.run(arguments)
         code = cause.exit_code

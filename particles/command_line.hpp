@@ -22,6 +22,7 @@ struct CommandLine {
   bool force = false;  ///< replace the results of an earlier run in `out`
   bool allow_unstable = false;  ///< run a coupling that is predicted to be unstable
   bool quiet = false;  ///< no progress lines
+  bool record = false;  ///< coupler only: keep what the participants send in `out`/interface.record
 
   bool alone() const { return endpoint.empty(); }
 

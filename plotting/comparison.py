@@ -11,18 +11,22 @@ from plotting import run_files
 ROOT = Path(__file__).resolve().parent.parent
 
 
-def run_or_reuse(label, case, out, until, settings):
+def run_or_reuse(label, case, out, until, settings, commands=None):
     """The run of `case` with these KEY=VALUE settings in directory `out`, done now unless it is there and reaches `until` [s].
 
-    Ends the program when there is no result at all; a run that stops early is returned with a word to stderr.
+    `commands`: programs in place of tern's own, {"structure": "..."}. Ends the program when there is no result at all; a run that
+    stops early is returned with a word to stderr.
     """
+    commands = commands or {}
     options = [part for setting in settings for part in ("--set", setting)]
     if out.is_dir():
         found = run_files.Run(out)
         reached = found.table("gauges.csv").get("t_s", np.zeros(1))[-1]
-        if found.contents.get("status") == "done" and reached >= until - 2e-3 and found.contents.get("options") == options:
+        if (found.contents.get("status") == "done" and reached >= until - 2e-3 and found.contents.get("options") == options
+                and found.contents.get("commands", {}) == commands):
             return found
-    command = [ROOT / "tern", "run", case, "--out", out, "--force", "--until", repr(until), "--quiet", *options]
+    foreign = [part for role, command in commands.items() for part in (f"--{role}", command)]
+    command = [ROOT / "tern", "run", case, "--out", out, "--force", "--until", repr(until), "--quiet", *options, *foreign]
     code = subprocess.run(command, check=False).returncode
     if not out.is_dir():
         sys.exit(code)

@@ -98,6 +98,9 @@ def read(run, time):
     """(time, fields of the fluid, fields of the structure) of the frame nearest to `time`; None for a side that has none."""
     frames = {process: run.frame(process, time) for process in ("fluid", "structure")}
     exact = next(frame[0] for frame in frames.values() if frame is not None)
+    if frames["structure"] is not None:  # a foreign structure may know no stress
+        structure = frames["structure"][1]
+        structure.setdefault("stress_xy", np.zeros(len(structure["position"])))
     return exact, *(frame[1] if frame is not None else None for frame in frames.values())
 
 

@@ -82,6 +82,9 @@ class CouplerChannel {
 
   const std::string& endpoint() const;  ///< as bound, with the real port
 
+  /// From here on, writes every message that is accepted from a participant to a file (message_record.hpp).
+  void record(const std::string& path);
+
   /// Waits for one Hello of each expected role. The first difference (protocol version, case hash, dimension, counts)
   /// is sent back as Abort and thrown as BadInput; a role taken twice, not expected or not that of the key, and somebody whose
   /// first words are no message, is refused and logged, the others go on.

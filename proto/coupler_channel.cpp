@@ -18,6 +18,7 @@
 #include "proto/endpoint.hpp"
 #include "proto/handshake.hpp"
 #include "proto/keys.hpp"
+#include "proto/message_record.hpp"
 #include "proto/names.hpp"
 #include "proto/socket.hpp"
 #include "proto/traffic.hpp"
@@ -78,6 +79,7 @@ struct CouplerChannel::State {
   Socket socket;
   Traffic traffic;
   std::map<wire::Role, Peer> peers;
+  std::optional<MessageRecord> record;
   std::set<std::string> refused;  // routing ids that have been answered with Abort
   Refusals refusals;
 
@@ -199,6 +201,8 @@ CouplerChannel::~CouplerChannel() {
 
 const std::string& CouplerChannel::endpoint() const { return state_->endpoint; }
 
+void CouplerChannel::record(const std::string& path) { state_->record.emplace(path); }
+
 std::map<wire::Role, wire::Hello> CouplerChannel::accept(const std::set<wire::Role>& expected,
                                                          const std::string& case_hash, int dimension) {
   const Traffic::Exchange exchange(state_->traffic);
@@ -239,6 +243,7 @@ std::map<wire::Role, wire::Hello> CouplerChannel::accept(const std::set<wire::Ro
     } catch (const PeerLost& fault) {
       stop(fault.what());
     }
+    if (state_->record) state_->record->write(message);
     const wire::Hello& hello = message.hello();
     log_info(fmt::format("{} joined: process {}, version {}, {} particles, {} surface points", name(role),
                          hello.process_id(), hello.version(), hello.particles(), hello.surface().body_size()));
@@ -289,6 +294,7 @@ wire::Message CouplerChannel::receive(wire::Role from, std::initializer_list<Kin
       wire::Message message = std::move(peer.inbox.front());
       peer.inbox.pop_front();
       peer.conversation.check(message, state_->place, expected);
+      if (state_->record) state_->record->write(message);
       return message;
     }
     if (peer.gone) throw lost(from, peer.process_id, state_->place);

@@ -91,8 +91,10 @@ class Participant:
         self._socket.send(message.SerializeToString(), zmq.DONTWAIT)
 
     def abort(self, exit_code, sentence):
-        """Tells the coupler why this process ends."""
-        self.send(abort=wire.Abort(exit_code=exit_code, sentence=sentence))
+        """Tells the coupler why this process ends, once; its own Abort is not sent back."""
+        if not self._lost:
+            self._lost = True
+            self.send(abort=wire.Abort(exit_code=exit_code, sentence=sentence))
 
     def receive(self, *kinds):
         """Waits for the coupler's next message, checks it and returns it. Raises RunEnded."""

@@ -97,6 +97,11 @@ class LauncherTest(unittest.TestCase):
         self.assertEqual(self.contents()["exit_codes"]["structure"], -9)
         self.assertEqual(self.contents()["processes"]["structure"]["status"], "killed")
 
+    def test_a_coupler_that_refuses_a_foreign_program_has_the_time_to_say_why(self):
+        # Seen to fail: with GRACE_NEVER_JOINED_S = 0.
+        code, _, _ = self.fake.run("--structure", "sh -c 'sleep 0.3; exit 2'", coupler="blame 2 unstable sleep 0.8 leave 2", fluid="wait")
+        self.assertEqual((code, self.contents()["first_cause"], self.contents()["first_cause_role"]), (2, "unstable", "coupler"))
+
     def test_the_earlier_of_two_failures_wins(self):
         # Seen to fail: with max() instead of min() in first_cause.find().
         code, _, _ = self.fake.run(fluid="sleep 0.2 report 5 disk full", structure="sleep 1.0 report 3 J <= 0",

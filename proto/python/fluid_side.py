@@ -1,0 +1,97 @@
+"""The fluid's side of a run: the loop of docs/PROTOCOL.md around a solver.
+
+    run_fluid(MySolver)                # MySolver(case, options): case is side.Case, options the command line
+
+A solver has
+    propose_step()                     (largest length of the next window [s], the name of what limits it)
+    begin_window(time_s, duration_s)   predicts velocity and position without pressure
+    see_surface(surface)               Surface, halfway through the window, with the velocity at its end; returns Band
+    solve_pressure(load)               load: wire.DissipativeLoad; returns (pressure, velocity) of the band. When asked again in a
+                                       window, it undoes the last answer and takes the surface to move as load.surface_velocity says
+    end_window(force)                  the force of the interface on each band particle: moves to the end of the window
+    energies()                         (kinetic, potential) [J/m^(3-D)]
+    gauge(gauge)                       values of a gauge of the case, None if it has none at this instant
+    fields()                           dict for a frame: position, velocity, pressure of its points, and scalars of any name
+    iterations                         of the last pressure solve, for steps.csv
+"""
+
+import sys
+from dataclasses import dataclass
+
+import numpy
+
+from frames import FrameWriter
+from schema import wire
+from side import TICKS_PER_SECOND, finite, run_participant
+from structure_side import Surface
+
+
+@dataclass
+class Band:
+    """The particles near the surface, one row each: predicted position and velocity, and the divergence of the velocity."""
+
+    id: numpy.ndarray
+    position: numpy.ndarray
+    velocity: numpy.ndarray
+    mass: numpy.ndarray
+    volume: numpy.ndarray
+    divergence: numpy.ndarray
+
+
+def _obey(run, make_solver):
+    case = run.case
+    with run.timed("compute"):
+        solver = make_solver(case, run.options)
+    frames = FrameWriter(run.options.out, "fluid", case.dimension)
+    written = -1
+
+    def account():
+        return run.account(solver.energies(), solver.gauge)
+
+    def write_frame():
+        nonlocal written
+        if written != run.report.steps:
+            with run.timed("output"):
+                frames.write(run.report.time_s, run.report.steps, solver.fields())
+            written = run.report.steps
+
+    def vectors(values):
+        return numpy.array(values).reshape(-1, case.dimension)
+
+    def flat(name, values):
+        return finite(f"{name} of the band", values, run.channel.step)
+
+    write_frame()
+    proposed, limit = solver.propose_step()
+    run.handshake(wire.Hello(particles=len(solver.fields()["position"]), proposed_step_s=proposed, limit=limit, account=account()))
+    while (order := run.receive("begin_window", "finish")).WhichOneof("body") == "begin_window":
+        window = order.begin_window
+        with run.timed("compute"):
+            solver.begin_window(window.begin_ticks / TICKS_PER_SECOND, window.duration_ticks / TICKS_PER_SECOND)
+        surface = run.receive("surface").surface
+        with run.timed("compute"):
+            band = solver.see_surface(Surface(vectors(surface.position), vectors(surface.velocity), vectors(surface.normal),
+                                              numpy.array(surface.area)))
+        run.send(band=wire.Band(id=[int(label) for label in band.id], position=flat("position", band.position),
+                                velocity=flat("velocity", band.velocity), mass=flat("mass", band.mass),
+                                volume=flat("volume", band.volume), divergence=flat("divergence", band.divergence)))
+        message = run.receive("dissipative_load")
+        while message.WhichOneof("body") == "dissipative_load":
+            with run.timed("compute"):
+                pressure, velocity = solver.solve_pressure(message.dissipative_load)
+            run.send(band_pressure=wire.BandPressure(pressure=flat("pressure", pressure), velocity=flat("velocity", velocity)))
+            message = run.receive("dissipative_load", "band_force")
+        with run.timed("compute"):
+            solver.end_window(vectors(message.band_force.force))
+            proposed, limit = solver.propose_step()
+        run.send(window_done=wire.WindowDone(proposed_step_s=proposed, limit=limit, iterations=solver.iterations, account=account()))
+        run.step_done(order)
+        if window.write_frame:
+            write_frame()
+    write_frame()
+    run.finish(order, account())
+
+
+def run_fluid(make_solver, add_options=None):
+    """The whole main() of a fluid: ends the process. `add_options(parser)` may add options of the solver's own."""
+    sys.exit(run_participant("fluid", lambda run: _obey(run, make_solver), add_options))

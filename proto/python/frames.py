@@ -1,0 +1,67 @@
+"""Frames of one side for ParaView and ./tern plot: NAME.h5 with a group per frame, and its index NAME.xmf (docs/ARCHITECTURE.md)."""
+
+import os
+from pathlib import Path
+
+import h5py
+import numpy
+
+_HEAD = ('<?xml version="1.0" ?>\n<!DOCTYPE Xdmf SYSTEM "Xdmf.dtd" []>\n<Xdmf Version="3.0">\n<Domain>\n'
+         '<Grid Name="frames" GridType="Collection" CollectionType="Temporal">\n')
+_TAIL = "</Grid>\n</Domain>\n</Xdmf>\n"
+_UNITS = {"position": "m", "displacement": "m", "velocity": "m/s", "pressure": "Pa", "surface_position": "m",
+          "stress_xx": "Pa", "stress_xy": "Pa", "stress_yy": "Pa"}
+_EXACT = {"position": numpy.float64, "surface_position": numpy.float64, "surface_force": numpy.float64}
+
+
+def _item(rows, columns, name, source, kind="Float", precision=4):
+    size = f"{rows} {columns}" if columns else str(rows)
+    return f'<DataItem Format="HDF" Dimensions="{size}" NumberType="{kind}" Precision="{precision}">{source}/{name}</DataItem>'
+
+
+class FrameWriter:
+    """Writes frames of points. The file is open only while a frame is written, so that it can be read at any time."""
+
+    def __init__(self, directory, name, dimension):
+        self._data, self._index = Path(directory) / f"{name}.h5", Path(directory) / f"{name}.xmf"
+        self._units = _UNITS | {"surface_force": "N/m" if dimension == 2 else "N"}
+        self._grids, self._frames = "", 0
+        h5py.File(self._data, "w").close()
+        self._write_index()
+
+    def write(self, time_s, step, fields, beside=None):
+        """`fields`: name -> one scalar or vector per point, "position" among them; `beside`: points of another number."""
+        name = f"frame_{self._frames:06d}"
+        arrays = {field: self._array(field, values) for field, values in (fields | (beside or {})).items()}
+        rows = len(arrays["position"])
+        with h5py.File(self._data, "a") as file:
+            group = file.create_group(name + ".unfinished")
+            group.attrs["time_s"], group.attrs["step"] = time_s, step
+            for field, array in arrays.items():
+                group.create_dataset(field, data=array).attrs["unit"] = self._units.get(field, "1")
+            group.create_dataset("connectivity", data=numpy.arange(rows, dtype=numpy.int32))
+            file.move(name + ".unfinished", name)  # a frame that could not be finished is no frame
+        source = f"{self._data.name}:/{name}"
+        self._grids += (f'<Grid Name="{name}" GridType="Uniform">\n<Time Value="{time_s:.17g}"/>\n<Topology TopologyType="Polyvertex" '
+                        f'NumberOfElements="{rows}" NodesPerElement="1">{_item(rows, 0, "connectivity", source, "Int")}</Topology>\n'
+                        f'<Geometry GeometryType="XYZ">{_item(rows, 3, "position", source, precision=8)}</Geometry>\n')
+        for field in fields:
+            if field != "position":
+                vector = arrays[field].ndim == 2
+                self._grids += (f'<Attribute Name="{field}" AttributeType="{"Vector" if vector else "Scalar"}" Center="Node">'
+                                f'{_item(rows, 3 if vector else 0, field, source)}</Attribute>\n')
+        self._grids += "</Grid>\n"
+        self._frames += 1
+        self._write_index()
+
+    @staticmethod
+    def _array(field, values):
+        array = numpy.asarray(values, dtype=_EXACT.get(field, numpy.float32))
+        if array.ndim == 2 and array.shape[1] == 2:
+            array = numpy.column_stack([array, numpy.zeros(len(array), array.dtype)])
+        return array
+
+    def _write_index(self):
+        temporary = self._index.with_suffix(".tmp")
+        temporary.write_text(_HEAD + self._grids + _TAIL, encoding="utf-8")
+        os.replace(temporary, self._index)

@@ -1,0 +1,43 @@
+#!/usr/bin/python3 -B
+"""The fluid of an earlier run, played back: the same messages in the same order, whatever the structure does.
+
+    ./tern run CASE --record --out runs/yesterday
+    ./tern run CASE --fluid "proto/python/participants/recorded_fluid.py --from runs/yesterday" --structure "..."
+
+The record holds for the windows it was made in. Where the algorithm CM3 asks for more trials than there were, the last pressure of
+the window is played again; where for fewer, the rest is passed over.
+"""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from recording import Recording  # noqa: E402
+from side import run_participant  # noqa: E402
+
+
+def obey(run):
+    record = Recording(run.options.record, run)
+    account = record.hello.account
+    run.handshake(record.hello)
+    while (order := run.receive("begin_window", "finish")).WhichOneof("body") == "begin_window":
+        record.check_window(order.begin_window)
+        run.receive("surface")
+        run.send(band=record.take("band"))
+        run.receive("dissipative_load")
+        pressure = record.take("band_pressure")
+        run.send(band_pressure=pressure)
+        while run.receive("dissipative_load", "band_force").WhichOneof("body") == "dissipative_load":
+            pressure = record.take("band_pressure") if record.is_next("band_pressure") else pressure
+            run.send(band_pressure=pressure)
+        while record.is_next("band_pressure"):
+            record.take("band_pressure")
+        done = record.take("window_done")
+        run.send(window_done=done)
+        account = done.account
+        run.step_done(order)
+    run.finish(order, account)
+
+
+sys.exit(run_participant("fluid", obey, lambda parser: parser.add_argument(
+    "--from", dest="record", metavar="RUN", required=True, help="directory of a run with --record")))

@@ -1,0 +1,42 @@
+#!/usr/bin/python3 -B
+"""The structure of an earlier run, played back: the same messages in the same order, whatever the load.
+
+    ./tern run CASE --record --out runs/yesterday
+    ./tern run CASE --structure "proto/python/participants/recorded_structure.py --from runs/yesterday"
+
+The record holds for the windows it was made in. Where the algorithm CM3 asks for more trials than there were, the last velocities of
+the window are played again; where for fewer, the rest is passed over.
+"""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from recording import Recording  # noqa: E402
+from schema import wire  # noqa: E402
+from side import run_participant  # noqa: E402
+
+
+def obey(run):
+    record = Recording(run.options.record, run)
+    account = record.hello.account
+    run.handshake(record.hello)
+    while (order := run.receive("begin_window", "finish")).WhichOneof("body") == "begin_window":
+        record.check_window(order.begin_window)
+        surface = record.take("surface")
+        run.send(surface=surface)
+        answer = wire.SurfaceVelocity(velocity=surface.velocity)
+        while run.receive("surface_load").surface_load.trial:
+            answer = record.take("surface_velocity") if record.is_next("surface_velocity") else answer
+            run.send(surface_velocity=answer)
+        while record.is_next("surface_velocity"):
+            record.take("surface_velocity")
+        # The state at the end of a window is reported with the next surface, or with the end of the run.
+        for kind in ("surface", "finished"):
+            account = record.peek(kind).account if record.is_next(kind) else account
+        run.step_done(order)
+    run.finish(order, account)
+
+
+sys.exit(run_participant("structure", obey, lambda parser: parser.add_argument(
+    "--from", dest="record", metavar="RUN", required=True, help="directory of a run with --record")))

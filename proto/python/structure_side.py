@@ -1,0 +1,170 @@
+"""The structure's side of a run: the loop of docs/PROTOCOL.md around a solver that only has to move a surface under a load.
+
+    run_structure(MySolver)            # MySolver(case, options): case is side.Case, options the command line
+
+A solver has
+    state                              everything that changes; advance() puts another object in its place and leaves the old one alone
+    properties()                       dict of body, section_mass, impedance, least_mass: one entry per surface point (Hello)
+    surface()                          Surface of the present state
+    advance(time_s, duration_s, force) to the end of the window that begins at time_s, under one force per surface point
+                                       [N/m^(3-D)] that is constant over the window
+    energies()                         dict of kinetic, strain, potential [J/m^(3-D)], and what it knows of diffusion, penalty and,
+                                       in a case with loads, damping, load_work, clamp_work
+    gauge(gauge)                       values of a displacement or reaction gauge of the case, None if it has none
+    fields()                           dict for a frame: position, displacement, velocity of its points, and scalars of any name
+"""
+
+import sys
+from dataclasses import dataclass
+
+import numpy
+
+from frames import FrameWriter
+from schema import wire
+from side import TICKS_PER_SECOND, bad_input, finite, run_participant
+
+KEPT = 0.8  # of the velocity at the begin, see interface_velocity()
+
+
+@dataclass
+class Surface:
+    """Points on the true faces of the bodies, one row each; the normal points out of the body and has length 1."""
+
+    position: numpy.ndarray
+    velocity: numpy.ndarray
+    normal: numpy.ndarray
+    area: numpy.ndarray
+
+
+def cut_box(low, high, spacing, clamps=()):
+    """(position, normal, area, thickness, wet faces) of the faces of a box in 2D, cut evenly into pieces of about `spacing`, but
+    for what lies in the boxes `clamps`. Wet faces: 1 where the opposite face is clamped, else 2."""
+    def held(x):
+        return any(((a <= x) & (x <= b)).all() for a, b in clamps)
+
+    rows = []
+    for axis in (0, 1):
+        across = 1 - axis
+        count = max(1, round((high[across] - low[across]) / spacing))
+        for side, corner in ((-1.0, low), (1.0, high)):
+            for k in range(count):
+                x, normal = numpy.array(corner, dtype=float), numpy.zeros(2)
+                x[across] = low[across] + (k + 0.5) / count * (high[across] - low[across])
+                normal[axis] = side
+                thickness = high[axis] - low[axis]
+                # A hair inside the opposite face: on it, whether a clamp contains the point would be a matter of round-off.
+                if not held(x):
+                    rows.append((x, normal, (high[across] - low[across]) / count, thickness,
+                                 1 if held(x - (thickness - 1e-3 * spacing) * normal) else 2))
+    if not rows:
+        raise bad_input("No part of the body is free: its clamps contain all of its faces.")
+    return tuple(numpy.array(column) for column in zip(*rows))
+
+
+def interface_velocity(mean, at_begin):
+    """Velocity of the surface for the fluid at the end of a window, from its mean in it and what was sent for its begin. A
+    vibration that the window does not resolve may end it moving against the load; its mean velocity never does, so that the
+    coupling is stable for every stiffness and mass (structure/coupled_structure.hpp, docs/THEORY.md section 3)."""
+    return (1 + KEPT) * mean - KEPT * at_begin
+
+
+class _Coupled:
+    """A predicted surface, then the load of the window: structure/coupled_structure.hpp."""
+
+    def __init__(self, solver, explicit):
+        self.solver, self._explicit = solver, explicit
+        self._begin, self._state = solver.surface(), solver.state
+        self.load = numpy.zeros_like(self._begin.position)
+        self.interface_work = 0.0
+
+    def predict(self, begin_s, duration_s):
+        """Halfway to a trial state under the load of the last window, with the velocity at its end. CM0: the present surface moved
+        on for half a window."""
+        self._window = begin_s, duration_s
+        begin = self._begin
+        if self._explicit:
+            return Surface(begin.position + 0.5 * duration_s * begin.velocity, begin.velocity, begin.normal, begin.area)
+        end = self._advance(self.load)
+        normal = begin.normal + end.normal
+        return Surface(0.5 * (begin.position + end.position), self._velocity(end),
+                       normal / numpy.linalg.norm(normal, axis=1)[:, None], 0.5 * (begin.area + end.area))
+
+    def respond(self, load):
+        """CM3: velocities at the end of the window under this load."""
+        return self._velocity(self._advance(load))
+
+    def apply(self, load):
+        """Brings the solver to the end of the window under this load."""
+        end = self._advance(load)
+        self.interface_work += float((load * (end.position - self._begin.position)).sum())
+        if not self._explicit:
+            end.velocity = self._velocity(end)
+        self._begin, self._state, self.load = end, self.solver.state, load
+
+    def _advance(self, load):
+        self.solver.state = self._state
+        self.solver.advance(*self._window, load)
+        return self.solver.surface()
+
+    def _velocity(self, end):
+        return interface_velocity((end.position - self._begin.position) / self._window[1], self._begin.velocity)
+
+
+def _has_loads(settings):
+    """Whether energy.csv has the columns of loads, moving clamps and damping (particles/gauges.cpp)."""
+    moving = ("displacement", "rotation", "motion_file")
+    return bool(settings.get("load") or any(body.get("mass_damping", 0) > 0 for body in settings["body"])
+                or any(key in clamp for clamp in settings.get("clamp", []) for key in moving))
+
+
+def _obey(run, make_solver):
+    case = run.case
+    with run.timed("compute"):
+        solver = make_solver(case, run.options)
+        coupled = _Coupled(solver, case.settings["coupling"]["algorithm"] == "CM0")
+    columns = ["kinetic", "strain", "potential", "diffusion", "penalty", "interface_work"]
+    columns += ["damping", "load_work", "clamp_work"] if _has_loads(case.settings["structure"]) else []
+    frames = FrameWriter(run.options.out, "structure", case.dimension)
+    written = -1
+
+    def account():
+        energies = solver.energies() | {"interface_work": coupled.interface_work}
+        return run.account([energies.get(column, 0.0) for column in columns], solver.gauge)
+
+    def write_frame():
+        nonlocal written
+        if written != run.report.steps:
+            with run.timed("output"):
+                frames.write(run.report.time_s, run.report.steps, solver.fields(),
+                             {"surface_position": solver.surface().position, "surface_force": coupled.load})
+            written = run.report.steps
+
+    def flat(name, values):
+        return finite(f"{name} of the surface", values, run.channel.step)
+
+    write_frame()
+    run.handshake(wire.Hello(particles=len(solver.fields()["position"]), account=account(),
+                             surface=wire.SurfaceProperties(**{name: list(values) for name, values in solver.properties().items()})))
+    while (order := run.receive("begin_window", "finish")).WhichOneof("body") == "begin_window":
+        window = order.begin_window
+        with run.timed("compute"):
+            at_begin = account()
+            surface = coupled.predict(window.begin_ticks / TICKS_PER_SECOND, window.duration_ticks / TICKS_PER_SECOND)
+        run.send(surface=wire.Surface(position=flat("position", surface.position), velocity=flat("velocity", surface.velocity),
+                                      normal=flat("normal", surface.normal), area=flat("area", surface.area), account=at_begin))
+        while (answer := run.receive("surface_load").surface_load).trial:
+            with run.timed("compute"):
+                velocity = coupled.respond(numpy.array(answer.force).reshape(-1, case.dimension))
+            run.send(surface_velocity=wire.SurfaceVelocity(velocity=flat("velocity", velocity)))
+        with run.timed("compute"):
+            coupled.apply(numpy.array(answer.force).reshape(-1, case.dimension))
+        run.step_done(order)
+        if window.write_frame:
+            write_frame()
+    write_frame()
+    run.finish(order, account())
+
+
+def run_structure(make_solver, add_options=None):
+    """The whole main() of a structure: ends the process. `add_options(parser)` may add options of the solver's own."""
+    sys.exit(run_participant("structure", lambda run: _obey(run, make_solver), add_options))

@@ -1,0 +1,216 @@
+#!/usr/bin/python3 -B
+"""Foreign participants in place of tern's own: the examples of proto/python/participants against closed forms, and how the
+launcher treats a command that fails.
+
+How the tests were seen to fail is said in each.
+"""
+
+import json
+import math
+import os
+import shlex
+import signal
+import subprocess
+import sys
+import time
+import unittest
+from pathlib import Path
+
+import numpy as np
+from fake_build import ROOT, is_alive, wait_until
+from real_run import RealRunTest
+
+sys.path.insert(0, str(ROOT))
+from launcher import series  # noqa: E402
+
+PARTICIPANTS = ROOT / "proto" / "python" / "participants"
+PISTON = ROOT / "tests" / "process" / "cases" / "rigid_piston"
+STIFFNESS, WIDTH, GRAVITY = 2e7, 0.4, 9.81
+LID, WATER = 500 * 0.1, 1000 * 0.2  # mass per area [kg/m^2]
+FREQUENCY = math.sqrt(STIFFNESS / (LID + WATER)) / (2 * math.pi)
+SINKING = (LID + WATER) * GRAVITY / STIFFNESS
+SPRING = f"{PARTICIPANTS}/rigid_spring.py --stiffness {STIFFNESS:g}"
+
+
+def column(windows_per_period):
+    return f"{PARTICIPANTS}/column_fluid.py --step {1 / FREQUENCY / windows_per_period!r}"
+
+
+class ParticipantTest(RealRunTest):
+    def pids(self):
+        """{process id: words} of the programs that write to the directory of the run."""
+        own = {}
+        for entry in Path("/proc").glob("[0-9]*"):
+            try:
+                words = (entry / "cmdline").read_bytes().decode(errors="replace").split("\0")
+            except OSError:
+                continue
+            if str(self.out) in words and "--endpoint" in words:
+                own[int(entry.name)] = words
+        return own
+
+    def finish(self, process):
+        output, errors = process.communicate(timeout=120)
+        return process.returncode, output, errors
+
+    def run_piston(self, *words, structure=SPRING, fluid=column(200)):
+        return self.finish(self.start("--structure", structure, "--fluid", fluid, "--force", "--quiet", *words, case=PISTON))
+
+    def curve(self, column_name):
+        return np.array(series.read(self.out / "gauges.csv", column_name)).T
+
+    def frequency(self):
+        t, y = self.curve("lid.uy_m")
+        y = y + SINKING
+        before = np.flatnonzero(y[:-1] * y[1:] < 0)
+        crossings = t[before] - y[before] * (t[before + 1] - t[before]) / (y[before + 1] - y[before])
+        return (len(crossings) - 1) / 2 / (crossings[-1] - crossings[0])
+
+
+class ClosedFormTest(ParticipantTest):
+    # Seen to fail: with KEPT = 0 in structure_side.py (the column comes off the lid), with rho h/m_p left out of the column's
+    # pressure (no frequency to speak of).
+    def test_the_spring_under_a_column_swings_with_its_own_frequency(self):
+        error = {}
+        for algorithm, windows in (("CM3", 200), ("CM2", 100), ("CM2", 200)):
+            code, _, errors = self.run_piston("--until", "0.07", "--set", f"coupling.algorithm={algorithm}", fluid=column(windows))
+            self.assertEqual(code, 0, errors)
+            error[algorithm, windows] = self.frequency() / FREQUENCY - 1
+            measures = self.contents()["processes"]["coupler"]["measures"]
+            self.assertLess(measures["momentum_audit_max"], 1e-10)
+        self.assertLess(abs(error["CM3", 200]), 1e-4)
+        self.assertLess(abs(error["CM2", 200]), 0.01)
+        self.assertAlmostEqual(error["CM2", 100] / error["CM2", 200], 4, delta=0.8)
+        t, y = self.curve("lid.uy_m")
+        self.assertAlmostEqual(y.min(), -2 * SINKING, delta=0.01 * 2 * SINKING)
+        level = self.curve("level.eta_m")[1]
+        self.assertLess(abs(level - 0.2 - y).max(), 0.02 * SINKING, "the column does not rest on the lid")
+
+    # Seen to fail: with the band's volume as large as its layer (the faces then carry less than the pressure), with the weight
+    # left out of solve_pressure().
+    def test_a_lid_that_moves_as_told_feels_the_weight_and_the_inertia_of_the_column(self):
+        amplitude, omega = 0.002, 100.0
+        code, _, errors = self.run_piston(structure=f"{PARTICIPANTS}/prescribed_motion.py --y '{amplitude}*(1-cos({omega}*t))'")
+        self.assertEqual(code, 0, errors)
+        t, load = self.curve("load.Fy_N_per_m")
+        expected = -WATER * WIDTH * (GRAVITY + amplitude * omega**2 * np.cos(omega * t))
+        settled = t > 0.01
+        self.assertLess(abs(load - expected)[settled].max(), 0.01 * WATER * WIDTH * amplitude * omega**2)
+        import h5py
+        with h5py.File(self.out / "fluid.h5", "r") as file:
+            pressure = file[max(file)]["pressure"][0]
+        self.assertAlmostEqual(load[-1] / (-pressure * WIDTH), 1, delta=1e-3)
+        self.assertLess(abs(self.curve("lid.uy_m")[1] - amplitude * (1 - np.cos(omega * t))).max(), 1e-10)
+
+    # Seen to fail: the weight of the free body left out of RigidSpring.advance().
+    def test_a_foreign_structure_stands_in_the_real_fluid(self):
+        self.out = self.path / "real"
+        process = self.start("--structure", SPRING, "--quiet", "--until", "0.04", "--set", "fluid.numerics.gravity_courant=0.005",
+                             case=PISTON)
+        code, _, errors = self.finish(process)
+        self.assertEqual(code, 0, errors)
+        self.assertAlmostEqual(self.frequency() / FREQUENCY, 1, delta=0.02)
+        contents = self.contents()
+        self.assertEqual(shlex.split(contents["commands"]["structure"])[0], str(PARTICIPANTS / "rigid_spring.py"))
+        self.assertEqual((contents["processes"]["structure"]["status"], contents["processes"]["structure"]["program"]),
+                         ("done", "rigid_spring.py"))
+        self.assertGreater(contents["processes"]["structure"]["timing_s"]["compute"], 0)
+        self.assertGreater(contents["processes"]["structure"]["steps"], 5)
+        self.assert_readable()
+        # Seen to fail: with the stress asked of a structure that has none.
+        plot = subprocess.run([ROOT / "tern", "plot", self.out], capture_output=True, text=True, check=False)
+        self.assertEqual(plot.returncode, 0, plot.stderr)
+
+
+class EndOfARunTest(ParticipantTest):
+    def start_piston(self):
+        process = self.start("--structure", SPRING, "--fluid", column(2000), "--set", "end_time=1000", case=PISTON)
+        path = self.out / "steps.csv"
+        self.assertTrue(wait_until(lambda: path.exists() and path.read_text().count("\n") > 20, 60))
+        pids = self.pids()
+        self.assertEqual(len(pids), 3, pids)
+        return process, pids
+
+    # Seen to fail: without the handler of side.py for signals (killed by SIGINT: -2).
+    def test_ctrl_c_ends_foreign_sides_like_our_own(self):
+        process, pids = self.start_piston()
+        began = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        code, _, errors = self.finish(process)
+        self.assertLess(time.monotonic() - began, 2.0)
+        self.assertEqual(code, 130, errors)
+        contents = self.contents()
+        self.assertEqual(set(contents["exit_codes"].values()), {130})
+        self.assertEqual({report["status"] for report in contents["processes"].values()}, {"interrupted"})
+        self.assert_nothing_left(pids)
+        self.assert_readable()
+
+    # Seen to fail: with tern-structure in the sentence of first_cause.py.
+    def test_a_killed_foreign_side_is_named(self):
+        process, pids = self.start_piston()
+        os.kill(next(pid for pid, words in pids.items() if "rigid_spring" in " ".join(words)), signal.SIGKILL)
+        code, _, _ = self.finish(process)
+        self.assertEqual((code, self.contents()["first_cause"]), (4, "rigid_spring.py was killed by signal 9 (SIGKILL)."))
+        self.assert_nothing_left(pids)
+
+    # Seen to fail: without abort() in run_participant(); without finite().
+    def test_a_solver_that_fails_ends_the_run_with_its_reason(self):
+        for fault, code, sentence in (("raise ValueError('no convergence')", 3, "ValueError: no convergence"),
+                                      ("self.state = (float('nan'), 0.0)", 3, r"position of the surface\[1\] is nan at step 3"),
+                                      ("raise OSError('disk full')", 5, "disk full")):
+            script = self.path / "broken.py"
+            spring = (PARTICIPANTS / "rigid_spring.py").read_text()
+            # Somewhere else on the disk it finds the library by the launcher's PYTHONPATH.
+            script.write_text(spring.replace("        omega, rest =", f"        if time_s > 2e-4:\n            {fault}\n            return\n"
+                                             "        omega, rest ="))
+            answer, _, errors = self.run_piston(structure=f"/usr/bin/python3 {script} --stiffness 2e7")
+            self.assertEqual(answer, code, errors)
+            self.assertRegex(self.contents()["first_cause"], sentence)
+            self.assertEqual(self.contents()["first_cause_role"], "structure")
+            self.assertRegex(self.contents()["processes"]["coupler"]["cause"], f"The structure process stopped.*{sentence}")
+
+
+class CommandTest(ParticipantTest):
+    def refuse(self, command, code, sentence, case=PISTON, words=()):
+        began = time.monotonic()
+        answer, _, errors = self.finish(self.start("--structure", command, "--force", *words, case=case))
+        self.assertEqual(answer, code, errors)
+        self.assertRegex(errors, sentence)
+        self.assertLess(time.monotonic() - began, 10)
+
+    # Seen to fail: without the test of what shutil.which() finds (TypeError, 1); without the test for a coupled case (the command is ignored).
+    def test_a_command_that_cannot_be_started_is_refused_before_anything_is(self):
+        plain = self.path / "plain.py"
+        plain.write_text("print()\n")
+        self.refuse("nowhere", 2, "--structure: nowhere is neither a file nor a program on the PATH")
+        self.refuse(str(plain), 2, "plain.py is not executable; make it so")
+        self.refuse("'", 2, "cannot be split into words")
+        self.refuse("", 2, "--structure is empty")
+        self.refuse("true", 2, "the case dry_plate is not coupled", case=ROOT / "cases" / "dry_plate")
+        self.assertFalse(self.out.exists())
+
+    # Seen to fail: without never_joined (60 s; 5 s).
+    def test_a_command_that_ends_at_once_ends_the_run(self):
+        self.refuse("true", 4, "true, the structure of this run, ended with exit code 0 before it had joined")
+        self.assertEqual(self.contents()["processes"]["structure"]["status"], "failed")
+        self.refuse("false", 4, "false, the structure of this run, ended with exit code 1 before it had joined")
+        self.refuse(f"{PARTICIPANTS}/rigid_spring.py --stiff", 2, "ended with exit code 2 before it had joined")
+
+    # Seen to fail: without the signal to the group in Group._reap().
+    def test_what_a_command_leaves_running_ends_with_it(self):
+        script = f"sleep 300 & echo $! > {self.path}/pid; exit 0"
+        self.refuse(f"sh -c {shlex.quote(script)}", 4, "ended with exit code 0")
+        pid = int((self.path / "pid").read_text())
+        self.assertTrue(wait_until(lambda: not is_alive(pid), 2))
+
+    # Seen to fail: with the refusals of side.py taken out (KeyError, 3).
+    def test_a_case_the_solver_cannot_take_is_refused_in_a_sentence(self):
+        self.refuse(SPRING, 2, "the body 'disc' is a ball; this solver takes a box only", case=ROOT / "cases" / "rising_disc")
+        self.assertEqual(json.loads((self.out / "run.json").read_text())["status"], "bad input")
+        answer, _, errors = self.run_piston("--set", "coupling.scheme=riemann")
+        self.assertEqual(answer, 2)
+        self.assertIn('a column needs "pi" or "fsa"', errors)
+
+
+if __name__ == "__main__":
+    unittest.main()
