@@ -89,7 +89,7 @@ void refuse_predicted_instability(const CommandLine& command, const Case& scene,
 
 template <int D>
 void run(const CommandLine& command, const Case& scene, RunReport& report) {
-  proto::CouplerChannel channel({command.endpoint, command.keys, command.insecure});
+  proto::CouplerChannel channel({command.endpoint, command.keys, command.insecure}, 300, command.deadline_s);
   if (!command.quiet && channel.endpoint().starts_with("tcp://"))
     fmt::print(stderr, "tern-coupler: listens at {} and waits for fluid and structure\n", channel.endpoint());
   try {

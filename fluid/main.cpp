@@ -156,7 +156,7 @@ class Participant {
 template <int D>
 void run(const CommandLine& command, const Case& scene, RunReport& report) {
   if (command.alone()) return run_alone<D>(command, scene, report);
-  proto::ParticipantChannel channel({command.endpoint, command.keys, command.insecure}, wire::FLUID);
+  proto::ParticipantChannel channel({command.endpoint, command.keys, command.insecure}, wire::FLUID, 300, 2 * command.deadline_s);
   proto::telling_the_coupler(channel, [&] {
     Participant<D> participant(command, scene, report, channel);
     proto::take_part_as_fluid<D>(channel, participant);

@@ -56,6 +56,8 @@ def _run_options(parser):
     parser.add_argument("--until", metavar="T", type=_positive_number, help="end time [s] instead of the case's own")
     parser.add_argument("--threads", metavar="N", type=_thread_count,
                         help="threads of each process (default 1; the results have the same bits for any number)")
+    parser.add_argument("--deadline", metavar="S", type=_positive_number,
+                        help="give a process up that leaves a message out for S seconds (default 300; more for a slow solver)")
     parser.add_argument("--quiet", action="store_true", help="say nothing unless something fails")
 
 
@@ -105,6 +107,7 @@ def parser():
                ["./tern join fluid tcp://coupler.example.org:5555 CASE --keys DIR",
                 "./tern join structure tcp://192.168.1.20:5555 CASE --keys DIR --out DIR   (results stay on this machine)"])
     one.add_argument("role", metavar="ROLE", choices=("fluid", "structure"), help="fluid or structure")
+    one.add_argument("--command", metavar="COMMAND", help="a solver of your own in place of tern's (docs/PARTICIPANTS.md)")
     one.add_argument("endpoint", metavar="ADDRESS", help="where the coupler listens: tcp://HOST:PORT")
     _case_options(one)
     one.add_argument("--out", metavar="DIR", help="results directory (default runs/<case>; an earlier run is kept: -2, -3, ...)")
@@ -189,7 +192,9 @@ def _run(arguments):
 
 
 def _join(arguments):
-    arguments.only, arguments.bind, arguments.allow_unstable = arguments.role, None, False
+    arguments.only, arguments.bind, arguments.allow_unstable, arguments.record = arguments.role, None, False, False
+    arguments.fluid = arguments.command if arguments.role == "fluid" else None
+    arguments.structure = arguments.command if arguments.role == "structure" else None
     return _run(arguments)
 
 

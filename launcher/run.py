@@ -127,6 +127,8 @@ def run(arguments):
         options += ["--until", repr(arguments.until)]
     if arguments.threads is not None:
         options += ["--threads", str(arguments.threads)]
+    if arguments.deadline is not None and (len(roles) > 1 or arguments.only):
+        options += ["--deadline", repr(arguments.deadline)]
     if arguments.force:
         options.append("--force")
     if arguments.allow_unstable:

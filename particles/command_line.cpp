@@ -72,6 +72,10 @@ CommandLine parse_command_line(int argc, const char* const* argv, const std::str
       app.add_option("--until", until, "end at this simulated time [s] instead of the case's end_time")->type_name("T");
   app.add_option("--threads", result.threads, "threads of this process; results do not depend on it (default 1)")
       ->type_name("N");
+  app.add_option("--deadline", result.deadline_s,
+                 role == "coupler" ? "give a participant up that leaves a message out for S seconds (default 300)"
+                                   : "give the coupler up that leaves a message out for 2 S seconds (default S = 300): it waits itself")
+      ->type_name("S");
   app.add_flag("--force", result.force, "replace the results of an earlier run in DIR");
   app.add_flag("--allow-unstable", result.allow_unstable, "run CM0 although the added mass predicts that it is unstable");
   app.add_flag("--quiet", result.quiet, "no progress lines");
@@ -102,6 +106,9 @@ CommandLine parse_command_line(int argc, const char* const* argv, const std::str
                                result.threads, most_threads));
   if (result.endpoint.empty() && (!result.keys.empty() || result.insecure))
     throw BadInput(fmt::format("--keys and --insecure are about the connection to a coupler; add --endpoint to {}.", program));
+  if (!(result.deadline_s >= 1 && result.deadline_s <= 1e6))
+    throw BadInput(fmt::format("--deadline {} is not a time between 1 and 1e6 s; give the longest that one answer may take.",
+                               result.deadline_s));
   if (role == "coupler" && result.endpoint.empty())
     throw BadInput("--endpoint is empty; give the address the coupler shall bind, for example ipc:///tmp/tern.sock.");
   return result;

@@ -19,6 +19,7 @@ struct CommandLine {
   CaseOptions options;    ///< --set and --preset
   std::optional<double> until;  ///< end time instead of the case's [s]
   int threads = 1;
+  double deadline_s = 300;  ///< a peer that leaves a message out for so long is given up
   bool force = false;  ///< replace the results of an earlier run in `out`
   bool allow_unstable = false;  ///< run a coupling that is predicted to be unstable
   bool quiet = false;  ///< no progress lines

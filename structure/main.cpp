@@ -143,7 +143,7 @@ class Participant {
 template <int D>
 void run(const CommandLine& command, const Case& scene, RunReport& report) {
   if (command.alone()) return run_alone<D>(command, scene, report);
-  proto::ParticipantChannel channel({command.endpoint, command.keys, command.insecure}, wire::STRUCTURE);
+  proto::ParticipantChannel channel({command.endpoint, command.keys, command.insecure}, wire::STRUCTURE, 300, 2 * command.deadline_s);
   proto::telling_the_coupler(channel, [&] {
     Participant<D> participant(command, scene, report, channel);
     proto::take_part_as_structure<D>(channel, participant);

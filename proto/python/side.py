@@ -26,10 +26,6 @@ TICKS_PER_SECOND = 2.0**32
 REPORT_INTERVAL_S = 2.0
 _SIGNAL_NAMES = {signal.SIGINT: "SIGINT (Ctrl-C)", signal.SIGTERM: "SIGTERM", signal.SIGHUP: "SIGHUP (terminal closed)"}
 _ROLES = {"fluid": wire.FLUID, "structure": wire.STRUCTURE}
-# Components of a gauge beyond one value: (vector, with moment), see particles/gauges.cpp.
-_STRUCTURE_GAUGES = {"displacement": (True, False), "reaction": (True, True)}
-_FLUID_GAUGES = {"pressure": (False, False), "elevation": (False, False), "front": (False, False), "force": (True, True),
-                 "wall_pressure": (False, False), "flux": (False, False)}
 
 
 def bad_input(sentence):
@@ -54,6 +50,7 @@ class Case:
     def __init__(self, contents):
         self.name, self.path, self.hash = contents["name"], contents["path"], contents["hash"]
         self.dimension, self.end_time, self.settings = contents["dimension"], contents["end_time"], contents["settings"]
+        self._account = contents["account"]
 
     @property
     def gravity(self):
@@ -65,12 +62,12 @@ class Case:
 
     def gauges(self, role):
         """[(gauge, number of its values)] of one side, in the order of the case file."""
-        kinds = _STRUCTURE_GAUGES if role == "structure" else _FLUID_GAUGES
+        columns = self._account[role]["gauge"]
         found = []
         for gauge in self.settings.get("gauge", []):
-            if gauge["kind"] in kinds:
-                vector, moment = kinds[gauge["kind"]]
-                found.append((gauge, (self.dimension if vector else 1) + (2 * self.dimension - 3 if moment else 0)))
+            count = sum(column.rsplit(".", 1)[0] == gauge["name"] for column in columns)
+            if count:
+                found.append((gauge, count))
         return found
 
     def only_body(self):
@@ -113,7 +110,7 @@ class Report:
         self.timing = dict.fromkeys(("compute", "exchange", "output", "wait"), 0.0)
         self.measures, self.counts = {}, {}
         self.time_s, self.steps = 0.0, 0
-        self.contents = {"role": role, "status": "running", "exit_code": 0, "cause": "", "cause_time": 0,
+        self.contents = {"role": role, "process_id": os.getpid(), "status": "running", "exit_code": 0, "cause": "", "cause_time": 0,
                          "preset": options.preset or "", "overrides": options.set, "threads": options.threads}
 
     def set_case(self, case, options):
@@ -234,6 +231,10 @@ def _parser(role, program):
     parser.add_argument("case", metavar="CASE", help="case.toml, its folder, or the name of a folder under cases/")
     parser.add_argument("--out", metavar="DIR", required=True, help="directory of the results")
     parser.add_argument("--endpoint", metavar="ADDRESS", required=True, help="ZeroMQ address of the coupler")
+    parser.add_argument("--keys", metavar="DIR", help="directory with this role's keys, made by ./tern keys")
+    parser.add_argument("--insecure", action="store_true", help="use a network address without keys")
+    parser.add_argument("--deadline", metavar="S", type=float, default=300.0, help="give the coupler up that leaves a message out "
+                        "for 2 S seconds: it waits itself")
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="override a key of the case")
     parser.add_argument("--preset", metavar="NAME", help="numerical settings as a group")
     parser.add_argument("--until", metavar="T", type=float, help="end at this simulated time [s]; the coupler keeps it")
@@ -278,7 +279,8 @@ def run_participant(role, obey, add_options=None):
         for number in _SIGNAL_NAMES:
             signal.signal(number, run.remember_signal)
         run.log("started as: " + " ".join(sys.argv))
-        run.channel = Participant(options.endpoint, _ROLES[role])
+        run.channel = Participant(options.endpoint, _ROLES[role], progress_deadline_s=2 * options.deadline, keys=options.keys,
+                                  insecure=options.insecure)
         run.case = _read_case(options)
         run.report.set_case(run.case, options)
         run.report.write()
