@@ -32,8 +32,9 @@ struct Address {
 /// One participant's end (fluid or structure). One object per process, for its whole life; not thread-safe.
 class ParticipantChannel {
  public:
-  /// Connects; returns at once, the coupler may start later. Throws BadInput when address or keys cannot be used. A coupler that
-  /// has not answered after `start_deadline_s` or leaves a message out for `progress_deadline_s` is given up as PeerLost.
+  /// Connects; returns at once, the coupler may start later. Throws BadInput when address or keys cannot be used. Given up as
+  /// PeerLost is a coupler that is not there after `start_deadline_s`, one that is but waits for the other participant for twice
+  /// that, and one that later leaves a message out for `progress_deadline_s`.
   ParticipantChannel(const Address& address, wire::Role role, double start_deadline_s = 300,
                      double progress_deadline_s = 300);
   ~ParticipantChannel();

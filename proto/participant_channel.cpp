@@ -103,7 +103,8 @@ struct ParticipantChannel::State {
         }
         if (event->what == What::connected) {
           connected = true;
-          waiting = Waiting(name(role), "coupler", place.step, place.time_s, progress_deadline_s);
+          // It answers when everybody has come, and is the first to give up.
+          waiting = Waiting(name(role), "coupler", place.step, place.time_s, 2 * start_deadline_s);
         } else if (event->what == What::nobody_there) {
           waiting.set_whom(coupler + ", where nobody answers (not started yet, another address, or a firewall)");
           waiting.speak_after(nobody_there_s);

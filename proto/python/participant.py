@@ -106,7 +106,7 @@ class Participant:
         raise RunEnded(4, sentence)
 
     def _receive(self, kinds, connected):
-        begin = time.monotonic()
+        begin, deadline_s = time.monotonic(), self._deadlines[connected]
         while True:
             if self._socket.poll(0):
                 return self._take(kinds)
@@ -117,7 +117,8 @@ class Participant:
                 if connected:
                     self._lost |= message["event"] == zmq.EVENT_DISCONNECTED
                 elif message["event"] == zmq.EVENT_HANDSHAKE_SUCCEEDED:
-                    connected, begin = True, time.monotonic()
+                    # The coupler answers when everybody has come, and is the first to give up.
+                    connected, begin, deadline_s = True, time.monotonic(), 2 * self._deadlines[0]
                 else:
                     try:
                         self._handshake.hear(message["event"], message["value"])
@@ -125,9 +126,9 @@ class Participant:
                         raise RunEnded(2, str(fault)) from None
             if self._lost:
                 continue  # its last words may have arrived before the end of the connection
-            if time.monotonic() - begin > self._deadlines[connected]:
+            if time.monotonic() - begin > deadline_s:
                 raise RunEnded(4, f"No message of the coupler at {self._endpoint} at step {self.step} "
-                                  f"for {self._deadlines[connected]:g} s.")
+                                  f"for {deadline_s:g} s.")
             poller = zmq.Poller()
             poller.register(self._socket, zmq.POLLIN)
             poller.register(self._monitor, zmq.POLLIN)

@@ -127,8 +127,12 @@ class Report:
         self.contents |= {"wall_s": self._written - self._begin, "cpu_s": usage.ru_utime + usage.ru_stime, "steps": self.steps,
                           "time_s": self.time_s, "timing_s": self.timing, "measures": self.measures, "counts": self.counts}
         temporary = self._path.with_suffix(".tmp")
-        temporary.write_text(json.dumps(self.contents, indent=1) + "\n", encoding="utf-8")
-        os.replace(temporary, self._path)
+        try:
+            temporary.write_text(json.dumps(self.contents, indent=1) + "\n", encoding="utf-8")
+            os.replace(temporary, self._path)
+        except OSError:
+            temporary.unlink(missing_ok=True)
+            raise
 
     def update(self):
         if time.monotonic() - self._written >= REPORT_INTERVAL_S:
@@ -146,8 +150,10 @@ class Run:
         self.report = Report(role, options)
 
     def log(self, sentence, level="info"):
+        """A line in the log. A disk that is full stops the run where results are lost, not here."""
         now = time.time()
-        self._log.write(f"{time.strftime('%Y-%m-%d %H:%M:%S', time.localtime(now))}.{int(now % 1 * 1000):03d} {level} {sentence}\n")
+        with contextlib.suppress(OSError):
+            self._log.write(f"{time.strftime('%Y-%m-%d %H:%M:%S', time.localtime(now))}.{int(now % 1 * 1000):03d} {level} {sentence}\n")
 
     @contextlib.contextmanager
     def timed(self, activity):
@@ -222,7 +228,8 @@ class Run:
     def close(self):
         if self.channel is not None:
             self.channel.close()
-        self._log.close()
+        with contextlib.suppress(OSError):
+            self._log.close()
 
 
 def _parser(role, program):
