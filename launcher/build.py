@@ -16,6 +16,7 @@ from launcher.errors import BAD_INPUT, INPUT_OUTPUT, LauncherError
 ROOT = Path(__file__).resolve().parent.parent
 EXECUTABLES = ("tern-case", "tern-fluid", "tern-structure", "tern-coupler")
 PRESETS = ("release", "debug", "asan", "tsan")
+FUZZERS = ("fuzz-message", "fuzz-case")  # of the preset fuzz
 
 
 def ensure(preset="release", targets=EXECUTABLES):

@@ -120,8 +120,9 @@ def parser():
     one.add_argument("directory", metavar="DIR", help="where to put them; made if missing, earlier keys are never overwritten")
 
     one = _add(commands, "test", _test, "build and run all tests",
-               ["./tern test", "./tern test -L unit       (labels: unit, verify, process)", "./tern test --build asan"])
-    one.add_argument("-L", "--label", metavar="LABEL", help="only tests with this label: unit, verify or process")
+               ["./tern test", "./tern test -L unit       (labels: unit, verify, process)",
+                "./tern test -L fuzz       (fuzzers of messages and case files, a minute each; not part of the others)", "./tern test --build asan"])
+    one.add_argument("-L", "--label", metavar="LABEL", help="only tests with this label: unit, verify, process or fuzz")
     one.add_argument("--build", choices=build.PRESETS, default="release", help="build to test (default release)")
 
     one = _add(commands, "check", _case_tool, "validate a case; print particles, step limits, memory, expected time",
@@ -237,7 +238,10 @@ def _plot(arguments):
 
 def _test(arguments):
     packages.ensure(packages.BUILD + packages.PYTHON + sum(packages.PARTICIPANTS.values(), []))
-    directory = build.ensure(arguments.build, targets=None)
+    fuzz = arguments.label == "fuzz"
+    if fuzz:
+        packages.ensure(packages.FUZZ)
+    directory = build.ensure("fuzz", build.FUZZERS) if fuzz else build.ensure(arguments.build, targets=None)
     ctest = ["ctest", "--test-dir", str(directory), "--output-on-failure", "--no-tests=error"]
     parallel = ["-j", str(len(os.sched_getaffinity(0)))]
     if arguments.label == "process":

@@ -13,6 +13,7 @@ BUILD = (
     "libprotobuf-dev protobuf-compiler libhdf5-dev libtomlplusplus-dev libcli11-dev libspdlog-dev libfmt-dev "
     "libmuparser-dev nlohmann-json3-dev libgtest-dev libgmock-dev"
 ).split()
+FUZZ = "clang libomp-dev".split()
 PYTHON = "python3-numpy python3-matplotlib python3-h5py python3-zmq python3-protobuf".split()
 # Of single participants of proto/python/participants, beyond those of all.
 PARTICIPANTS = {"getfem_structure.py": "python3-getfem python3-scipy".split()}

@@ -171,6 +171,8 @@ TEST_F(CaseFile, WithAMissingWrongOrOutOfRangeValueIsRefusedWithTableKeyUnitAndR
 TEST_F(CaseFile, ThatIsNotTomlIsRefusedWithTheLine) {
   expect_refused(with("dimension = 2", "dimension = 2\ndimension = 3"), {"case.toml:3:", "not valid TOML"});
   expect_refused(with("[fluid]", "[fluid"), {"case.toml:9:", "not valid TOML"});
+  expect_refused(with("[fluid]", "[=fluid]"), {"case.toml:9:", "not valid TOML", "'='"});
+  expect_refused(with("dimension = 2", "gr\xc3\xb6\xc3\x9f\x65 = 2"), {"case.toml:2:", "not valid TOML"});  // an assumption of toml++ 3.3
   EXPECT_THROW(read_case("/nonexistent/case"), BadInput);
 }
 
