@@ -1,0 +1,97 @@
+#!/usr/bin/python3 -B
+"""Many windows of three processes with next to nothing to compute: do memory, descriptors and latency stay flat?
+
+    TERN_BUILD=build/release bench/soak.py                100 000 windows: a column of water in closed form on a rigid spring
+    TERN_BUILD=build/release bench/soak.py 5000           as many windows as you like
+
+Both participants are Python, so most of a window is theirs; the coupler is the real one. Prints a Markdown table of ten parts of
+the run; ends with exit code 3 when a process has grown by more than 2 % and 2 MB, or holds more descriptors, from the second part
+to the last, or when a window takes more than 1.5 times as long.
+"""
+
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+CASE = ROOT / "tests" / "process" / "cases" / "rigid_piston"
+PARTICIPANTS = ROOT / "proto" / "python" / "participants"
+STEP_S = 5e-5
+PARTS = 10
+
+
+def processes(out):
+    """{role: process id} from the reports that the three leave while they run."""
+    found = {}
+    for path in out.glob("report.*.json"):
+        try:
+            found[path.name.split(".")[1]] = json.loads(path.read_text())["process_id"]
+        except (OSError, ValueError, KeyError):
+            continue  # just being replaced
+    return found
+
+
+def size(number):
+    """(resident memory [MB], open descriptors) of a process."""
+    pages = int(Path(f"/proc/{number}/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6, len(list(Path(f"/proc/{number}/fd").iterdir()))
+
+
+def windows_done(out):
+    try:
+        with open(out / "steps.csv", "rb") as file:
+            return sum(block.count(b"\n") for block in iter(lambda: file.read(1 << 20), b"")) - 1
+    except OSError:
+        return 0
+
+
+def main():
+    windows = int(sys.argv[1]) if len(sys.argv) > 1 else 100_000
+    samples = []
+    with tempfile.TemporaryDirectory(prefix="tern-soak-") as directory:
+        out = Path(directory) / "run"
+        run = subprocess.Popen([
+            ROOT / "tern", "run", CASE, "--out", out, "--quiet", "--until", repr(windows * STEP_S), "--set", "end_time=1000",
+            "--set", "output.frame_interval=10", "--set", "output.gauge_interval=0.01",
+            "--fluid", f"{PARTICIPANTS}/column_fluid.py --step {STEP_S!r}",
+            "--structure", f"{PARTICIPANTS}/rigid_spring.py --stiffness 2e7"])
+        while run.poll() is None:
+            time.sleep(0.2)
+            done, alive = windows_done(out), processes(out)
+            if len(alive) == 3 and done >= windows * (len(samples) + 1) / PARTS:
+                try:
+                    samples.append((done, {role: size(number) for role, number in alive.items()}))
+                except OSError:
+                    break  # it has just ended
+        code = run.wait()
+        if code != 0:
+            sys.exit(f"the run ended with exit code {code}")
+        with open(out / "steps.csv", encoding="utf-8") as file:
+            walls = [float(line.rsplit(",", 1)[1]) for line in list(file)[1:]]
+
+    print("| windows | window, median [ms] | " + " | ".join(f"{role} [MB], descriptors" for role in sorted(samples[0][1])) + " |")
+    print("|---" * (2 + len(samples[0][1])) + "|")
+    latencies, before = [], 0
+    for done, sizes in samples:
+        latencies.append(statistics.median(walls[before:done]))
+        before = done
+        print(f"| {done} | {latencies[-1]:.2f} | " + " | ".join(f"{mb:.1f}, {fds}" for _, (mb, fds) in sorted(sizes.items())) + " |")
+    faults = []
+    for role in samples[-1][1]:
+        (mb_first, fds_first), (mb_last, fds_last) = samples[1][1][role], samples[-1][1][role]
+        if mb_last > 1.02 * mb_first and mb_last > mb_first + 2:
+            faults.append(f"{role} has grown from {mb_first:.1f} to {mb_last:.1f} MB")
+        if fds_last > fds_first:
+            faults.append(f"{role} holds {fds_last} descriptors instead of {fds_first}")
+    if latencies[-1] > 1.5 * latencies[1]:
+        faults.append(f"a window takes {latencies[-1]:.2f} ms instead of {latencies[1]:.2f}")
+    print("\n" + ("; ".join(faults) if faults else f"{len(walls)} windows: nothing grows"))
+    sys.exit(3 if faults else 0)
+
+
+main()
