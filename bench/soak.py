@@ -6,7 +6,7 @@
 
 Both participants are Python, so most of a window is theirs; the coupler is the real one. Prints a Markdown table of ten parts of
 the run; ends with exit code 3 when a process has grown by more than 2 % and 2 MB, or holds more descriptors, from the second part
-to the last, or when a window takes more than 1.5 times as long.
+to the last, or when a window takes more than 1.5 times as long in each of the last three parts.
 """
 
 import json
@@ -88,8 +88,8 @@ def main():
             faults.append(f"{role} has grown from {mb_first:.1f} to {mb_last:.1f} MB")
         if fds_last > fds_first:
             faults.append(f"{role} holds {fds_last} descriptors instead of {fds_first}")
-    if latencies[-1] > 1.5 * latencies[1]:
-        faults.append(f"a window takes {latencies[-1]:.2f} ms instead of {latencies[1]:.2f}")
+    if min(latencies[-3:]) > 1.5 * latencies[1]:  # other work on the machine may slow down one of them
+        faults.append(f"a window takes {min(latencies[-3:]):.2f} ms instead of {latencies[1]:.2f}")
     print("\n" + ("; ".join(faults) if faults else f"{len(walls)} windows: nothing grows"))
     sys.exit(3 if faults else 0)
 

@@ -114,7 +114,7 @@ class FailureMatrixTest(RealRunTest):
                 found.append(words.replace("\0", " "))
         return found
 
-    # Seen to fail: with the launcher's wait for the others endless (a participant waits 60 s for a coupler that is dead).
+    # Seen to fail: with the launcher waiting 25 s for the others (a participant waits 300 s for a coupler that is dead).
     def test_a_process_that_dies_anywhere(self):
         causes = {"kill": r"{} was killed by signal 9 \(SIGKILL\)", "exit": r"{}.* ended with exit code 1"}
         cells = [(role, where, point, action) for role, points in POINTS.items() for where, point in points.items()
@@ -122,7 +122,7 @@ class FailureMatrixTest(RealRunTest):
         for cell, outcome in self.run_all(cells).items():
             self.check(cell, outcome, {4}, 20, causes[cell[3]].format(PROGRAMS[cell[0]]))
 
-    # Seen to fail: without heartbeats.
+    # Seen to fail: without the launcher's own look at stopped processes (one that has not joined yet holds the run for 300 s).
     def test_a_process_that_freezes_anywhere(self):
         cells = [(role, where, point, "stop") for role, points in POINTS.items() for where, point in points.items()
                  if where != "connecting"]
@@ -137,7 +137,7 @@ class FailureMatrixTest(RealRunTest):
         for cell, outcome in self.run_all(cells, "--deadline", "4").items():
             self.check(cell, outcome, {4}, 40, rf"for {ROLES.get(cell[0], cell[0])} at step \d+.* and gave up")
 
-    # Seen to fail: with the frame's error caught and forgotten.
+    # Seen to fail: with a process that could not write its report taken for one without a cause.
     def test_a_disk_that_is_full(self):
         cells = [(role, where, POINTS[role][where], "full") for role in POINTS for where in ("trial step", "output")
                  if where in POINTS[role]]
