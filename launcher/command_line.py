@@ -225,7 +225,6 @@ def _status(arguments):
 
 def _conform(arguments):
     from launcher import conform
-    packages.ensure(packages.PYTHON)
     arguments.case_options = _forwarded(arguments)
     return conform.conform(arguments)
 
@@ -237,7 +236,7 @@ def _plot(arguments):
 
 
 def _test(arguments):
-    packages.ensure(packages.BUILD + packages.PYTHON + sum(packages.PARTICIPANTS.values(), []))
+    packages.ensure(packages.BUILD + packages.PYTHON + packages.TESTS + sum(packages.PARTICIPANTS.values(), []))
     fuzz = arguments.label == "fuzz"
     if fuzz:
         packages.ensure(packages.FUZZ)

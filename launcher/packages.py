@@ -13,7 +13,8 @@ BUILD = (
     "libprotobuf-dev protobuf-compiler libhdf5-dev libtomlplusplus-dev libcli11-dev libspdlog-dev libfmt-dev "
     "libmuparser-dev nlohmann-json3-dev libgtest-dev libgmock-dev"
 ).split()
-FUZZ = "clang libomp-dev".split()
+TESTS = ["iproute2"]  # network namespaces
+FUZZ = "clang libclang-rt-dev libomp-dev".split()
 PYTHON = "python3-numpy python3-matplotlib python3-h5py python3-zmq python3-protobuf".split()
 # Of single participants of proto/python/participants, beyond those of all.
 PARTICIPANTS = {"getfem_structure.py": "python3-getfem python3-scipy".split()}
@@ -23,7 +24,7 @@ def ensure_for(command):
     """Installs what a participant of this repository needs; a stranger's program is its owner's business."""
     library = Path(__file__).resolve().parent.parent / "proto" / "python"
     for word in command:
-        if Path(word).is_file() and library in Path(word).resolve().parents:
+        if os.path.isfile(word) and library in Path(word).resolve().parents:
             ensure(["protobuf-compiler", *PYTHON, *PARTICIPANTS.get(Path(word).name, [])])
 
 

@@ -143,9 +143,10 @@ class Group:
             elif process.stopped_since is None:
                 process.stopped_since = now
         stopped = [process for process in running if process.stopped_since is not None]
-        if 0 < len(stopped) < len(running):
-            for process in stopped:
-                process.frozen = now - process.stopped_since > LONGEST_STOP_S
+        for process in stopped:
+            if len(stopped) == len(running):
+                process.stopped_since = now  # a pause: when they are woken one by one, the others are not late
+            process.frozen = now - process.stopped_since > LONGEST_STOP_S
         return any(process.frozen for process in stopped)
 
     def _reap(self, interrupts, deadline):

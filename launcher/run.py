@@ -52,13 +52,13 @@ def foreign_command(text, role, case, roles):
         raise LauncherError(BAD_INPUT, f"--{role} is of no use with --only {roles[0]}.")
     program = shutil.which(words[0])
     if program is None:
-        reason = ("is not executable; make it so (chmod +x), or put its interpreter before it" if Path(words[0]).is_file()
+        reason = ("is not executable; make it so (chmod +x), or put its interpreter before it" if os.path.isfile(words[0])
                   else "is neither a file nor a program on the PATH")
         raise LauncherError(BAD_INPUT, f"--{role}: {words[0]} {reason}.")
     return [os.path.abspath(program), *words[1:]]
 
 
-def _foreign_environment(directory, threads):
+def foreign_environment(directory, threads):
     """What a participant started by us finds: the build that reads cases, the Python library of participants, and as many
     threads in the libraries it uses as tern's own processes have."""
     library = str(build.ROOT / "proto" / "python")
@@ -148,7 +148,7 @@ def run(arguments):
                     own.append("--quiet")  # one progress line: the coupler's, or that of the process that runs alone
                 if role in commands:
                     group.start(role, [*commands[role], str(path), *own], Path(commands[role][0]).name,
-                                _foreign_environment(directory, arguments.threads))
+                                foreign_environment(directory, arguments.threads))
                 else:
                     group.start(role, [str(directory / f"tern-{role}"), str(path), *own])
         except OSError as error:

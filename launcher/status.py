@@ -13,7 +13,7 @@ STATES = {"R": "running", "S": "running", "D": "running (disk)", "T": "stopped (
 WAITS = re.compile(r"^(\S+ \S+) warning (\w+ waits for .*)$")
 
 
-def _process_state(report):
+def _process_state(report, directory):
     """Whether the process that writes this report still lives: a word for people. Only on the machine it runs on."""
     number = report.get("process_id")
     if not number:
@@ -23,7 +23,7 @@ def _process_state(report):
         state = Path(f"/proc/{number}/stat").read_text().rsplit(")", 1)[1].split()[0]
     except OSError:
         return "gone, or on another machine"
-    if report["role"].encode() not in words:
+    if str(directory).encode() not in words and f"tern-{report['role']}".encode() not in words:
         return "gone"  # the number belongs to somebody else by now
     return STATES.get(state, state)
 
@@ -69,7 +69,7 @@ def text(directory):
     lines = [head]
     living = 0
     for role, (report, written) in reports.items():
-        state = _process_state(report)
+        state = _process_state(report, directory)
         living += not state.startswith("gone")
         lines.append(f"  {role:<10} process {report.get('process_id', '?'):<8} {state:<20} step {report.get('steps', 0)}, "
                      f"CPU {report.get('cpu_s', 0):.1f} s, last report {max(0, now - written):.0f} s ago")

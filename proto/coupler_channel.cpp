@@ -35,6 +35,7 @@ struct Peer {
   std::uint32_t process_id;
   Conversation conversation;
   std::deque<wire::Message> inbox;
+  bool settled = false;   // what happened to its connection before it joined is known
   bool finished = false;  // may leave
   bool gone = false;      // lost, or stopped by its own Abort
 };
@@ -113,18 +114,22 @@ struct CouplerChannel::State {
   /// Sorts everything that has arrived; throws when somebody aborted or is lost.
   void collect(Waiting& waiting, const std::function<void(Arrived&&)>& stranger) {
     take_all(stranger);
-    // What has become of each connection: a participant may have got the descriptor that a stranger has just given up, so only
-    // the last event of each counts.
-    std::map<int, bool> open;
+    // What has become of each connection. A participant that has just joined may have got the descriptor that a stranger has
+    // given up, so of what happened before only the last event counts; later any loss is its own.
+    std::map<int, bool> open, closed;
     while (const auto event = socket.next_event()) {
       if (event->what == SocketEvent::What::accepted || event->what == SocketEvent::What::disconnected)
         open[event->connection] = event->what == SocketEvent::What::accepted;
+      if (event->what == SocketEvent::What::disconnected) closed[event->connection] = true;
       const std::string sentence = refusal(*event);
       if (!sentence.empty()) refusals.add(sentence);
     }
     bool anybody_left = false;
-    for (auto& [role, peer] : peers)
-      if (const auto found = open.find(peer.connection); found != open.end() && !found->second) peer.gone = anybody_left = true;
+    for (auto& [role, peer] : peers) {
+      const auto found = open.find(peer.connection);
+      if (peer.settled ? closed.contains(peer.connection) : found != open.end() && !found->second) peer.gone = anybody_left = true;
+      peer.settled = true;
+    }
     if (anybody_left) take_all(stranger);  // last words arrived before the end of the connection
     waiting.check();                       // our own interruption first: after Ctrl-C the others leave as well
     for (const auto& [role, peer] : peers)
@@ -225,14 +230,18 @@ std::map<wire::Role, wire::Hello> CouplerChannel::accept(const std::set<wire::Ro
       return turn_away(fmt::format("A process with a key of the {0} calls itself {1} and was refused: start each participant with the "
                                    "keys of its own role.",
                                    arrived.role, name(role)));
-    if (message.body_case() == Kind::kAbort) {  // it failed before it joined
-      state_->refused.insert(arrived.peer);
-      Conversation(wire::COUPLER, role).check(message, state_->place, {});
-    }
     if (!expected.contains(role) || state_->peers.contains(role))
       return turn_away(
           fmt::format("A process that calls itself {} was refused: {}.", name(role),
                       expected.contains(role) ? "this role is taken; start each participant once" : "the case has no such role"));
+    if (message.body_case() == Kind::kAbort) {  // it failed before it joined
+      state_->refused.insert(arrived.peer);
+      try {
+        Conversation(wire::COUPLER, role).check(message, state_->place, {});
+      } catch (const PeerLost& fault) {
+        stop(fault.what());
+      }
+    }
     if (message.body_case() == Kind::kHello) {
       const std::string difference = find_difference(message, case_hash, dimension);
       if (!difference.empty()) stop(difference);

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 
 #include "particles/error.hpp"
@@ -22,13 +23,18 @@ namespace {
 constexpr std::size_t key_characters = 40;
 
 std::string read(const std::string& path) {
+  // Who can change one of these files decides whom this process talks to.
+  struct stat status {};
+  if (::stat(path.c_str(), &status) == 0 && (status.st_mode & (S_IWGRP | S_IWOTH)) != 0)
+    throw BadInput(fmt::format("{} can be changed by others on this machine; run chmod go-w {}.", path, path));
+  errno = 0;
   std::ifstream file(path);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf()))
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!file.is_open() || file.bad())
     throw BadInput(fmt::format("The key file {} cannot be read: {}; ./tern keys makes the keys and says which file belongs on "
                                "which machine.",
                                path, std::strerror(errno)));
-  return text.str();
+  return text;
 }
 
 std::string checked(const std::string& key, const std::string& path) {

@@ -4,6 +4,8 @@ the rules on purpose, and says of every deviation which paragraph of docs/PROTOC
 Every check starts the participant anew: as a command, or, where there is none, by asking the user to start it.
 """
 
+import contextlib
+import os
 import shutil
 import signal
 import subprocess
@@ -36,6 +38,10 @@ class Breach(Exception):
         self.paragraph = paragraph
 
 
+class CannotBind(Exception):
+    """The address that was given cannot be used."""
+
+
 @dataclass
 class Subject:
     """What is tested: a role of a case, played by a command, or by whoever connects to `address`."""
@@ -44,6 +50,7 @@ class Subject:
     scene: dict            # tern-case json
     command: list | None   # the words to start it with, CASE --out DIR --endpoint ADDRESS --quiet and options are appended
     options: list          # --set, --preset
+    environment: dict      # of the command
     address: str | None = None
 
 
@@ -74,10 +81,12 @@ class Session:
         return self
 
     def __exit__(self, *_):
-        if self._process is not None and self._process.poll() is None:
-            self._process.kill()
+        if self._process is not None:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(self._process.pid, signal.SIGKILL)  # and what it has started
             self._process.wait()
-        self.vanish(linger=0)
+            self._errors.close()
+        self.vanish()
         shutil.rmtree(self._directory, ignore_errors=True)
 
     def start(self, bind_after_s=0.0):
@@ -89,9 +98,13 @@ class Session:
             self.words = [*self._subject.command, self._subject.scene["path"], "--out", str(self._directory / "out"),
                           "--endpoint", address, "--quiet", *self._subject.options]
             self._errors = open(self._directory / "stderr", "w+", encoding="utf-8", errors="replace")
-            self._process = subprocess.Popen(self.words, stdin=subprocess.DEVNULL, stdout=self._errors, stderr=self._errors)
+            self._process = subprocess.Popen(self.words, stdin=subprocess.DEVNULL, stdout=self._errors, stderr=self._errors,
+                                             env=self._subject.environment, process_group=0)
             time.sleep(bind_after_s)
-        self._socket.bind(address)
+        try:
+            self._socket.bind(address)
+        except zmq.ZMQError as error:
+            raise CannotBind(f"The address {address} cannot be used: {error}.") from None
         self.hello = self.receive("hello", deadline_s=START_S if self._subject.command else BY_HAND_S, paragraph="3.1").hello
         self._check_hello()
         return self.hello
@@ -187,20 +200,17 @@ class Session:
 
     # Ends.
 
-    def vanish(self, linger=0):
+    def vanish(self):
         """The coupler is gone, without a word."""
         if self._socket.closed:
             return
         self._socket.disable_monitor()
         self._monitor.close(0)
-        self._socket.close(linger)
+        self._socket.close(0)
         self._context.term()
 
     def interrupt(self):
         self._process.send_signal(signal.SIGINT)
-
-    def by_hand(self):
-        return self._process is None
 
     def expect_end(self, exit_code, within_s=LEAVE_S, paragraph="5.5"):
         """The process ends in time with this exit code; of one started by hand only the end of its connection is seen."""
@@ -238,8 +248,6 @@ class Session:
 
 class StructureOrders:
     """Windows for a structure: loads along the normals that would change the velocity by 1 cm/s, if nothing held the surface."""
-
-    first_order = "surface_load"
 
     def __init__(self, session):
         self.session = session
@@ -296,8 +304,6 @@ class StructureOrders:
 
 class FluidOrders:
     """Windows for a fluid beside the surface that the case's own structure has at rest."""
-
-    first_order = "surface"
 
     def __init__(self, session):
         self.session = session
@@ -402,6 +408,7 @@ def leaves_no_trace_of_trials(s):
     orders.window(1.0)
     orders.window(1.0, trials=(5.0, -3.0, 0.0) if s.role == "structure" else (1.0, -1.0, 0.0))
     with_trials = orders.state()
+    s.vanish()  # its address is needed once more
     with s.another_life() as second:
         orders = ORDERS[s.role](second)
         orders.window(1.0)
@@ -575,7 +582,7 @@ def run(subject, names, surface_at_rest, say):
     findings = {}
     for name in names:
         if subject.command is None and name in NEEDS_PROCESS:
-            say(f"  -    {name}: not checked, it needs --command")
+            say(f"  -    {name}: not checked, it needs a command instead of an address")
             continue
         with _session(subject, surface_at_rest, say) as session:
             try:

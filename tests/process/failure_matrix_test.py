@@ -76,7 +76,7 @@ class FailureMatrixTest(RealRunTest):
             directory = self.path / re.sub(r"\W", "-", "-".join(cell))
             (directory / "tmp").mkdir(parents=True)
             environment = os.environ | {
-                "TERN_BUILD": str(self.build), "TMPDIR": str(directory / "tmp"), "LD_PRELOAD": str(library),
+                "TERN_BUILD": str(self.build), "TMPDIR": str(directory / "tmp"), "LD_PRELOAD": str(library), "ASAN_OPTIONS": "verify_asan_link_order=0",
                 "TERN_FAULT_PROCESS": PROGRAMS[role], "TERN_FAULT_AT": point, "TERN_FAULT_DO": action}
             foreign = ["--structure", f"{FOREIGN} --stiffness 1e6"] if role == "foreign" else []
             began = time.monotonic()

@@ -1,6 +1,7 @@
 """./tern status, beside a run whose fluid is stuck at its third pressure solve."""
 
 import os
+import re
 import subprocess
 import unittest
 
@@ -17,7 +18,7 @@ class StatusTest(RealRunTest):
     # Seen to fail: with the log not read.
     def test_it_says_how_far_who_lives_and_who_waits_for_whom(self):
         library = self.build / "tests" / "libfault_injection.so"
-        environment = {"LD_PRELOAD": str(library), "TERN_FAULT_PROCESS": "tern-fluid", "TERN_FAULT_AT": "send:16:3",
+        environment = {"LD_PRELOAD": str(library), "ASAN_OPTIONS": "verify_asan_link_order=0", "TERN_FAULT_PROCESS": "tern-fluid", "TERN_FAULT_AT": "send:16:3",
                        "TERN_FAULT_DO": "stuck"}
         os.environ.update(environment)
         self.addCleanup(lambda: [os.environ.pop(name, None) for name in environment])
@@ -31,6 +32,14 @@ class StatusTest(RealRunTest):
         self.assertRegex(text, r"coupler waits for fluid since step \d \(\d+ s\)")
         process.communicate(timeout=60)
         self.assertIn("peer lost: The coupler process waited 15 s for fluid at step", self.status(self.out)[1])
+
+    # Seen to fail: with the role looked for in the command line of the process.
+    def test_a_foreign_participant_lives_as_well(self):
+        foreign = ROOT / "proto" / "python" / "participants" / "rigid_spring.py"
+        process = self.start("--quiet", "--structure", f"{foreign} --stiffness 1e6", case=ROOT / "cases" / "conformance")
+        self.assertTrue(wait_until(lambda: re.search(r"structure +process \d+ +running", self.status(self.out)[1]), 20),
+                        self.status(self.out)[1])
+        self.assertIsNone(process.poll())
 
     def test_a_directory_without_a_run_is_refused(self):
         code, text = self.status(self.path)
