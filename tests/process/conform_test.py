@@ -2,6 +2,7 @@
 
 import os
 import re
+import socket
 import subprocess
 import tempfile
 import unittest
@@ -75,24 +76,25 @@ class ConformTest(unittest.TestCase):
 
     # Seen to fail: with the first life of "trace" still at the address when the second begins.
     def test_a_participant_may_be_started_by_hand(self):
-        with tempfile.TemporaryDirectory(prefix="tern-test-") as directory:
-            address = f"ipc://{directory}/sock"
-            environment = os.environ | {"TERN_BUILD": str(self.build)}
-            conform = subprocess.Popen([ROOT / "tern", "conform", "structure", address, "--check", "trace", "--check", "interrupt"],
-                                       env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-            started, lines = [], []
-            for line in conform.stdout:
-                lines.append(line)
-                if "start the structure now" in line:
-                    started.append(subprocess.Popen(["/usr/bin/python3", FAULTY, "none", ROOT / "cases" / "conformance", "--endpoint", address],
-                                                    env=environment, stderr=subprocess.DEVNULL))
-            for process in started:
-                process.wait(timeout=30)
-            text = "".join(lines)
-            self.assertEqual((conform.wait(timeout=30), len(started)), (0, 2), text)
-            conform.stdout.close()
-            self.assertIn("ok   trace", text)
-            self.assertIn("interrupt: not checked, it needs a command", text)
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            address = f"tcp://127.0.0.1:{probe.getsockname()[1]}"
+        environment = os.environ | {"TERN_BUILD": str(self.build)}
+        conform = subprocess.Popen([ROOT / "tern", "conform", "structure", address, "--check", "trace", "--check", "interrupt"],
+                                   env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        started, lines = [], []
+        for line in conform.stdout:
+            lines.append(line)
+            if "start the structure now" in line:
+                started.append(subprocess.Popen(["/usr/bin/python3", FAULTY, "none", ROOT / "cases" / "conformance", "--endpoint", address],
+                                                env=environment, stderr=subprocess.DEVNULL))
+        for process in started:
+            process.wait(timeout=30)
+        text = "".join(lines)
+        self.assertEqual((conform.wait(timeout=30), len(started)), (0, 2), text)
+        conform.stdout.close()
+        self.assertIn("ok   trace", text)
+        self.assertIn("interrupt: not checked, it needs a command", text)
 
     def test_what_cannot_be_tested_is_said_in_a_sentence(self):
         for words, sentence in ((["structure", "no-such-program"], "is neither a file nor a program on the PATH"),

@@ -123,6 +123,8 @@ TEST(Handshake, ARoleTakenTwiceOrUnknownIsRefusedWhileTheOthersGoOn) {
     while (fluids[0].wait_for(std::chrono::milliseconds(10)) != std::future_status::ready &&
            fluids[1].wait_for(std::chrono::milliseconds(10)) != std::future_status::ready) {
     }
+    // A third fluid fails before it has joined, and says so.
+    in_thread([&] { ParticipantChannel(endpoint.address(), wire::FLUID, 20, 20).abort(BadInput("the directory is full")); }).wait();
     structure = participant(wire::STRUCTURE);
   });
   coupler.accept(both, "ab12", 2);

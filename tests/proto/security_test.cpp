@@ -220,6 +220,9 @@ TEST(Security, KeysThatCannotBeUsedAreRefusedWithTheFile) {
   EXPECT_EQ(read("fluid").sentence, "");
   ::chmod((keys.path() + "/fluid.secret").c_str(), 0640);
   EXPECT_TRUE(read("fluid").says("chmod 600 " + keys.path() + "/fluid.secret")) << read("fluid").sentence;
+  ::chmod((keys.path() + "/coupler.public").c_str(), 0664);
+  EXPECT_TRUE(read("structure").says("chmod go-w " + keys.path() + "/coupler.public")) << read("structure").sentence;
+  ::chmod((keys.path() + "/coupler.public").c_str(), 0644);
   keys.write("coupler.public", "too short");
   EXPECT_TRUE(read("structure").says("coupler.public holds no key")) << read("structure").sentence;
   keys.write(allow_list, "coupler " + make_pair_of_keys().open);
