@@ -144,7 +144,7 @@ class FailureMatrixTest(RealRunTest):
         for cell, outcome in self.run_all(cells).items():
             self.check(cell, outcome, {5}, 20, "No space left on device|tern-coupler .* is the disk full")
 
-    # Seen to fail: with find_body_fault answering nothing; with the sequence and step not compared; without the size cap.
+    # Seen to fail: with find_body_fault answering nothing; with the step not compared.
     def test_a_message_that_is_spoilt(self):
         cells = []
         for role, messages in MESSAGES.items():
