@@ -236,11 +236,7 @@ std::map<wire::Role, wire::Hello> CouplerChannel::accept(const std::set<wire::Ro
                       expected.contains(role) ? "this role is taken; start each participant once" : "the case has no such role"));
     if (message.body_case() == Kind::kAbort) {  // it failed before it joined
       state_->refused.insert(arrived.peer);
-      try {
-        Conversation(wire::COUPLER, role).check(message, state_->place, {});
-      } catch (const PeerLost& fault) {
-        stop(fault.what());
-      }
+      Conversation(wire::COUPLER, role).check(message, state_->place, {});
     }
     if (message.body_case() == Kind::kHello) {
       const std::string difference = find_difference(message, case_hash, dimension);

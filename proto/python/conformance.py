@@ -19,7 +19,7 @@ import zmq
 from zmq.utils.monitor import recv_monitor_message
 
 from message_check import MAX_MESSAGE_BYTES, BadMessage, check_from_participant
-from participant import PROTOCOL_VERSION
+from participant import HEARTBEAT_INTERVAL_MS, HEARTBEAT_TIMEOUT_MS, LINGER_MS, PROTOCOL_VERSION
 from schema import wire
 
 TICKS_PER_S = 1 << 32
@@ -72,8 +72,9 @@ class Session:
         self._directory = Path(tempfile.mkdtemp(prefix="tern-conform-"))
         self._context = zmq.Context()
         self._socket = self._context.socket(zmq.ROUTER)
-        for option, value in ((zmq.LINGER, 500), (zmq.HEARTBEAT_IVL, 1000), (zmq.HEARTBEAT_TIMEOUT, 5000),
-                              (zmq.HEARTBEAT_TTL, 5000), (zmq.MAXMSGSIZE, 2 * MAX_MESSAGE_BYTES), (zmq.ROUTER_MANDATORY, 1)):
+        for option, value in ((zmq.LINGER, LINGER_MS), (zmq.HEARTBEAT_IVL, HEARTBEAT_INTERVAL_MS),
+                              (zmq.HEARTBEAT_TIMEOUT, HEARTBEAT_TIMEOUT_MS), (zmq.HEARTBEAT_TTL, HEARTBEAT_TIMEOUT_MS),
+                              (zmq.MAXMSGSIZE, 2 * MAX_MESSAGE_BYTES), (zmq.ROUTER_MANDATORY, 1)):
             self._socket.setsockopt(option, value)
         self._monitor = self._socket.get_monitor_socket(zmq.EVENT_DISCONNECTED)
 
@@ -426,23 +427,23 @@ def has_the_right_sense(s):
     orders.sense()
 
 
-def finishes(s):
-    """finishes on order, with exit code 0"""
+def _finish(s, interrupted, exit_code):
     orders = ORDERS[s.role](s)
     orders.window()
     orders.window()
-    s.send(finish=wire.Finish(interrupted=False))
+    s.send(finish=wire.Finish(interrupted=interrupted))
     s.receive("finished", paragraph="3.4")
-    s.expect_end(0, within_s=10.0, paragraph="3.4")
+    s.expect_end(exit_code, within_s=10.0, paragraph="3.4")
+
+
+def finishes(s):
+    """finishes on order, with exit code 0"""
+    _finish(s, interrupted=False, exit_code=0)
 
 
 def finishes_when_interrupted(s):
     """finishes an interrupted run, with exit code 130"""
-    orders = ORDERS[s.role](s)
-    orders.window()
-    s.send(finish=wire.Finish(interrupted=True))
-    s.receive("finished", paragraph="3.4")
-    s.expect_end(130, within_s=10.0, paragraph="3.4")
+    _finish(s, interrupted=True, exit_code=130)
 
 
 def passes_on_an_abort(s):

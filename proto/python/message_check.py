@@ -26,9 +26,14 @@ def _positive(field, values):
     _numbers(field, values, lambda v: v > 0, "finite and above 0")
 
 
-def _unit_vectors(field, values, dimension):
-    lengths = numpy.linalg.norm(numpy.array(values).reshape(-1, dimension), axis=1)
-    _numbers(f"length of {field}", lengths, lambda v: abs(v - 1) <= 1e-6, "1 to within 1e-6")
+def _surface(body, dimension, surface_points):
+    for field in ("position", "velocity", "normal"):
+        _length(field, getattr(body, field), dimension * surface_points)
+        _numbers(field, getattr(body, field))
+    _length("area", body.area, surface_points)
+    _positive("area", body.area)
+    lengths = numpy.linalg.norm(numpy.array(body.normal).reshape(-1, dimension), axis=1)
+    _numbers("length of normal", lengths, lambda v: abs(v - 1) <= 1e-6, "1 to within 1e-6")
 
 
 def _account(account, hello):
@@ -56,12 +61,7 @@ def check_from_participant(message, role, dimension, surface_points, band_partic
             _length(f"surface.{field}", getattr(body.surface, field), points)
             _positive(f"surface.{field}", getattr(body.surface, field))
     elif kind == "surface":
-        for field in ("position", "velocity", "normal"):
-            _length(field, getattr(body, field), dimension * surface_points)
-            _numbers(field, getattr(body, field))
-        _length("area", body.area, surface_points)
-        _positive("area", body.area)
-        _unit_vectors("normal", body.normal, dimension)
+        _surface(body, dimension, surface_points)
         _account(body.account, hello)
     elif kind == "surface_velocity":
         _length("velocity", body.velocity, dimension * surface_points)
@@ -107,12 +107,7 @@ def check_body(message, dimension, surface_points, band_particles, projected=Fal
             raise BadMessage(f"begin_ticks is {body.begin_ticks} and duration_ticks is {body.duration_ticks}; "
                              "they must be at least 0 and 1")
     elif kind == "surface":
-        for field in ("position", "velocity", "normal"):
-            _length(field, getattr(body, field), dimension * surface_points)
-            _numbers(field, getattr(body, field))
-        _length("area", body.area, surface_points)
-        _positive("area", body.area)
-        _unit_vectors("normal", body.normal, dimension)
+        _surface(body, dimension, surface_points)
     elif kind == "dissipative_load":
         _length("force", body.force, dimension * band_particles)
         _length("reference_pressure", body.reference_pressure, surface_points)
