@@ -31,7 +31,7 @@ class StatusTest(RealRunTest):
             self.assertRegex(text, rf"{role} +process \d+ +running")
         self.assertRegex(text, r"coupler waits for fluid since step \d \(\d+ s\)")
         process.communicate(timeout=60)
-        self.assertIn("peer lost: The coupler process waited 15 s for fluid at step", self.status(self.out)[1])
+        self.assertRegex(self.status(self.out)[1], r"peer lost: The coupler process waited 1\d(\.\d+)? s for fluid at step")
 
     # Seen to fail: with the role looked for in the command line of the process.
     def test_a_foreign_participant_lives_as_well(self):
