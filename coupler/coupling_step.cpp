@@ -28,12 +28,25 @@ constexpr double robin_layers = 5;
 }  // namespace
 
 template <int D>
+void CouplingStep<D>::pass(double begin, double duration, const Surface<D>& surface) {
+  begin_ = begin;
+  duration_ = duration;
+  load_.force.assign(surface.position.size(), Vector<D>::Zero());
+  if (algorithm_ == CouplingAlgorithm::cm3) fixed_point_.begin_window(largest_gain());
+  audit_ = {};
+  ++evaluations_.windows_without_exchange;
+}
+
+template <int D>
 DissipativeLoad<D> CouplingStep<D>::dissipative_load(double begin, double duration, const Surface<D>& surface,
                                                      const Band<D>& band) {
   begin_ = begin;
   duration_ = duration;
   surface_ = surface;
   band_ = &band;
+  if (coupling_.vem_coefficient && band.divergence.size() != band.id.size())
+    throw BadInput("The fluid process sends no divergence of the velocity, which [coupling.vem] needs; leave that table out, or use "
+                   "a fluid that has it.");
   pairs_.find(band, surface);
   // The structure makes its first trial under the load of the last window.
   if (load_.force.size() == surface.position.size())
@@ -58,7 +71,7 @@ void CouplingStep<D>::add_known_forces() {
   load_.force.assign(surface_.position.size(), Vector<D>::Zero());
   dissipative_.force.assign(band_->id.size(), Vector<D>::Zero());
   audit_ = {};
-  if (coupling_.scheme == InterfaceScheme::riemann) add_riemann();
+  if (coupling_.scheme == InterfaceScheme::riemann && coupling_.riemann_limiter > 0) add_riemann();
   if (coupling_.vem_coefficient) add_velocity_divergence_mitigation();
   set_robin_condition();
   audit_.band = static_cast<int>(band_->id.size());
@@ -73,6 +86,7 @@ const SurfaceLoad<D>* CouplingStep<D>::next_trial(const BandPressure<D>& pressur
   add_pressure(pressure);
   const SurfaceLoad<D> answer = std::exchange(load_, known);
   if (fixed_point_.add(flat(trial_load_), flat(answer))) return nullptr;
+  ++evaluations_.repeated_trials;
   const Eigen::VectorXd next = fixed_point_.next();
   for (std::size_t k = 0; k < trial_load_.force.size(); ++k) trial_load_.force[k] = next.segment<D>(D * static_cast<Eigen::Index>(k));
   return &trial_load_;
@@ -124,6 +138,7 @@ void CouplingStep<D>::add_riemann() {
   for (const auto& pair : pairs_.pairs()) fastest = std::max(fastest, surface_.velocity[pair.point].norm());
   const double sound_speed = 10 * fastest;
   if (sound_speed == 0) return;
+  evaluations_.riemann_dissipation += static_cast<long>(pairs_.pairs().size());
   for (const auto& pair : pairs_.pairs()) {
     const Vector<D>& n = surface_.normal[pair.point];
     const double approach = (surface_.velocity[pair.point] - band_->velocity[pair.particle]).dot(n);
@@ -137,6 +152,7 @@ void CouplingStep<D>::add_riemann() {
 
 template <int D>
 void CouplingStep<D>::add_velocity_divergence_mitigation() {
+  evaluations_.vem += static_cast<long>(pairs_.pairs().size());
   double fastest = 0;
   for (const auto& pair : pairs_.pairs()) fastest = std::max(fastest, band_->velocity[pair.particle].norm());
   const auto pressure_of = [&](double density, double divergence) {
@@ -200,6 +216,7 @@ void CouplingStep<D>::set_robin_condition() {
 
 template <int D>
 void CouplingStep<D>::add_pressure(const BandPressure<D>& pressure) {
+  evaluations_.pressure += static_cast<long>(pairs_.pairs().size());
   const Vector<D> gravity = [&] {
     Vector<D> g;
     for (int c = 0; c < D; ++c) g[c] = gravity_[c](begin_);

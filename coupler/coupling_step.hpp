@@ -23,10 +23,19 @@ struct WindowAudit {
   int band = 0, pairs = 0, contacts = 0;
 };
 
+/// How often each term was evaluated, in pairs of a particle and a surface point (trials), since construction. What a case
+/// leaves out counts nothing.
+struct Evaluations {
+  long pressure = 0, riemann_dissipation = 0, vem = 0, repeated_trials = 0, windows_without_exchange = 0;
+};
+
 template <int D>
 class CouplingStep {
  public:
   CouplingStep(const Case& scene, const SurfaceProperties& properties);
+
+  /// Instead of all that follows: the surface is out of the fluid's reach, and without load.
+  void pass(double begin, double duration, const Surface<D>& surface);
 
   /// First exchange: who sees whom, Riemann and VEM forces from u* and the trial velocity, and how the surface yields.
   DissipativeLoad<D> dissipative_load(double begin, double duration, const Surface<D>& surface, const Band<D>& band);
@@ -45,6 +54,7 @@ class CouplingStep {
   /// Load on the structure over this window; valid after interface_force().
   const SurfaceLoad<D>& surface_load() const { return load_; }
   const WindowAudit& audit() const { return audit_; }
+  const Evaluations& evaluations() const { return evaluations_; }
   CouplingAlgorithm algorithm() const { return algorithm_; }
   /// CM3: how the trials of this window went.
   const FixedPoint& trials() const { return fixed_point_; }
@@ -89,6 +99,7 @@ class CouplingStep {
   DissipativeLoad<D> dissipative_;
   BandForce<D> band_force_;
   WindowAudit audit_;
+  Evaluations evaluations_;
 };
 
 }  // namespace tern::coupler

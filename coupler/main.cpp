@@ -122,7 +122,7 @@ void run(const CommandLine& command, const Case& scene, RunReport& report) {
     wire::Account fluid_account = fluid_hello.account();
     double proposed = fluid_hello.proposed_step_s();
     std::string limit = fluid_hello.limit();
-    long windows = 0;
+    long windows = 0, evaluated_gauges = 0;
     // The structure reports its state at the begin of a window, the fluid at the end of the one before: the same instant.
     const auto record = [&](Ticks now, const wire::Account& structure_account) {
       ScopedTimer timer(output_s);
@@ -134,6 +134,7 @@ void run(const CommandLine& command, const Case& scene, RunReport& report) {
         const Vector<D> load = step.total_load(static_cast<std::uint32_t>(body - scene.structure->bodies.begin()));
         for (int c = 0; c < D; ++c) own.push_back(load[c]);
       }
+      evaluated_gauges += static_cast<long>(own.size());
       const std::vector<double> structure_energies = proto::energies(structure_account);
       const double work = structure_energies[static_cast<std::size_t>(work_column - structure_columns.begin())];
       recorder.account(now, joined(proto::gauge_values(fluid_account), proto::gauge_values(structure_account), own),
@@ -148,6 +149,13 @@ void run(const CommandLine& command, const Case& scene, RunReport& report) {
       report.set_measure("moment_audit_max", totals.largest_moment_error);
       report.set_count("contacts", totals.contacts);
       report.set_count("wet_windows", totals.wet_windows);
+      const coupler::Evaluations& evaluations = step.evaluations();
+      report.set_evaluations("pressure", evaluations.pressure);
+      report.set_evaluations("riemann_dissipation", evaluations.riemann_dissipation);
+      report.set_evaluations("vem", evaluations.vem);
+      report.set_evaluations("gauges", evaluated_gauges);
+      report.set_evaluations("repeated_trials", evaluations.repeated_trials);
+      report.set_count("windows_without_exchange", evaluations.windows_without_exchange);
       if (step.algorithm() == CouplingAlgorithm::cm3) {
         report.set_measure("coupling_trials_mean", windows ? static_cast<double>(totals.trials) / static_cast<double>(windows) : 0);
         report.set_count("coupling_trials_max", totals.most_trials);

@@ -2,6 +2,7 @@
 // The two participants as run_window() sees them, at the other end of the channel.
 
 #include <functional>
+#include <optional>
 
 #include "coupler/window.hpp"
 #include "proto/channel.hpp"
@@ -42,6 +43,16 @@ class RemoteParticipants {
   void end_window(const BandForce<D>& force) {
     wire::Message message;
     *message.mutable_band_force() = proto::to_wire<D>(force);
+    channel_.send(wire::FLUID, std::move(message));
+    window_done_ = channel_.receive(wire::FLUID, {proto::Kind::kWindowDone}).window_done();
+  }
+  std::optional<FluidExtent<D>> extent() const {
+    if (!window_done_.has_extent()) return std::nullopt;
+    return proto::from_wire<D>(window_done_.extent());
+  }
+  void pass_window() {
+    wire::Message message;
+    message.mutable_surface();
     channel_.send(wire::FLUID, std::move(message));
     window_done_ = channel_.receive(wire::FLUID, {proto::Kind::kWindowDone}).window_done();
   }

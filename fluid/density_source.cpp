@@ -25,6 +25,7 @@ template <int D>
 void Fluid<D>::compute_density_source() {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
   density_source_.resize(n);
+  evaluations_.density_source += n;
   const double rate = constants_.numerics.density_relaxation / density_time_scale();
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (std::ptrdiff_t i = 0; i < n; ++i) {

@@ -22,6 +22,7 @@ Fluid<D>::Fluid(const Case& scene)
     domain_min_[c] = scene.domain_min[c];
     domain_max_[c] = scene.domain_max[c];
   }
+  reports_divergence_ = scene.coupling.vem_coefficient.has_value();
   uniform_gravity_ = std::all_of(scene.gravity.begin(), scene.gravity.end(), [](const Expression& e) { return e.is_constant(); });
   State<D> state;
   double fastest = 0;

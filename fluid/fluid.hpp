@@ -27,6 +27,12 @@ struct StepTiming {
   double neighbours = 0, boundary = 0, assembly = 0, pressure_solve = 0, correction = 0;
 };
 
+/// How often each term was evaluated, in particles (walls, faces of the structure), since construction. What a case leaves out
+/// counts nothing.
+struct Evaluations {
+  long viscosity = 0, noise_damping = 0, density_source = 0, shifting = 0, moving_walls = 0, structure_surface = 0;
+};
+
 struct Energies {
   double kinetic = 0;    ///< [J/m^(3-D)]
   double potential = 0;  ///< minus the work of gravity since t = 0 [J/m^(3-D)]
@@ -50,8 +56,13 @@ class Fluid {
   /// Applies the pressure, moves, shifts and settles contacts with walls. Throws NumericalFailure.
   void end_window(const BandForce<D>& force);
 
+  /// One window without a surface: none is in reach, or there is none.
+  void pass_window();
+
   /// Step wanted for the next window.
   StepProposal propose_step() const;
+  /// Which surface can be left out of the next window; nothing where the fluid is periodic and has no end.
+  std::optional<FluidExtent<D>> extent() const;
 
   // What the state says of itself.
   const Constants<D>& constants() const { return constants_; }
@@ -61,6 +72,7 @@ class Fluid {
   /// Whether the state has a pressure: not before the first solve.
   bool has_pressure() const { return !pressure_.empty(); }
   const StepTiming& timing() const { return timing_; }
+  const Evaluations& evaluations() const { return evaluations_; }
   Energies energies() const;
   Vector<D> momentum() const;
   /// About the origin; 2D: only the last entry is not 0 [kg m^2/s /m^(3-D)].
@@ -126,6 +138,7 @@ class Fluid {
   Constants<D> constants_;
   std::array<Expression, 3> gravity_expression_;
   bool uniform_gravity_;
+  bool reports_divergence_;  ///< of the band
   Vector<D> domain_min_, domain_max_;
   Period<D> period_;
   double gravity_size_ = 0, speed_floor_ = 0, speed_limit_ = 0;
@@ -143,6 +156,7 @@ class Fluid {
   SealedAccount sealed_account_;
   bool enclosed_ = false;  ///< all fluid is sealed between fixed walls: it has no free surface and cannot get one
   StepTiming timing_;
+  Evaluations evaluations_;
 
   // Rebuilt every step.
   CellGrid<D> grid_;

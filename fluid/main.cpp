@@ -28,11 +28,14 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report)
   double& compute_s = report.timing("compute");
   double& output_s = report.timing("output");
 
-  long step = 0;
+  long step = 0, evaluated_gauges = 0;
   const auto write_output = [&](bool frame) {
     ScopedTimer timer(output_s);
-    if (const Ticks now = fluid.state().time; recorder.due(now))
-      recorder.account(now, gauge_values(fluid, scene), energy_values(fluid));
+    if (const Ticks now = fluid.state().time; recorder.due(now)) {
+      const GaugeValues values = gauge_values(fluid, scene);
+      report.set_evaluations("gauges", evaluated_gauges += static_cast<long>(values.size()));
+      recorder.account(now, values, energy_values(fluid));
+    }
     if (frame) write_frame(fluid, frames, step);
     measures.report(fluid, report);
     report.update();
@@ -46,9 +49,7 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report)
     {
       ScopedTimer timer(compute_s);
       fluid.begin_window(now, duration);
-      fluid.see_surface({});
-      fluid.solve_pressure({});
-      fluid.end_window({});
+      fluid.pass_window();
     }
     now += duration;
     ++step;
@@ -88,6 +89,7 @@ class Participant {
     // go with the message once more.
     if (const Ticks now = fluid_.state().time; rows_.due(now)) {
       gauges_ = gauge_values(fluid_, scene_);
+      evaluated_gauges_ += static_cast<long>(gauges_.size());
       rows_.written(now);
     }
     return proto::account(energy_values(fluid_), gauges_);
@@ -108,12 +110,12 @@ class Participant {
   wire::WindowDone end(const BandForce<D>& force) {
     ScopedTimer timer(compute_s_);
     fluid_.end_window(force);
-    const StepProposal proposal = fluid_.propose_step();
-    wire::WindowDone done;
-    done.set_proposed_step_s(proposal.seconds);
-    done.set_limit(proposal.limit);
-    done.set_iterations(static_cast<std::uint32_t>(fluid_.last_solve().iterations));
-    return done;
+    return done();
+  }
+  wire::WindowDone pass() {
+    ScopedTimer timer(compute_s_);
+    fluid_.pass_window();
+    return done();
   }
 
   void end_window(const proto::Window& window) {
@@ -131,12 +133,22 @@ class Participant {
   }
 
  private:
+  wire::WindowDone done() const {
+    const StepProposal proposal = fluid_.propose_step();
+    wire::WindowDone done;
+    done.set_proposed_step_s(proposal.seconds);
+    done.set_limit(proposal.limit);
+    done.set_iterations(static_cast<std::uint32_t>(fluid_.last_solve().iterations));
+    if (const auto extent = fluid_.extent()) *done.mutable_extent() = proto::to_wire<D>(*extent);
+    return done;
+  }
   void write_output_frame() {
     write_frame(fluid_, frames_, step_);
     last_frame_ = step_;
   }
   void report_now() {
     measures_.report(fluid_, report_);
+    report_.set_evaluations("gauges", evaluated_gauges_);
     proto::report_traffic(channel_, report_);
   }
 
@@ -150,6 +162,7 @@ class Participant {
   FrameWriter frames_;
   RowSchedule rows_;
   GaugeValues gauges_;
+  long evaluated_gauges_ = 0;
   long step_ = 0, last_frame_ = 0;
 };
 

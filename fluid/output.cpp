@@ -101,6 +101,13 @@ void Measures<D>::report(const Fluid<D>& fluid, RunReport& report) const {
     report.set_measure(D == 2 ? "sealed_flux_removed_m2_per_s" : "sealed_flux_removed_m3_per_s", fluid.sealed().largest_flux);
     report.set_measure("sealed_volume_error", fluid.sealed().volume_error);
   }
+  const Evaluations& evaluations = fluid.evaluations();
+  report.set_evaluations("viscosity", evaluations.viscosity);
+  report.set_evaluations("noise_damping", evaluations.noise_damping);
+  report.set_evaluations("density_source", evaluations.density_source);
+  report.set_evaluations("shifting", evaluations.shifting);
+  report.set_evaluations("moving_walls", evaluations.moving_walls);
+  report.set_evaluations("structure_surface", evaluations.structure_surface);
   const StepTiming& timing = fluid.timing();
   report.timing("compute.neighbours") = timing.neighbours;
   report.timing("compute.boundary") = timing.boundary;

@@ -66,7 +66,7 @@ void Fluid<D>::assemble_pressure_source(const DissipativeLoad<D>& load) {
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (int i = 0; i < n; ++i) {
     if (!active_[i]) continue;
-    double b = scale * (divergence_[i] - density_source_[i]);
+    double b = scale * (density_source_.empty() ? divergence_[i] : divergence_[i] - density_source_[i]);
     for (int entry = surface_rows_.begin[i]; entry < surface_rows_.begin[i] + surface_rows_.count[i]; ++entry) {
       // The face answers the pressure at the face: that of the particle and the weight of the fluid between.
       const int k = surface_rows_.face[entry];

@@ -31,6 +31,7 @@ void Fluid<D>::shift_particles() {
   const double coefficient = constants_.numerics.shifting * constants_.kernel.smoothing_length() * bulk_speed_ * duration_s_;
   if (coefficient == 0) return;
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
+  evaluations_.shifting += n;
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (std::ptrdiff_t i = 0; i < n; ++i) {
     if (flag_[i] != Flag::interior) continue;

@@ -37,6 +37,7 @@ template <int D>
 Band<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   ScopedTimer timer(timing_.boundary);
   if (walls_.moving()) {
+    evaluations_.moving_walls += static_cast<long>(walls_.faces().size());
     walls_.move_over(begin_s_, duration_s_);
     wall_finder_.fill(walls_.faces(), constants_.faces.support());
     space_before_walls_.assign(walls_.faces().size(), -1);
@@ -48,6 +49,7 @@ Band<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   surface_.normal_acceleration.assign(surface.position.size(), 0);
   surface_.two_sided.assign(surface.position.size(), 1);
   surface_finder_.fill(surface_, constants_.faces.support());
+  evaluations_.structure_surface += static_cast<long>(surface.position.size());
 
   see_faces<D>(predicted_position_, walls_.faces(), wall_finder_, wall_rows_);
   see_faces<D>(predicted_position_, surface_, surface_finder_, surface_rows_);
@@ -77,7 +79,7 @@ Band<D> Fluid<D>::see_surface(const Surface<D>& surface) {
     band.velocity.push_back(predicted_velocity_[i]);
     band.mass.push_back(constants_.mass);
     band.volume.push_back(constants_.volume);
-    band.divergence.push_back(divergence_[i]);
+    if (reports_divergence_) band.divergence.push_back(divergence_[i]);
   }
   return band;
 }
@@ -101,7 +103,7 @@ BandPressure<D> Fluid<D>::solve_pressure(const DissipativeLoad<D>& load) {
     }
     if (changed) compute_divergence();
     if (first) {
-      compute_density_source();
+      if (constants_.numerics.density_relaxation > 0) compute_density_source();
       assemble_pressure_matrix(load);
     }
     assemble_pressure_source(load);
@@ -142,6 +144,27 @@ void Fluid<D>::end_window(const BandForce<D>& force) {
   count_leaks(surface_, surface_rows_);
   remove_escaped();
   state_.time += to_ticks(duration_s_);
+}
+
+template <int D>
+void Fluid<D>::pass_window() {
+  see_surface({});
+  solve_pressure({});
+  end_window({});
+}
+
+template <int D>
+std::optional<FluidExtent<D>> Fluid<D>::extent() const {
+  if (period_.any()) return std::nullopt;
+  FluidExtent<D> extent{state_.position[0], state_.position[0]};
+  for (const Vector<D>& x : state_.position) {
+    extent.low = extent.low.cwiseMin(x);
+    extent.high = extent.high.cwiseMax(x);
+  }
+  extent.largest_speed = largest_speed();
+  // A particle sees what is nearer than its support; a patch of a wall that it sees, and a gauge, sees as far again from there.
+  extent.reach = 2 * constants_.faces.support() + constants_.spacing;
+  return extent;
 }
 
 template <int D>
@@ -321,7 +344,9 @@ StepProposal Fluid<D>::propose_step() const {
   template Band<D> Fluid<D>::see_surface(const Surface<D>&);                     \
   template BandPressure<D> Fluid<D>::solve_pressure(const DissipativeLoad<D>&);  \
   template void Fluid<D>::end_window(const BandForce<D>&);                       \
+  template void Fluid<D>::pass_window();                                         \
   template StepProposal Fluid<D>::propose_step() const;                          \
+  template std::optional<FluidExtent<D>> Fluid<D>::extent() const;               \
   template void Fluid<D>::predict();                                             \
   template void Fluid<D>::wrap_into_period();                                    \
   template void Fluid<D>::sort_by_cell();                                        \

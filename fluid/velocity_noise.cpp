@@ -23,6 +23,7 @@ void Fluid<D>::damp_velocity_noise() {
   const double share = std::min(largest_share, constants_.numerics.noise_damping * duration_s_ / density_time_scale());
   if (share == 0) return;
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
+  evaluations_.noise_damping += n;
   pack<D>(predicted_position_, predicted_velocity_, motion_);
   half_gradient_.resize(n);
   period_.specialise([&](auto periodic) {

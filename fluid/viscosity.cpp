@@ -18,6 +18,7 @@ constexpr double least_height = 1.0 / 6;  ///< of h, for y_ik: keeps the limit o
 template <int D>
 void Fluid<D>::apply_viscosity() {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
+  evaluations_.viscosity += n;
   const double scale = 2 * duration_s_ * constants_.viscosity;
   const double least = least_height * constants_.kernel.smoothing_length();
   const Faces<D>& faces = walls_.faces();

@@ -207,8 +207,11 @@ def _keys(arguments):
 
 def _case_tool(arguments):
     path = cases.find(arguments.case)
+    from launcher import calibration
     directory = build.ensure(arguments.build, ["tern-case"])
-    return subprocess.run([directory / "tern-case", arguments.tool, path, *_forwarded(arguments)], check=False).returncode
+    costs = calibration.costs_file(directory)
+    options = ["--costs", costs] if costs else []
+    return subprocess.run([directory / "tern-case", arguments.tool, path, *_forwarded(arguments), *options], check=False).returncode
 
 
 def _verify(arguments):

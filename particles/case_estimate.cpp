@@ -125,7 +125,7 @@ double window_alone(const Case& scene, double sub_step) {
 }
 
 template <int D>
-Estimate estimate_in(const Case& scene) {
+Estimate estimate_in(const Case& scene, const Costs& costs) {
   Estimate result;
   if (scene.fluid) estimate_fluid<D>(scene, result);
   double sub_step = infinity, structure_particles = 0;
@@ -145,9 +145,10 @@ Estimate estimate_in(const Case& scene) {
                                                                            : std::min(result.sub_steps, implicit_window);
   const double passes = !scene.fluid || scene.coupling.algorithm == CouplingAlgorithm::cm0 ? 1 : 2;
   const auto particles = static_cast<double>(result.fluid_particles);
-  result.fluid_cpu = fluid_cost_2d * (D == 3 ? 3 : 1) * particles * result.steps;
+  result.coupler_cpu = scene.fluid && scene.structure ? costs.window * result.steps : 0;
+  result.fluid_cpu = costs.fluid * (D == 3 ? 3 : 1) * particles * result.steps;
   result.structure_cpu =
-      structure_cost_2d * (D == 3 ? 14 : 1) * structure_particles * result.steps * paid_sub_steps * passes;
+      costs.structure * (D == 3 ? 14 : 1) * structure_particles * result.steps * paid_sub_steps * passes;
   const double process = 30e6;
   result.memory = (scene.fluid ? process : 0) + (scene.structure ? process : 0) +
                   (scene.fluid && scene.structure ? process : 0) + particles * (D == 3 ? 6000 : 2000) +
@@ -164,6 +165,8 @@ double sub_steps_per_window(const Case& scene) {
   return varies ? 10 : 100;
 }
 
-Estimate estimate(const Case& scene) { return scene.dimension == 2 ? estimate_in<2>(scene) : estimate_in<3>(scene); }
+Estimate estimate(const Case& scene, const Costs& costs) {
+  return scene.dimension == 2 ? estimate_in<2>(scene, costs) : estimate_in<3>(scene, costs);
+}
 
 }  // namespace tern

@@ -2,19 +2,28 @@
 // What a case will take: particles, steps, memory, time; for `tern-case check` and `explain`.
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "particles/case_file.hpp"
 
 namespace tern {
 
-/// Cost of one particle in one step [CPU s], h/dx 1.5 (fluid) and 1.1 (structure), measured on one core of a 2-core x86-64
-/// server: 1.9 and 2.0 us for the fluid of the dam break (to 0.35 s) and of the tank at rest (6.4 s), 70 (quiet) to 100 ns
-/// (busy) for the plate of bench-structure_substep. 3D: three times that for the fluid, estimated; 14 times for the structure
-/// (bending_column_3d, 1.1 us).
-inline constexpr double fluid_cost_2d = 2.0e-6;
-inline constexpr double structure_cost_2d = 8.0e-8;   ///< per sub-step
+/// Cost of one particle in one step in 2D [CPU s], h/dx 1.5 (fluid) and 1.1 (structure). The defaults were measured on one core
+/// of a 2-core x86-64 server: 1.9 and 2.0 us for the fluid of the dam break (to 0.35 s) and of the tank at rest (6.4 s), 70
+/// (quiet) to 100 ns (busy) for the plate of bench-structure_substep. 3D: three times that for the fluid, estimated; 14 times
+/// for the structure (bending_column_3d, 1.1 us).
+struct Costs {
+  double fluid = 2.0e-6;
+  double structure = 8.0e-8;  ///< per sub-step
+  double window = 3.5e-4;     ///< of the coupler for one window [CPU s]
+  std::vector<std::pair<std::string, double>> fluid_parts;  ///< name and share; empty if not measured
+  std::string measured;       ///< date, empty for the defaults
+};
 inline constexpr double implicit_window = 19;  ///< cost of a window in implicit steps, in sub-steps
+
+/// Throws InputOutputError, BadInput.
+Costs read_costs(const std::string& path);
 
 struct BodyEstimate {
   std::string name;
@@ -40,18 +49,18 @@ struct Estimate {
   std::vector<BodyEstimate> bodies;
   double sub_steps = 0;                     ///< of the structure in one step
   double memory = 0;                        ///< all processes [bytes]
-  double fluid_cpu = 0, structure_cpu = 0;  ///< [s]
+  double fluid_cpu = 0, structure_cpu = 0, coupler_cpu = 0;  ///< [s]
 };
 
-Estimate estimate(const Case& scene);
+Estimate estimate(const Case& scene, const Costs& costs = {});
 
 /// Sub-steps of a structure alone between two looks at interruption, progress and the stable sub-step: a step of its run, unless
 /// an output comes before. Forces and motions that change in time are constant over them, so there are fewer where there are such.
 double sub_steps_per_window(const Case& scene);
 
 /// Numbers of the estimate as lines of text.
-std::string check_text(const Case& scene);
+std::string check_text(const Case& scene, const Costs& costs = {});
 /// The scene in plain words: what is modelled, what is not, what binds the step, what it costs.
-std::string explain_text(const Case& scene);
+std::string explain_text(const Case& scene, const Costs& costs = {});
 
 }  // namespace tern

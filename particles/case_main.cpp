@@ -40,6 +40,7 @@ std::string json_text(const Case& scene) {
 int run(int argc, char** argv) {
   std::string case_path;
   std::vector<std::string> overrides;
+  std::string costs_path;
   CaseOptions options;
   CLI::App app("Reads a case of tern and says what is in it.", "tern-case");
   app.set_version_flag("--version", fmt::format("tern-case {} ({})", program_version, git_hash));
@@ -54,9 +55,11 @@ int run(int argc, char** argv) {
     command->add_option("--preset", options.preset, "group of numerical options: standard or paper")->type_name("PRESET");
     return command;
   };
-  const CLI::App* check = add("check", "validate; print particles, step limits, memory and expected time");
-  const CLI::App* explain = add("explain", "say in plain words what is modelled, what is not, and what it costs");
+  CLI::App* check = add("check", "validate; print particles, step limits, memory and expected time");
+  CLI::App* explain = add("explain", "say in plain words what is modelled, what is not, and what it costs");
   const CLI::App* json = add("json", "print the effective settings as JSON");
+  for (CLI::App* command : {check, explain})
+    command->add_option("--costs", costs_path, "what a step costs on this machine, measured by ./tern")->type_name("FILE");
   const CLI::App* reference = app.add_subcommand("parameters", "print the reference of all keys (docs/PARAMETERS.md)");
   try {
     app.parse(argc, argv);
@@ -77,8 +80,9 @@ int run(int argc, char** argv) {
     options.overrides.emplace_back(text.substr(0, equals), text.substr(equals + 1));
   }
   const Case scene = read_case(case_path, options);
-  const std::string answer = *check     ? check_text(scene)
-                             : *explain ? explain_text(scene)
+  const Costs costs = costs_path.empty() ? Costs{} : read_costs(costs_path);
+  const std::string answer = *check     ? check_text(scene, costs)
+                             : *explain ? explain_text(scene, costs)
                              : *json    ? json_text(scene)
                                         : "";
   std::fputs(answer.c_str(), stdout);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "particles/case_estimate.hpp"
@@ -48,10 +49,14 @@ std::string step_limits(const Case& scene, const Estimate& e) {
   return text;
 }
 
+std::string origin(const Costs& costs) {
+  return costs.measured.empty() ? "typical costs; ./tern measures those of this machine once it is built" : "measured on this machine on " + costs.measured;
+}
+
 }  // namespace
 
-std::string check_text(const Case& scene) {
-  const Estimate e = estimate(scene);
+std::string check_text(const Case& scene, const Costs& costs) {
+  const Estimate e = estimate(scene, costs);
   std::string text = fmt::format("{}: valid ({}D, hash {})\n", scene.name, scene.dimension, scene.hash);
   text += "particles\n";
   if (scene.fluid) text += fmt::format("  fluid            {} of {} m\n", e.fluid_particles, scene.fluid->spacing);
@@ -68,23 +73,63 @@ std::string check_text(const Case& scene) {
                           body.added_mass_ratio, 2 * body.added_mass_ratio);
     }
   }
-  const double cpu = e.fluid_cpu + e.structure_cpu;
+  const double cpu = e.fluid_cpu + e.structure_cpu + e.coupler_cpu;
   text += fmt::format("expected for {} s: about {:.0f} steps, {} of CPU", scene.end_time, e.steps, duration(cpu));
   if (scene.fluid && scene.structure) {
-    text += fmt::format(" (fluid {}, structure {})", duration(e.fluid_cpu), duration(e.structure_cpu));
+    text += fmt::format(" (fluid {}, structure {}, coupler {})", duration(e.fluid_cpu), duration(e.structure_cpu),
+                        duration(e.coupler_cpu));
   }
   text += fmt::format(", {:.0f} MB\n", e.memory / 1e6);
   text += fmt::format(
-      "  (from {:.2g} us per fluid particle and step and {:.0f} ns per structure particle and sub-step in 2D, "
-      "measured\n"
-      "  on one machine; fluid and structure mostly wait for each other, so wall time is about the same)\n",
-      fluid_cost_2d * 1e6, structure_cost_2d * 1e9);
+      "  (from {:.2g} us per fluid particle and step and {:.0f} ns per structure particle and sub-step in 2D, {};\n"
+      "  fluid and structure mostly wait for each other, so wall time is about the same)\n",
+      costs.fluid * 1e6, costs.structure * 1e9, origin(costs));
   for (const std::string& warning : scene.warnings) text += "warning: " + warning + "\n";
   return text;
 }
 
-std::string explain_text(const Case& scene) {
-  const Estimate e = estimate(scene);
+namespace {
+
+/// Which algorithm "auto" takes, as far as that follows from the mass behind a face alone.
+std::string algorithm_choice(const Case& scene, const Estimate& e) {
+  const double layer = 0.5 * scene.fluid->density * scene.fluid->spacing;
+  std::string text;
+  for (std::size_t i = 0; i < e.bodies.size(); ++i) {
+    const double mass = scene.structure->bodies[i].density * e.bodies[i].thickness;
+    text += fmt::format("Behind a wet face of '{}' lie {:.3g} kg/m^2 ({:.3g} if the opposite one is wet as well), half a layer of fluid "
+                        "particles has {:.3g}: {}.\n",
+                        e.bodies[i].name, mass, 0.5 * mass, layer,
+                        0.5 * mass > layer ? "CM2 is enough"
+                        : mass <= layer    ? "it is light, so that windows are repeated (CM3)"
+                                           : "windows are repeated (CM3) if both are wet");
+  }
+  return text;
+}
+
+std::string what_it_costs(const Case& scene, const Estimate& e, const Costs& costs) {
+  const double total = e.fluid_cpu + e.structure_cpu + e.coupler_cpu;
+  std::string text = fmt::format("\nWhat it costs: about {:.0f} steps, {} of CPU, {:.0f} MB ({})\n", e.steps, duration(total),
+                                 e.memory / 1e6, origin(costs));
+  const auto line = [&](const char* name, double seconds, const std::string& of_what) {
+    if (seconds > 0) text += fmt::format("  {:<16} {:<10} {:>3.0f} %  {}\n", name, duration(seconds), 100 * seconds / total, of_what);
+  };
+  std::string parts;
+  for (const auto& [part, share] : costs.fluid_parts) {
+    std::string name = part;
+    std::replace(name.begin(), name.end(), '_', ' ');
+    parts += fmt::format("{}{} {:.0f} %", parts.empty() ? "" : ", ", name, 100 * share);
+  }
+  line("fluid", e.fluid_cpu, parts);
+  line("structure", e.structure_cpu,
+       scene.structure && scene.fluid ? fmt::format("a trial and the window itself in each of {:.0f} windows", e.steps) : "");
+  line("coupler", e.coupler_cpu, "with its side of the messages; less while the fluid cannot reach a body");
+  return text;
+}
+
+}  // namespace
+
+std::string explain_text(const Case& scene, const Costs& costs) {
+  const Estimate e = estimate(scene, costs);
   const bool coupled = scene.fluid && scene.structure;
   std::string text = fmt::format("{}{}{}\n\n", scene.name, scene.title.empty() ? "" : ": ", scene.title);
   text += "Modelled\n";
@@ -168,9 +213,8 @@ std::string explain_text(const Case& scene) {
         body.added_mass_ratio > 1 ? "predicted to be unstable, whatever the step; CM2 is predicted to be stable"
                                   : "possibly stable here; above 1 it is not");
   }
-  text += fmt::format("\nCost: about {:.0f} steps, {} of CPU ({:.0f} % fluid), {:.0f} MB.\n", e.steps,
-                      duration(e.fluid_cpu + e.structure_cpu), 100 * e.fluid_cpu / (e.fluid_cpu + e.structure_cpu),
-                      e.memory / 1e6);
+  if (coupled && scene.coupling.algorithm == CouplingAlgorithm::automatic) text += algorithm_choice(scene, e);
+  text += what_it_costs(scene, e, costs);
   if (scene.fluid) text += "Halving the fluid's spacing multiplies the fluid's cost by about ";
   if (scene.fluid) text += scene.dimension == 2 ? "8.\n" : "16.\n";
   for (const std::string& warning : scene.warnings) text += "Warning: " + warning + "\n";

@@ -35,7 +35,7 @@ struct Band {
   std::vector<Vector<D>> velocity;  ///< predicted velocity u* [m/s]
   std::vector<double> mass;         ///< [kg/m^(3-D)]
   std::vector<double> volume;       ///< [m^D]
-  std::vector<double> divergence;   ///< div u* over all phases [1/s], for the velocity-divergence-error-mitigating term
+  std::vector<double> divergence;   ///< div u* over all phases [1/s], for the velocity-divergence-error-mitigating term; empty without it
 };
 
 /// What the fluid is told before its pressure solve: forces that are already known, and how the surface moves and yields.
@@ -60,6 +60,15 @@ struct BandPressure {
 template <int D>
 struct BandForce {
   std::vector<Vector<D>> force;
+};
+
+/// Where all fluid is at the end of a window. A surface that stays farther than `reach` from every particle is without any
+/// influence on the fluid, and feels nothing of it.
+template <int D>
+struct FluidExtent {
+  Vector<D> low, high;       ///< corners of a box around all particles [m]
+  double largest_speed = 0;  ///< [m/s]
+  double reach = 0;          ///< [m]
 };
 
 /// Force on each surface point, constant over the window [N/m^(3-D)].

@@ -68,6 +68,7 @@ void RunReport::set_measure(const std::string& name, double value) {
 }
 
 void RunReport::set_count(const std::string& name, long value) { counts_[name] = value; }
+void RunReport::set_evaluations(const std::string& term, long count) { evaluations_[term] = count; }
 
 double& RunReport::timing(const std::string& name) { return timing_[name]; }
 
@@ -119,7 +120,8 @@ std::string RunReport::json() const {
                  {"end_time_s", end_time_s_},
                  {"timing_s", timing_},
                  {"measures", measures_},
-                 {"counts", counts_}};
+                 {"counts", counts_},
+                 {"evaluations", evaluations_}};
   // A path or a cause may hold bytes that are not UTF-8; a report with a replaced letter is better than none.
   return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -28,6 +28,8 @@ class RunReport {
   /// Results by name, replaced on every call. Throws NumericalFailure naming the measure if not finite.
   void set_measure(const std::string& name, double value);
   void set_count(const std::string& name, long value);
+  /// How often a term of the model was evaluated since the begin (docs/ARCHITECTURE.md); 0 where the case leaves it out.
+  void set_evaluations(const std::string& term, long count);
 
   /// Accumulated wall seconds of a part of the run. The reference stays valid for the life of the report: look it up
   /// once, add with ScopedTimer. Names compute, wait, exchange and output exist from the start.
@@ -58,7 +60,7 @@ class RunReport {
   double time_s_ = 0, end_time_s_ = 0;
   long steps_ = 0;
   std::map<std::string, double> timing_, measures_;
-  std::map<std::string, long> counts_;
+  std::map<std::string, long> counts_, evaluations_;
   Stopwatch wall_, since_write_;
 };
 

@@ -152,6 +152,21 @@ std::vector<Vector<D>> from_wire(const wire::SurfaceVelocity& message) {
   return get_vectors<D>(message.velocity());
 }
 
+template <int D>
+wire::Extent to_wire(const FluidExtent<D>& extent) {
+  wire::Extent message;
+  put<D>(message.mutable_low(), {extent.low});
+  put<D>(message.mutable_high(), {extent.high});
+  message.set_largest_speed(extent.largest_speed);
+  message.set_reach(extent.reach);
+  return message;
+}
+
+template <int D>
+FluidExtent<D> from_wire(const wire::Extent& message) {
+  return {get_vectors<D>(message.low()).at(0), get_vectors<D>(message.high()).at(0), message.largest_speed(), message.reach()};
+}
+
 #define TERN_INSTANTIATE(D)                                               \
   template wire::Surface to_wire<D>(const Surface<D>&);                   \
   template wire::Band to_wire<D>(const Band<D>&);                         \
@@ -161,6 +176,8 @@ std::vector<Vector<D>> from_wire(const wire::SurfaceVelocity& message) {
   template wire::SurfaceLoad to_wire<D>(const SurfaceLoad<D>&);           \
   template wire::SurfaceVelocity to_wire<D>(const std::vector<Vector<D>>&); \
   template std::vector<Vector<D>> from_wire<D>(const wire::SurfaceVelocity&); \
+  template wire::Extent to_wire<D>(const FluidExtent<D>&);                \
+  template FluidExtent<D> from_wire<D>(const wire::Extent&);              \
   template Surface<D> from_wire<D>(const wire::Surface&);                 \
   template Band<D> from_wire<D>(const wire::Band&);                       \
   template DissipativeLoad<D> from_wire<D>(const wire::DissipativeLoad&); \

@@ -28,6 +28,9 @@ template <int D>
 wire::SurfaceVelocity to_wire(const std::vector<Vector<D>>& velocity);
 
 template <int D>
+wire::Extent to_wire(const FluidExtent<D>& extent);
+
+template <int D>
 Surface<D> from_wire(const wire::Surface& message);
 template <int D>
 Band<D> from_wire(const wire::Band& message);
@@ -41,5 +44,7 @@ template <int D>
 SurfaceLoad<D> from_wire(const wire::SurfaceLoad& message);
 template <int D>
 std::vector<Vector<D>> from_wire(const wire::SurfaceVelocity& message);
+template <int D>
+FluidExtent<D> from_wire(const wire::Extent& message);
 
 }  // namespace tern::proto

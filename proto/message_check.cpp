@@ -156,7 +156,8 @@ void check_begin_window(Check& check, const wire::BeginWindow& window, const Agr
 
 void check_surface(Check& check, const wire::Surface& surface, const Agreement& agreement, bool from_coupler) {
   const auto D = static_cast<std::size_t>(agreement.dimension);
-  const auto points = agreement.surface_points.value_or(0);
+  const bool out_of_reach = from_coupler && agreement.extent && surface.position_size() == 0;
+  const auto points = out_of_reach ? 0 : agreement.surface_points.value_or(0);
   check.length("position", surface.position_size(), D * points, "dimension times surface points");
   check.length("velocity", surface.velocity_size(), D * points, "dimension times surface points");
   check.length("normal", surface.normal_size(), D * points, "dimension times surface points");
@@ -177,13 +178,27 @@ void check_band(Check& check, const wire::Band& band, const Agreement& agreement
   check.length("velocity", band.velocity_size(), D * particles, "dimension times id entries");
   check.length("mass", band.mass_size(), particles, "one per id");
   check.length("volume", band.volume_size(), particles, "one per id");
-  check.length("divergence", band.divergence_size(), particles, "one per id");
+  check.length("divergence", band.divergence_size(), band.divergence_size() == 0 ? 0 : particles, "one per id, or none without VEM");
   check.distinct("id", band.id());
   check.finite("position", band.position());
   check.finite("velocity", band.velocity());
   check.positive("mass", band.mass());
   check.positive("volume", band.volume());
   check.finite("divergence", band.divergence());
+}
+
+void check_extent(Check& check, const wire::Extent& extent, const Agreement& agreement) {
+  const auto D = static_cast<std::size_t>(agreement.dimension);
+  check.length("extent.low", extent.low_size(), D, "the dimension");
+  check.length("extent.high", extent.high_size(), D, "the dimension");
+  check.finite("extent.low", extent.low());
+  check.finite("extent.high", extent.high());
+  for (int c = 0; check.fault.empty() && c < extent.low_size(); ++c)
+    if (extent.low(c) > extent.high(c))
+      check.fault = fmt::format("extent.low[{}] is {}, above extent.high[{}] = {}", c, extent.low(c), c, extent.high(c));
+  for (const auto& [field, value] : {std::pair{"largest_speed", extent.largest_speed()}, std::pair{"reach", extent.reach()}})
+    if (!check.require(std::isfinite(value) && value >= 0))
+      check.fault = fmt::format("extent.{} is {}; it must be finite and 0 or more", field, value);
 }
 
 void check_dissipative_load(Check& check, const wire::DissipativeLoad& load, const Agreement& agreement) {
@@ -250,6 +265,9 @@ void remember(const wire::Message& message, Agreement& agreement) {
       break;
     case Kind::kDissipativeLoad:
       agreement.projected = true;
+      break;
+    case Kind::kWindowDone:
+      agreement.extent = message.window_done().has_extent();
       break;
     default:
       break;
@@ -323,6 +341,7 @@ std::string find_body_fault(const wire::Message& message, const Agreement& agree
       check.proposed_step(done.proposed_step_s(), "finite and above 0", done.proposed_step_s() > 0);
       check.name_length("limit", done.limit());
       check.account(done.account(), agreement.energies, agreement.gauges);
+      if (done.has_extent()) check_extent(check, done.extent(), agreement);
       break;
     }
     case Kind::kSurfaceVelocity:

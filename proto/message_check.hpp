@@ -26,6 +26,7 @@ struct Agreement {
   bool projected = false;  ///< the pressure of this window has been asked for
   std::optional<std::size_t> energies, gauges;   ///< lengths of the participant's Account in its Hello
   std::optional<std::int64_t> next_begin_ticks;  ///< end of the last window
+  bool extent = false;                           ///< the last WindowDone has one: the next Surface for the fluid may be empty
 };
 
 /// Keeps from a checked message what later ones are checked against.

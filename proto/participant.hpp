@@ -16,6 +16,8 @@
 //   Band<D> see_surface(const Surface<D>&);
 //   BandPressure<D> solve_pressure(const DissipativeLoad<D>&);      repeated where the load has a surface_velocity
 //   wire::WindowDone end(const BandForce<D>&);                      all but its account
+//   wire::WindowDone pass();                                        the same of a window without surface, which comes only to a
+//                                                                   fluid whose last WindowDone had an extent
 
 #include <optional>
 #include <utility>
@@ -91,6 +93,13 @@ void take_part_as_fluid(ParticipantChannel& channel, Solver& solver) {
     solver.begin_window(window->begin, window->duration);
     wire::Message message = channel.receive({Kind::kSurface});
     wire::Message answer;
+    if (message.surface().area().empty()) {  // out of reach
+      *answer.mutable_window_done() = solver.pass();
+      *answer.mutable_window_done()->mutable_account() = solver.account();
+      channel.send(std::move(answer));
+      solver.end_window(*window);
+      continue;
+    }
     *answer.mutable_band() = to_wire<D>(solver.see_surface(from_wire<D>(message.surface())));
     channel.send(std::move(answer));
     for (message = channel.receive({Kind::kDissipativeLoad}); message.has_dissipative_load();

@@ -53,6 +53,7 @@ bool evaluate_elastic_force(const Reference<D>& reference, State<D>& state, Work
   if (!stresses(reference, work)) return false;
   for (auto& axis : state.internal_force) std::fill(axis.begin(), axis.end(), 0);
   elastic_force(reference, work, state);
+  work.evaluations.elastic_force += reference.rows;
   state.force_is_elastic = true;
   return true;
 }

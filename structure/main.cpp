@@ -34,10 +34,12 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report)
   double& output_s = report.timing("output");
 
   const double window = sub_steps_per_window(scene);
-  long step = 0;
+  long step = 0, evaluated_gauges = 0;
   const auto write_output = [&](bool frame) {
     ScopedTimer timer(output_s);
-    recorder.account(structure.time(), gauges.values(structure), structure::energy_values(scene, structure));
+    const GaugeValues values = gauges.values(structure);
+    report.set_evaluations("gauges", evaluated_gauges += static_cast<long>(values.size()));
+    recorder.account(structure.time(), values, structure::energy_values(scene, structure));
     if (frame) structure::write_frame(structure, frames, step);
     measures.report(structure, report);
     report.update();
@@ -87,7 +89,9 @@ class Participant {
   }
   wire::Account account() {
     ScopedTimer timer(compute_s_);
-    return proto::account(structure::energy_values(scene_, structure_), gauges_.values(structure_));
+    const GaugeValues values = gauges_.values(structure_);
+    evaluated_gauges_ += static_cast<long>(values.size());
+    return proto::account(structure::energy_values(scene_, structure_), values);
   }
 
   Surface<D> predict_surface(Ticks begin, Ticks duration) {
@@ -124,6 +128,7 @@ class Participant {
   }
   void report_now() {
     measures_.report(structure_, report_);
+    report_.set_evaluations("gauges", evaluated_gauges_);
     proto::report_traffic(channel_, report_);
   }
 
@@ -137,7 +142,7 @@ class Participant {
   structure::StructureGauges<D> gauges_;
   structure::Measures measures_;
   FrameWriter frames_;
-  long step_ = 0, last_frame_ = 0;
+  long step_ = 0, last_frame_ = 0, evaluated_gauges_ = 0;
 };
 
 template <int D>

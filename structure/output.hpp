@@ -48,6 +48,13 @@ class Measures {
     report.set_count("particles", static_cast<long>(structure.particles()));
     report.set_count("surface_points", static_cast<long>(structure.surface_points()));
     report.set_count("sub_steps", sub_steps_);
+    const Evaluations& evaluations = structure.evaluations();
+    report.set_evaluations("elastic_force", evaluations.elastic_force);
+    report.set_evaluations("riemann_diffusion", evaluations.riemann_diffusion);
+    report.set_evaluations("hourglass_penalty", evaluations.hourglass_penalty);
+    report.set_evaluations("loads", evaluations.loads);
+    report.set_evaluations("moving_clamps", evaluations.moving_clamps);
+    report.set_count("windows_at_rest", evaluations.windows_at_rest);
     if (windows_ > 0) report.set_measure("sub_steps_mean", static_cast<double>(sub_steps_) / static_cast<double>(windows_));
   }
 

@@ -131,6 +131,8 @@ void stabilising_forces(const Reference<D>& reference, double dt, State<D>& stat
     for (auto& axis : state.internal_force) std::fill(axis.begin(), axis.end(), 0);
     return;
   }
+  if (reference.has_diffusion) work.evaluations.riemann_diffusion += reference.rows;
+  if (reference.has_penalty) work.evaluations.hourglass_penalty += reference.rows;
   if (reference.has_diffusion && reference.has_penalty)
     pair_forces<D, true, true>(reference, dt, state, work);
   else if (reference.has_diffusion)

@@ -7,6 +7,7 @@
 #include "particles/interface.hpp"
 #include "particles/time.hpp"
 #include "structure/reference.hpp"
+#include "structure/structure.hpp"
 
 namespace tern::structure {
 
@@ -20,6 +21,7 @@ struct State {
   RowVectors<D> velocity;        ///< [m/s]
   RowVectors<D> internal_force;  ///< elastic + diffusion + penalty at `displacement` [N/m^(3-D)]
   bool force_is_elastic = false; ///< internal_force is the elastic part alone
+  bool undisturbed = true;       ///< as it was built: nothing has moved or loaded it yet
   SurfaceLoad<D> load;           ///< of the last window
   double interface_work = 0;     ///< [J/m^(3-D)] since t = 0
   double gravity_work = 0;
@@ -46,6 +48,7 @@ struct Workspace {
   RowMatrices<D> stress;                 ///< first Piola-Kirchhoff P [Pa]
   RowVectors<D> pair_force;              ///< stabilising force on the first row of each pair: array of rows per pair slot
   RowVectors<D> external_force;          ///< all that acts from outside, constant over a window [N/m^(3-D)]
+  Evaluations evaluations;
 };
 
 template <int D>

@@ -55,7 +55,10 @@ struct Structure<D>::Parts {
       if (reference.inverse_mass[row] == 0) continue;
       const auto x = place(row);
       const auto& velocity = scene.structure->bodies[reference.particle_body[p]].velocity;
-      for (int a = 0; a < D; ++a) state.velocity[a][row] = velocity[a](0, x[0], x[1], x[2]);
+      for (int a = 0; a < D; ++a) {
+        state.velocity[a][row] = velocity[a](0, x[0], x[1], x[2]);
+        state.undisturbed &= state.velocity[a][row] == 0;
+      }
     }
     if (scene.structure->numerics.integrator != Integrator::explicit_steps)
       implicit = std::make_unique<ImplicitStep<D>>(reference);
@@ -94,15 +97,21 @@ struct Structure<D>::Parts {
 
   /// Gives the particles of moving clamps the velocity that brings them to their place at the end of the window.
   void begin_clamp_motion() {
+    bool moves = false;
     const double end = seconds(state.time) + seconds(duration);
     for (const Clamp& clamp : reference.clamps) {
       if (!clamp.motion) continue;
       const auto place_at_end = placement<D>(*clamp.motion, end);
       for (const auto row : clamp.row) {
         const Vector<D> x = reference.position_of(row), d = place_at_end(x) - x;
-        for (int a = 0; a < D; ++a) state.velocity[a][row] = (d[a] - state.displacement[a][row]) / seconds(duration);
+        for (int a = 0; a < D; ++a) {
+          state.velocity[a][row] = (d[a] - state.displacement[a][row]) / seconds(duration);
+          moves |= state.velocity[a][row] != 0;
+        }
+        ++work.evaluations.moving_clamps;
       }
     }
+    state.undisturbed &= !moves;
   }
 
   /// Advances the present window under state.load and counts the work of the constant forces, f . (d_end - d_begin).
@@ -112,6 +121,14 @@ struct Structure<D>::Parts {
     for (std::size_t k = 0; k < attachment.row.size(); ++k)
       for (int a = 0; a < D; ++a) work.external_force[a][attachment.row[k]] += state.load.force[k][a];
     loads.add_to(work.external_force);
+    if (loads.any()) work.evaluations.loads += reference.rows;
+    for (const auto& axis : work.external_force)
+      state.undisturbed = state.undisturbed && std::all_of(axis.begin(), axis.end(), [](double f) { return f == 0; });
+    if (state.undisturbed) {  // nothing has moved it yet and nothing does now
+      state.time += duration;
+      ++work.evaluations.windows_at_rest;
+      return;
+    }
     const ImplicitCounts before = implicit ? implicit->counts() : ImplicitCounts{};
     advance_window(reference, duration, sub_steps, implicit_window ? implicit.get() : nullptr, state, work);
     if (implicit_window)
@@ -205,6 +222,10 @@ std::size_t Structure<D>::particles() const {
 template <int D>
 std::size_t Structure<D>::surface_points() const {
   return parts_->attachment.row.size();
+}
+template <int D>
+const Evaluations& Structure<D>::evaluations() const {
+  return parts_->work.evaluations;
 }
 template <int D>
 int Structure<D>::sub_steps() const {

@@ -41,6 +41,12 @@ struct MaterialPoint {
   std::vector<double> weight;
 };
 
+/// How often each term was evaluated, in rows of particles, since construction. What a case leaves out counts nothing.
+struct Evaluations {
+  long elastic_force = 0, riemann_diffusion = 0, hourglass_penalty = 0, loads = 0, moving_clamps = 0;
+  long windows_at_rest = 0;
+};
+
 /// Force and moment with which clamps hold a body; 2D: only the last entry of `moment` is non-zero.
 struct Reaction {
   std::array<double, 3> force{};   ///< [N/m^(3-D)]
@@ -97,6 +103,7 @@ class Structure {
   Ticks time() const;
   std::size_t particles() const;
   std::size_t surface_points() const;
+  const Evaluations& evaluations() const;
   int sub_steps() const;                ///< of the last window
   double largest_sub_step() const;      ///< stable sub-step in the present state [s]
   Energies energies() const;

@@ -340,8 +340,12 @@ class FluidOrders:
         first = self.solve(repeats=bool(trials))
         answers = [self.solve(0.01 * trial) for trial in trials] or [first]
         self.session.send(band_force=wire.BandForce(force=[0.0] * len(band.position)))
-        self.duration_s = self.session.receive("window_done", paragraph="3.3.9").window_done.proposed_step_s
+        self.end()
         return band, answers
+
+    def end(self):
+        self.done = self.session.receive("window_done", paragraph="3.3.9").window_done
+        self.duration_s = self.done.proposed_step_s
 
     def state(self):
         return numpy.array(self.window()[0].position)
@@ -425,6 +429,24 @@ def has_the_right_sense(s):
     orders = ORDERS[s.role](s)
     orders.window()
     orders.sense()
+
+
+def passes_a_window(s):
+    """has all its particles in its extent, and moves on without a surface, or never offers that"""
+    orders = FluidOrders(s)
+    orders.window()
+    if not orders.done.HasField("extent"):
+        return
+    extent, farthest = orders.done.extent, orders.done.extent.largest_speed * orders.duration_s
+    band = numpy.array(orders.window()[0].position).reshape(-1, s.dimension)
+    outside = numpy.maximum(numpy.array(extent.low) - band, band - numpy.array(extent.high)).max()
+    if outside > farthest:
+        raise Breach("4, WindowDone", f"a particle of the band is {outside:.3g} m outside extent, {farthest:.3g} m at most at its "
+                                      "largest_speed")
+    orders.begin()
+    s.send(surface=wire.Surface())
+    orders.end()
+    orders.window()
 
 
 def _finish(s, interrupted, exit_code):
@@ -556,6 +578,7 @@ CHECKS = {
     "restore": restores_its_state,
     "trace": leaves_no_trace_of_trials,
     "sense": has_the_right_sense,
+    "extent": passes_a_window,
     "finish": finishes,
     "finish interrupted": finishes_when_interrupted,
     "abort": passes_on_an_abort,
@@ -576,12 +599,15 @@ CHECKS = {
     "gap in time": _gap_in_time,
 }
 NEEDS_PROCESS = {"interrupt"}
+OF_FLUID = {"extent"}
 
 
 def run(subject, names, surface_at_rest, say):
     """Runs the named checks. Returns {name: None or Breach}, and tells `say` the outcome of each as it comes."""
     findings = {}
     for name in names:
+        if name in OF_FLUID and subject.role != "fluid":
+            continue
         if subject.command is None and name in NEEDS_PROCESS:
             say(f"  -    {name}: not checked, it needs a command instead of an address")
             continue

@@ -13,6 +13,10 @@ A solver has
     gauge(gauge)                       values of a gauge of the case, None if it has none at this instant
     fields()                           dict for a frame: position, velocity, pressure of its points, and scalars of any name
     iterations                         of the last pressure solve, for steps.csv
+and may have
+    extent()                           wire.Extent of the fluid at the end of the window: while the surface is out of its reach none
+                                       is sent, and in place of the three calls after begin_window() there is
+    pass_window()                      moves to the end of the window without a surface
 """
 
 import sys
@@ -61,6 +65,16 @@ def _obey(run, make_solver):
     def flat(name, values):
         return finite(f"{name} of the band", values, run.channel.step)
 
+    def end_window(order):
+        with run.timed("compute"):
+            proposed, limit = solver.propose_step()
+            extent = solver.extent() if hasattr(solver, "extent") else None
+        run.send(window_done=wire.WindowDone(proposed_step_s=proposed, limit=limit, iterations=solver.iterations, account=account(),
+                                             extent=extent))
+        run.step_done(order)
+        if order.begin_window.write_frame:
+            write_frame()
+
     write_frame()
     proposed, limit = solver.propose_step()
     run.handshake(wire.Hello(particles=len(solver.fields()["position"]), proposed_step_s=proposed, limit=limit, account=account()))
@@ -69,6 +83,11 @@ def _obey(run, make_solver):
         with run.timed("compute"):
             solver.begin_window(window.begin_ticks / TICKS_PER_SECOND, window.duration_ticks / TICKS_PER_SECOND)
         surface = run.receive("surface").surface
+        if not surface.area:
+            with run.timed("compute"):
+                solver.pass_window()
+            end_window(order)
+            continue
         with run.timed("compute"):
             band = solver.see_surface(Surface(vectors(surface.position), vectors(surface.velocity), vectors(surface.normal),
                                               numpy.array(surface.area)))
@@ -83,11 +102,7 @@ def _obey(run, make_solver):
             message = run.receive("dissipative_load", "band_force")
         with run.timed("compute"):
             solver.end_window(vectors(message.band_force.force))
-            proposed, limit = solver.propose_step()
-        run.send(window_done=wire.WindowDone(proposed_step_s=proposed, limit=limit, iterations=solver.iterations, account=account()))
-        run.step_done(order)
-        if window.write_frame:
-            write_frame()
+        end_window(order)
     write_frame()
     run.finish(order, account())
 

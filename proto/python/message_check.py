@@ -47,6 +47,17 @@ def _account(account, hello):
             raise BadMessage(f"account.gauge[{index}] is {value:g} although undefined; it must be 0")
 
 
+def _extent(extent, dimension):
+    for field in ("low", "high"):
+        _length(f"extent.{field}", getattr(extent, field), dimension)
+        _numbers(f"extent.{field}", getattr(extent, field))
+    for axis, (low, high) in enumerate(zip(extent.low, extent.high)):
+        if low > high:
+            raise BadMessage(f"extent.low[{axis}] is {low:g}, above extent.high[{axis}] = {high:g}")
+    for field in ("largest_speed", "reach"):
+        _numbers(f"extent.{field}", [getattr(extent, field)], lambda v: v >= 0, "finite and 0 or more")
+
+
 def check_from_participant(message, role, dimension, surface_points, band_particles, hello):
     """Raises BadMessage when the body of a message of a participant cannot be used; `hello` is None before it was sent."""
     kind = message.WhichOneof("body")
@@ -76,7 +87,7 @@ def check_from_participant(message, role, dimension, surface_points, band_partic
         for field in ("mass", "volume"):
             _length(field, getattr(body, field), particles)
             _positive(field, getattr(body, field))
-        _length("divergence", body.divergence, particles)
+        _length("divergence", body.divergence, particles if body.divergence else 0)
         _numbers("divergence", body.divergence)
     elif kind == "band_pressure":
         _length("pressure", body.pressure, band_particles)
@@ -86,6 +97,8 @@ def check_from_participant(message, role, dimension, surface_points, band_partic
     elif kind == "window_done":
         _positive("proposed_step_s", [body.proposed_step_s])
         _account(body.account, hello)
+        if body.HasField("extent"):
+            _extent(body.extent, dimension)
     elif kind == "finished":
         _account(body.account, hello)
     elif kind == "abort":
@@ -95,10 +108,11 @@ def check_from_participant(message, role, dimension, surface_points, band_partic
             raise BadMessage(f"sentence has {len(body.sentence.encode())} bytes; it must have 1 to 4096")
 
 
-def check_body(message, dimension, surface_points, band_particles, projected=False):
+def check_body(message, dimension, surface_points, band_particles, projected=False, extent=False):
     """Raises BadMessage when the body of a message of the coupler cannot be used by a participant.
 
     `projected`: this participant has sent a band_pressure in this window, so that a dissipative_load repeats it.
+    `extent`: its last window_done had one, so that a surface may be empty.
     """
     kind = message.WhichOneof("body")
     body = getattr(message, kind)
@@ -107,7 +121,7 @@ def check_body(message, dimension, surface_points, band_particles, projected=Fal
             raise BadMessage(f"begin_ticks is {body.begin_ticks} and duration_ticks is {body.duration_ticks}; "
                              "they must be at least 0 and 1")
     elif kind == "surface":
-        _surface(body, dimension, surface_points)
+        _surface(body, dimension, 0 if extent and not body.area else surface_points)
     elif kind == "dissipative_load":
         _length("force", body.force, dimension * band_particles)
         _length("reference_pressure", body.reference_pressure, surface_points)

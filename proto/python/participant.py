@@ -19,7 +19,7 @@ from message_check import MAX_MESSAGE_BYTES, BadMessage, check_body
 from schema import wire
 from security import EVENTS, CannotConnect, Handshake
 
-PROTOCOL_VERSION = 2
+PROTOCOL_VERSION = 3
 HEARTBEAT_INTERVAL_MS = 1000
 HEARTBEAT_TIMEOUT_MS = 5000
 LINGER_MS = 500
@@ -41,7 +41,7 @@ class Participant:
         self._sent = self._received = 0
         self._dimension = self._surface_points = self._band_particles = 0
         self._next_begin_ticks = None
-        self._lost = self._projected = False
+        self._lost = self._projected = self._extent = False
         self.step = 0
         try:
             self._handshake = Handshake(endpoint, wire.Role.Name(role).lower(), keys, insecure)
@@ -87,6 +87,7 @@ class Participant:
         if "band" in body:
             self._band_particles = len(body["band"].id)
         self._projected = "band_pressure" in body
+        self._extent = "window_done" in body and body["window_done"].HasField("extent")
         message = wire.Message(protocol_version=PROTOCOL_VERSION, sender=self._role, sequence=self._sent, step=self.step, **body)
         self._socket.send(message.SerializeToString(), zmq.DONTWAIT)
 
@@ -155,7 +156,7 @@ class Participant:
         if kind not in kinds:
             self._fail(f"body is {kind}; it must be {' or '.join(kinds)} now")
         try:
-            check_body(message, self._dimension, self._surface_points, self._band_particles, self._projected)
+            check_body(message, self._dimension, self._surface_points, self._band_particles, self._projected, self._extent)
         except BadMessage as fault:
             self._fail(f"{kind}: {fault}")
         if kind == "begin_window":

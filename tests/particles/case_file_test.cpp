@@ -13,6 +13,7 @@
 #include "particles/case_estimate.hpp"
 #include "particles/error.hpp"
 #include "particles/parameter_table.hpp"
+#include "tests/particles/scratch_directory.hpp"
 
 namespace tern {
 namespace {
@@ -488,6 +489,41 @@ TEST_F(CaseFile, AloneTheStructureIsEstimatedInItsWindows) {
   const Estimate by_windows = estimate(read_case(TERN_SOURCE_DIR "/cases/gray_cantilever", implicit));
   EXPECT_LE(by_windows.sub_steps, 100);
   EXPECT_NEAR(by_windows.structure_cpu / e.structure_cpu * e.steps * e.sub_steps, by_windows.steps * implicit_window, 1);
+}
+
+// Seen to fail: with the costs of the file read but not used.
+TEST(Estimate, TakesTheCostsOfThisMachineWhereTheyAreMeasured) {
+  const ScratchDirectory out;
+  const std::string path = out / "costs.json";
+  std::ofstream(path) << R"({"measured": "2030-01-02", "fluid_s": 4e-6, "structure_s": 1.6e-7, "window_s": 1e-3,
+                             "fluid_parts": {"neighbours": 0.25, "pressure_solve": 0.75}})";
+  const Case scene = read_case(TERN_SOURCE_DIR "/cases/dam_break_plate");
+  const Costs costs = read_costs(path);
+  const Estimate typical = estimate(scene), measured = estimate(scene, costs);
+  EXPECT_NEAR(measured.fluid_cpu, 2 * typical.fluid_cpu, 1e-9);
+  EXPECT_NEAR(measured.structure_cpu, 2 * typical.structure_cpu, 1e-9);
+  EXPECT_NEAR(measured.coupler_cpu, 1e-3 * measured.steps, 1e-9);
+  EXPECT_EQ(measured.steps, typical.steps);
+  EXPECT_NE(explain_text(scene, costs).find("neighbours 25 %, pressure solve 75 %"), std::string::npos) << explain_text(scene, costs);
+  EXPECT_NE(explain_text(scene, costs).find("measured on this machine on 2030-01-02"), std::string::npos);
+  EXPECT_NE(explain_text(scene).find("typical costs"), std::string::npos);
+  EXPECT_EQ(estimate(read_case(TERN_SOURCE_DIR "/cases/hydrostatic_tank"), costs).coupler_cpu, 0);
+  std::ofstream(path) << R"({"measured": "2030-01-02", "fluid_s": -1, "structure_s": 1, "window_s": 1, "fluid_parts": {}})";
+  EXPECT_THROW(read_costs(path), BadInput);
+  std::ofstream(path) << "no json";
+  EXPECT_THROW(read_costs(path), BadInput);
+  EXPECT_THROW(read_costs(out / "absent.json"), InputOutputError);
+}
+
+// Seen to fail: with CM2 named for every body.
+TEST(Estimate, SaysWhichAlgorithmTheMassBehindAFaceCallsFor) {
+  const auto text = [](const char* density) {
+    const CaseOptions options{.overrides = {{"structure.body.0.density", density}, {"coupling.algorithm", "auto"}}, .preset = ""};
+    return explain_text(read_case(TERN_SOURCE_DIR "/cases/dam_break_plate", options));
+  };
+  EXPECT_NE(text("7800").find("CM2 is enough"), std::string::npos);         // 31 kg/m^2, half a layer of 4 mm has 2
+  EXPECT_NE(text("700").find("(CM3) if both are wet"), std::string::npos);  // 2.8, 1.4
+  EXPECT_NE(text("100").find("windows are repeated (CM3)"), std::string::npos);
 }
 
 // Seen to fail with a key added to the table and the document left as it was.

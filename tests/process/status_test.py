@@ -22,7 +22,7 @@ class StatusTest(RealRunTest):
                        "TERN_FAULT_DO": "stuck"}
         os.environ.update(environment)
         self.addCleanup(lambda: [os.environ.pop(name, None) for name in environment])
-        process = self.start("--quiet", "--deadline", "15")
+        process = self.start("--quiet", "--deadline", "15", case=ROOT / "cases" / "conformance")
         self.assertTrue(wait_until(lambda: "waits for fluid" in self.status(self.out)[1], 20), self.status(self.out)[1])
         code, text = self.status(self.out)
         self.assertEqual(code, 0, text)

@@ -117,6 +117,16 @@ const BodyFault body_faults[] = {
     {"Band volume length", Kind::kBand, wire::FLUID, [](auto& m) { m.mutable_band()->add_volume(1); }, "volume has 4"},
     {"Band divergence length", Kind::kBand, wire::FLUID, [](auto& m) { m.mutable_band()->add_divergence(1); },
      "divergence has 4"},
+    {"WindowDone extent length", Kind::kWindowDone, wire::FLUID,
+     [](auto& m) { m.mutable_window_done()->mutable_extent()->add_low(0); }, "extent.low has 3 entries; it must have 2"},
+    {"WindowDone extent upside down", Kind::kWindowDone, wire::FLUID,
+     [](auto& m) { m.mutable_window_done()->mutable_extent()->set_low(1, 3); }, "extent.low[1] is 3, above extent.high[1] = 2"},
+    {"WindowDone extent not finite", Kind::kWindowDone, wire::FLUID,
+     [](auto& m) { m.mutable_window_done()->mutable_extent()->set_high(0, nan); }, "extent.high[0] is nan"},
+    {"WindowDone speed negative", Kind::kWindowDone, wire::FLUID,
+     [](auto& m) { m.mutable_window_done()->mutable_extent()->set_largest_speed(-1); }, "extent.largest_speed is -1"},
+    {"WindowDone reach infinite", Kind::kWindowDone, wire::FLUID,
+     [](auto& m) { m.mutable_window_done()->mutable_extent()->set_reach(infinity); }, "extent.reach is inf"},
     {"Band id twice", Kind::kBand, wire::FLUID, [](auto& m) { m.mutable_band()->set_id(2, 7); }, "id 7 appears twice"},
     {"Band mass negative", Kind::kBand, wire::FLUID, [](auto& m) { m.mutable_band()->set_mass(1, -1e-9); },
      "mass[1] is -1e-09"},
@@ -251,6 +261,25 @@ TEST(MessageCheck, AWindowThatDoesNotBeginWhereTheLastEndedIsFound) {
   EXPECT_EQ(fault, "begin_ticks is 100; it must be 150, the end of the window before");
 }
 
+TEST(MessageCheck, ASurfaceMayBeLeftOutOnlyAfterAnExtentAndByTheCoupler) {
+  wire::Message empty = samples::make(Kind::kSurface);
+  empty.mutable_surface()->Clear();
+  Agreement agreement = agreed(wire::FLUID);
+  EXPECT_EQ(find_body_fault(empty, agreement), "position has 0 entries; it must have 4 (dimension times surface points)");
+  remember(samples::make(Kind::kWindowDone, wire::FLUID), agreement);
+  EXPECT_EQ(find_body_fault(empty, agreement), "");
+  wire::Message half = empty;
+  half.mutable_surface()->add_area(1);
+  EXPECT_EQ(find_body_fault(half, agreement), "area has 1 entries; it must have 0 (one per surface point)");
+  empty.set_sender(wire::STRUCTURE);
+  EXPECT_NE(find_body_fault(empty, agreement), "");
+  wire::Message without = samples::make(Kind::kWindowDone, wire::FLUID);
+  without.mutable_window_done()->clear_extent();
+  remember(without, agreement);
+  empty.set_sender(wire::COUPLER);
+  EXPECT_NE(find_body_fault(empty, agreement), "");
+}
+
 TEST(MessageCheck, EveryEnvelopeFaultIsFoundAndNamed) {
   const Envelope envelope{wire::FLUID, 5, 17};
   const auto fault = [&](const std::function<void(wire::Message&)>& spoil) {
@@ -262,14 +291,14 @@ TEST(MessageCheck, EveryEnvelopeFaultIsFoundAndNamed) {
     return find_envelope_fault(message, envelope, {Kind::kBand, Kind::kBandPressure});
   };
   EXPECT_EQ(fault([](auto&) {}), "");
-  EXPECT_EQ(fault([](auto& m) { m.set_protocol_version(7); }), "protocol_version is 7; this program speaks version 2");
+  EXPECT_EQ(fault([](auto& m) { m.set_protocol_version(7); }), "protocol_version is 7; this program speaks version 3");
   EXPECT_EQ(fault([](auto& m) { m.set_sender(wire::STRUCTURE); }), "sender is structure; it must be fluid");
   EXPECT_EQ(fault([](auto& m) { m.set_sender(static_cast<wire::Role>(9)); }), "sender is role 9; it must be fluid");
   EXPECT_NE(fault([](auto& m) { m.set_sequence(4); }).find("sequence is 4; it must be 5"), std::string::npos);
   EXPECT_NE(fault([](auto& m) { m.set_sequence(6); }).find("sequence is 6; it must be 5"), std::string::npos);
   EXPECT_EQ(fault([](auto& m) { m.set_step(16); }), "step is 16; it must be 17");
   EXPECT_EQ(fault([](auto& m) { m.mutable_finish(); }), "body is Finish; it must be Band or BandPressure now");
-  EXPECT_EQ(fault([](auto& m) { m.clear_body(); }), "body is of no kind that protocol version 2 knows");
+  EXPECT_EQ(fault([](auto& m) { m.clear_body(); }), "body is of no kind that protocol version 3 knows");
   EXPECT_EQ(fault([](auto& m) { m.mutable_begin_window(); }), "step is 17; it must be 18");  // always the next window
   EXPECT_EQ(fault([](auto& m) {
               m.mutable_abort();

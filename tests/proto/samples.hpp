@@ -79,6 +79,10 @@ inline wire::Message make(Kind kind, wire::Role sender = wire::COUPLER) {
     case Kind::kWindowDone:
       m.mutable_window_done()->set_proposed_step_s(1e-3);
       m.mutable_window_done()->set_limit("gravity");
+      fill(m.mutable_window_done()->mutable_extent()->mutable_low(), {0, 1});
+      fill(m.mutable_window_done()->mutable_extent()->mutable_high(), {1, 2});
+      m.mutable_window_done()->mutable_extent()->set_largest_speed(3);
+      m.mutable_window_done()->mutable_extent()->set_reach(0.1);
       account(m.mutable_window_done()->mutable_account(), 2, 2);
       break;
     case Kind::kSurfaceLoad:

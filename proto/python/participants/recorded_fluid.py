@@ -13,6 +13,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from recording import Recording  # noqa: E402
+from schema import wire  # noqa: E402
 from side import run_participant  # noqa: E402
 
 
@@ -23,9 +24,11 @@ def obey(run):
     while (order := run.receive("begin_window", "finish")).WhichOneof("body") == "begin_window":
         record.check_window(order.begin_window)
         run.receive("surface")
-        run.send(band=record.take("band"))
+        # A window that was passed over without a surface has no band. It is not offered to pass it over again: another structure
+        # may be nearer.
+        run.send(band=record.take("band") if record.is_next("band") else wire.Band())
         run.receive("dissipative_load")
-        pressure = record.take("band_pressure")
+        pressure = record.take("band_pressure") if record.is_next("band_pressure") else wire.BandPressure()
         run.send(band_pressure=pressure)
         while run.receive("dissipative_load", "band_force").WhichOneof("body") == "dissipative_load":
             pressure = record.take("band_pressure") if record.is_next("band_pressure") else pressure
@@ -33,6 +36,7 @@ def obey(run):
         while record.is_next("band_pressure"):
             record.take("band_pressure")
         done = record.take("window_done")
+        done.ClearField("extent")
         run.send(window_done=done)
         account = done.account
         run.step_done(order)

@@ -1,0 +1,53 @@
+"""What a step costs on this machine: measured once per build by a run of some seconds, used by ./tern check and explain."""
+
+import json
+import subprocess
+import sys
+import tempfile
+from datetime import date
+from pathlib import Path
+
+from launcher import build
+
+SCENE = Path(__file__).with_name("calibration.toml")
+PARTS = ("neighbours", "boundary", "assembly", "pressure_solve", "correction")
+
+
+def _costs(contents):
+    """Costs of one particle, sub-step and window [CPU s] from the run.json of the scene."""
+    processes = contents["processes"]
+    fluid, structure, coupler = (processes[role] for role in ("fluid", "structure", "coupler"))
+    steps = contents["steps"]
+    # Shares by the clock, costs by CPU time: that is what is left alone by other programs on the machine.
+    seconds = {part: fluid["timing_s"][f"compute.{part}"] for part in PARTS}
+    return {
+        "measured": date.today().isoformat(),
+        "fluid_s": fluid["cpu_s"] / (fluid["counts"]["particles"] * steps),
+        "fluid_parts": {part: value / sum(seconds.values()) for part, value in seconds.items()},
+        # Two passes of every window: the trial, and the window under the new load.
+        "structure_s": structure["cpu_s"] / (2 * structure["counts"]["particles"] * structure["counts"]["sub_steps"]),
+        "window_s": coupler["cpu_s"] / steps,
+    }
+
+
+def costs_file(directory):
+    """The costs of the build in `directory` as a file, measured now if they are missing; None where tern is not built yet or the
+    measurement fails: then typical costs have to do."""
+    programs = [directory / f"tern-{role}" for role in ("fluid", "structure", "coupler")]
+    if not all(program.is_file() for program in programs):
+        return None
+    path = directory / "costs.json"
+    if path.is_file() and path.stat().st_mtime >= max(program.stat().st_mtime for program in programs):
+        return path
+    print("tern: measuring once what a step costs on this machine (some seconds)", file=sys.stderr, flush=True)
+    with tempfile.TemporaryDirectory(prefix="tern-costs-") as folder:
+        done = subprocess.run([build.ROOT / "tern", "run", SCENE, "--out", Path(folder) / "run", "--quiet"], check=False,
+                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=120)
+        if done.returncode != 0:
+            return None
+        costs = _costs(json.loads((Path(folder) / "run" / "run.json").read_text(encoding="utf-8")))
+    try:
+        path.write_text(json.dumps(costs, indent=1) + "\n", encoding="utf-8")
+    except OSError:  # a build that belongs to somebody else
+        return None
+    return path

@@ -1,0 +1,88 @@
+// While the fluid cannot reach the structure, nothing is exchanged, and nothing of the result changes.
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "coupler/window.hpp"
+#include "fluid/fluid.hpp"
+#include "particles/step_control.hpp"
+#include "structure/coupled_structure.hpp"
+
+namespace tern::coupler::testing {
+namespace {
+
+/// A fluid that wants to see the surface in every window.
+struct FluidThatAlwaysLooks : fluid::Fluid<2> {
+  using fluid::Fluid<2>::Fluid;
+  std::optional<FluidExtent<2>> extent() const { return std::nullopt; }
+};
+
+/// A column of water that falls apart and runs against a plate.
+Case dam_break(const char* algorithm) {
+  CaseOptions options;
+  options.overrides = {{"fluid.body.0.shape.box.max", "[0.1, 0.2]"}, {"coupling.algorithm", algorithm}};
+  return read_case(TERN_SOURCE_DIR "/tests/process/cases/splash_plate/case.toml", options);
+}
+
+struct Outcome {
+  std::vector<Vector<2>> water, plate;
+  long windows = 0, wet = 0, passed = 0;
+};
+
+template <class FluidSide>
+Outcome run(const Case& scene, double until) {
+  FluidSide fluid(scene);
+  structure::Structure<2> structure(scene);
+  structure::CoupledStructure<2> coupled(structure, scene.coupling.algorithm);
+  CouplingStep<2> step(scene, structure.surface_properties());
+  StepControl control;
+  Outcome outcome;
+  for (Ticks now = 0, end = to_ticks(until); now < end; ++outcome.windows) {
+    const Ticks duration = control.next(fluid.propose_step().seconds, now, end);
+    run_window<2>(fluid, coupled, step, now, duration);
+    now += duration;
+    outcome.wet += step.audit().pairs > 0;
+  }
+  outcome.water = fluid.state().position;
+  outcome.plate = structure.fields().position;
+  outcome.passed = step.evaluations().windows_without_exchange;
+  return outcome;
+}
+
+bool same_bits(const std::vector<Vector<2>>& a, const std::vector<Vector<2>>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0;
+}
+
+// Seen to fail: with a reach of one spacing; with the speed of the fluid left out and a reach of its support alone.
+TEST(OutOfReach, NoExchangeAndNoChangeOfASingleBit) {
+  for (const char* algorithm : {"CM0", "CM2", "CM3"}) {
+    SCOPED_TRACE(algorithm);
+    Case scene = dam_break(algorithm);
+    // Explicit coupling of this plate is unstable: its first wet windows are enough.
+    const double until = scene.coupling.algorithm == CouplingAlgorithm::cm0 ? 0.11 : 0.2;
+    const Outcome passing = run<fluid::Fluid<2>>(scene, until), looking = run<FluidThatAlwaysLooks>(scene, until);
+    EXPECT_EQ(looking.passed, 0);
+    EXPECT_GT(passing.passed, 20) << "of " << passing.windows << " windows";
+    EXPECT_GT(passing.wet, 3) << "of " << passing.windows << " windows";
+    EXPECT_EQ(passing.windows, looking.windows);
+    EXPECT_TRUE(same_bits(passing.water, looking.water));
+    EXPECT_TRUE(same_bits(passing.plate, looking.plate));
+    std::printf("[ %s: %ld of %ld windows without exchange, %ld wet ]\n", algorithm, passing.passed, passing.windows, passing.wet);
+  }
+}
+
+TEST(OutOfReach, TheDistanceCountsFromTheBox) {
+  const FluidExtent<2> fluid{{0, 0}, {1, 1}, 2, 0.25};
+  const Ticks duration = to_ticks(0.25);  // 0.25 m at 2 m/s in half of it
+  const auto reached = [&](Vector<2> x) { return !out_of_reach(fluid, Surface<2>{{Vector<2>(-9, -9), x}, {}, {}, {}}, duration); };
+  EXPECT_TRUE(reached({0.5, 0.5}));
+  EXPECT_TRUE(reached({1.49, 0.5}));
+  EXPECT_FALSE(reached({1.51, 0.5}));
+  EXPECT_FALSE(reached({0.5, -0.51}));
+  EXPECT_TRUE(reached({1.35, 1.35}));
+  EXPECT_FALSE(reached({1.36, 1.36}));
+}
+
+}  // namespace
+}  // namespace tern::coupler::testing
