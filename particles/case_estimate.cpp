@@ -38,7 +38,7 @@ BodyEstimate estimate_body(const Case& scene, const StructureBody& body) {
       low = low.cwiseMin(x), high = high.cwiseMax(x);
     }
   }
-  for (const Vector<D>& x : sample_surface<D>(body.shape, body.spacing).position) result.surface_points += !clamped(x);
+  for (const Vector<D>& x : sample_surface<D>(body.shape, patch_length(body.spacing, scene.fluid)).position) result.surface_points += !clamped(x);
   const double nu = body.poisson_ratio;
   result.wave_speed = body.plane_stress
                           ? std::sqrt(body.young_modulus / (body.density * (1 - nu * nu)))

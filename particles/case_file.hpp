@@ -3,6 +3,7 @@
 // docs/PARAMETERS.md is generated from the table in parameter_table.cpp that also validates.
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -76,6 +77,12 @@ struct StructureBody {
   std::vector<Shape> clamps;   ///< particles inside are clamped; regions of the named clamps included
   VectorExpression velocity;   ///< initial velocity [m/s] in x, y, z
 };
+
+/// Length of the patches of a body's surface: its spacing, or a whole part of it where the fluid's particles are smaller, to which
+/// the face is too coarse otherwise [m].
+inline double patch_length(double spacing, const std::optional<FluidCase>& fluid) {
+  return fluid && spacing > fluid->spacing ? spacing / std::ceil(spacing / fluid->spacing * (1 - 1e-9)) : spacing;
+}
 
 /// A clamp with a name: it can move, and its reaction can be measured.
 struct ClampCase {

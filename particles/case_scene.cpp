@@ -238,7 +238,7 @@ class SceneCheck {
       const StructureBody& body = body_named(load.body, where, "load '" + load.name + "'");
       const bool on_volume = load.kind == LoadCase::Kind::body_force;
       const auto points = on_volume ? fill_lattice<D>(body.shape, body.spacing)
-                                    : sample_surface<D>(body.shape, body.spacing).position;
+                                    : sample_surface<D>(body.shape, patch_length(body.spacing, scene_.fluid)).position;
       const auto is_loaded = [&](const Vector<D>& x) {
         const bool clamped = std::any_of(body.clamps.begin(), body.clamps.end(), [&](const Shape& c) { return contains<D>(c, x); });
         return !clamped && (!load.region || contains<D>(*load.region, x));

@@ -42,7 +42,7 @@ struct Structure<D>::Parts {
 
   explicit Parts(const Case& scene)
       : reference(build_reference<D>(scene.structure.value())),
-        attachment(attach_surface(reference)),
+        attachment(attach_surface(reference, scene.fluid)),
         gravity(scene.gravity),
         loads(*scene.structure, reference, attachment),
         courant(scene.structure->numerics.courant),

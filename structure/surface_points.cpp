@@ -38,11 +38,11 @@ std::int32_t nearest_free_row(const Reference<D>& reference, const Body& body, c
 }  // namespace
 
 template <int D>
-SurfaceAttachment<D> attach_surface(const Reference<D>& reference) {
+SurfaceAttachment<D> attach_surface(const Reference<D>& reference, const std::optional<FluidCase>& fluid) {
   SurfaceAttachment<D> attachment;
   for (std::uint32_t b = 0; b < reference.bodies.size(); ++b) {
     const Body& body = reference.bodies[b];
-    const auto points = sample_surface<D>(body.shape, body.spacing);
+    const auto points = sample_surface<D>(body.shape, patch_length(body.spacing, fluid));
     for (std::size_t k = 0; k < points.position.size(); ++k) {
       const Vector<D>& x = points.position[k];
       const Vector<D>& normal = points.normal[k];
@@ -97,8 +97,8 @@ Surface<D> present_surface(const SurfaceAttachment<D>& attachment, const Referen
   return surface;
 }
 
-template SurfaceAttachment<2> attach_surface<2>(const Reference<2>&);
-template SurfaceAttachment<3> attach_surface<3>(const Reference<3>&);
+template SurfaceAttachment<2> attach_surface<2>(const Reference<2>&, const std::optional<FluidCase>&);
+template SurfaceAttachment<3> attach_surface<3>(const Reference<3>&, const std::optional<FluidCase>&);
 template std::vector<Vector<2>> surface_velocity<2>(const SurfaceAttachment<2>&, const State<2>&);
 template std::vector<Vector<3>> surface_velocity<3>(const SurfaceAttachment<3>&, const State<3>&);
 template Surface<2> present_surface<2>(const SurfaceAttachment<2>&, const Reference<2>&, const State<2>&,

@@ -20,9 +20,9 @@ struct SurfaceAttachment {
   std::vector<double> area;              ///< A_k [m^(D-1)]
 };
 
-/// Samples every body at its own spacing, leaving out what lies inside its clamps.
+/// Samples every body at its own spacing, or that of the fluid where it is smaller, leaving out what lies inside its clamps.
 template <int D>
-SurfaceAttachment<D> attach_surface(const Reference<D>& reference);
+SurfaceAttachment<D> attach_surface(const Reference<D>& reference, const std::optional<FluidCase>& fluid = std::nullopt);
 
 /// The surface in the present state; `work` holds the deformation gradient of that state.
 template <int D>

@@ -41,9 +41,9 @@ TEST(SurfacePoints, KnowTheMassBehindThem) {
 }
 
 template <int D>
-void follow_an_affine_deformation() {
+void follow_an_affine_deformation(const std::optional<FluidCase>& fluid) {
   const auto reference = build_reference<D>(block<D>(6));
-  const auto attachment = attach_surface(reference);
+  const auto attachment = attach_surface(reference, fluid);
   auto state = state_at_rest(reference, attachment.row.size());
   auto work = workspace_for(reference);
   deformation_gradient(reference, state, work);
@@ -66,8 +66,35 @@ void follow_an_affine_deformation() {
 
 // Seen to fail: with F N in place of J F^-T N, and with X_k - X_j left undeformed.
 TEST(SurfacePoints, FollowAnAffineDeformationExactly) {
-  follow_an_affine_deformation<2>();
-  follow_an_affine_deformation<3>();
+  FluidCase fine;
+  fine.spacing = 0.3 * build_reference<2>(block<2>(6)).bodies[0].spacing;
+  for (const auto& fluid : {std::optional<FluidCase>(), std::optional(fine)}) {
+    follow_an_affine_deformation<2>(fluid);
+    follow_an_affine_deformation<3>(fluid);
+  }
+}
+
+// Seen to fail: with patches as long as the spacing of the body.
+TEST(SurfacePoints, AreNoCoarserThanTheFluid) {
+  const auto reference = build_reference<2>(block<2>(6));
+  const double dx = reference.bodies[0].spacing;
+  const auto points = [&](double fluid_spacing) {
+    FluidCase fluid;
+    fluid.spacing = fluid_spacing;
+    const auto attachment = attach_surface(reference, fluid);
+    double area = 0;
+    for (std::size_t k = 0; k < attachment.row.size(); ++k) {
+      area += attachment.area[k];
+      EXPECT_LE(attachment.offset[k].cwiseAbs().maxCoeff(), 0.5 * dx * (1 + 1e-9)) << "carried by the particle behind it";
+    }
+    EXPECT_NEAR(area, 26 * dx, 1e-9 * dx);
+    return attachment.row.size();
+  };
+  EXPECT_EQ(points(2 * dx), 26u);
+  EXPECT_EQ(points(dx), 26u);
+  EXPECT_EQ(points(0.5 * dx), 52u);
+  EXPECT_EQ(points(0.4 * dx), 78u);
+  EXPECT_EQ(points(0.25 * dx), 104u);
 }
 
 }  // namespace
