@@ -75,8 +75,16 @@ class Study:
         for row in found:
             if row.base == self.case["hash"] and abs(row.end_time_s - self.criterion.until) < 1e-9 and (
                     self.keep_versions or row.version == self.version):
-                latest[(row.point, row.options)] = row
+                latest[(row.point, row.options)] = self._judged(row)
         return list(latest.values())
+
+    def _judged(self, row):
+        """The row with the error over the quantities that count now; study.toml may have changed."""
+        names = {quantity["name"] for quantity in self.criterion.quantities}
+        if names <= set(row.quantities):
+            row.quantities = {name: value for name, value in row.quantities.items() if name in names}
+            row.error = accuracy.root_mean_square(row.quantities.values())
+        return row
 
     def columns(self):
         cells = sweep.effective_cells(self.settings, self.scene_knobs)
@@ -125,6 +133,8 @@ class Study:
             for name, target in targets[row.point].items():
                 known = tables.get(row.point) and tables.get(target)
                 setattr(row, name, accuracy.distance(tables[row.point], tables[target], self.criterion.curves) if known else None)
+        if best and (coarser := front.next_finest(self.rows)):
+            best.distance_to_finest = coarser.distance_to_finest  # 0 would say that it is exact; this is what it may be off
         rows.write(self.csv, self.rows, self.columns())
 
     def _table(self, row):

@@ -22,10 +22,14 @@ def measured(rows):
 
 
 def pareto(rows):
-    """The rows no other beats: none is cheaper and no less accurate. From the cheapest to the most accurate."""
+    """The rows no other beats, from the cheapest to the most accurate: each at least 1 % closer than all that are cheaper.
+
+    A knob that changed nothing is the standard once more, and only the noise of CPU times could tell them apart.
+    """
     front = []
     for row in sorted(measured(rows), key=lambda row: (row.cpu_s, error_of(row))):
-        if not front or error_of(row) < error_of(front[-1]):
+        same = row.point != "standard" and row.distance_to_standard == 0
+        if not same and (not front or error_of(row) < 0.99 * error_of(front[-1])):
             front.append(row)
     return front
 
@@ -43,10 +47,11 @@ def finest(rows):
 
 
 def next_finest(rows):
-    """The finished run that is coarser than the finest in its first spacing, and otherwise as fine as there is."""
+    """The finished run of the next coarser spacing, with nothing else changed; its distance is the uncertainty of the finest."""
     best = finest(rows)
-    coarser = [row for row in rows if row.done and best and spacings(row) and spacings(row)[0] > 1.01 * spacings(best)[0]]
-    return min(coarser, key=lambda row: (*spacings(row), -(row.steps or 0), -(row.pressure_iterations or 0)), default=None)
+    coarser = [row for row in rows if row.done and best and spacings(row) and spacings(row)[0] > 1.01 * spacings(best)[0]
+               and (row.point == "standard" or row.knob.endswith("spacing"))]
+    return min(coarser, key=spacings, default=None)
 
 
 def standard_cost(rows):
@@ -126,7 +131,9 @@ def orders(rows, knobs):
         errors = [(value, row.error) for value, row in entries]
         found = [order(*pair) for pair in zip(errors, errors[1:])]
         last = entries[-3:]
-        itself = order_of_three([value for value, _ in last], [row.distance_in_knob for _, row in last[:2]])
+        # The standard belongs to many knobs; how far it is from the finest of this one, that one knows.
+        to_finest = [last[2][1].distance_to_standard if row.point == "standard" else row.distance_in_knob for _, row in last[:2]]
+        itself = order_of_three([value for value, _ in last], to_finest)
         plateau = None
         for (value, error), (_, finer) in zip(reversed(errors[:-1]), reversed(errors[1:])):
             if error is None or finer is None or finer < 0.9 * error:

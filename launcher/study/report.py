@@ -142,6 +142,9 @@ def answer(case, rows, error=None, time_s=None, base_options=""):
         lines.append(f"  {wish_line(case, row, base_options)}")
         lines.append(f"  {kind} {percent(front.error_of(row))}, {percent(row.distance_to_finest)} from the finest run, CPU "
                      f"{seconds(row.cpu_s)}, wall {seconds(row.wall_s)}")
+        best = front.finest(rows)
+        if row.error is None and best and row.distance_to_finest and best.distance_to_finest and row.distance_to_finest < best.distance_to_finest:
+            lines.append(f"  (the finest run itself is uncertain by {percent(best.distance_to_finest)}: smaller distances say little)")
     return "\n".join(lines)
 
 

@@ -29,7 +29,7 @@ class Row:
     steps: int | None = None
     pressure_iterations: float | None = None  # of the whole run
     error: float | None = None
-    distance_to_finest: float | None = None
+    distance_to_finest: float | None = None  # of the finest: its uncertainty, the distance of the next finest
     distance_to_standard: float | None = None
     distance_in_knob: float | None = None
     quantities: dict = field(default_factory=dict)  # name: error
