@@ -79,6 +79,6 @@ def panels(tables, path):
     for axes in list(grid.flat)[len(tables):]:
         axes.set_visible(False)
     handles, labels = grid.flat[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+    figure.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.5, 0), ncols=len(labels))
     figure.savefig(path, bbox_inches="tight")
     plt.close(figure)

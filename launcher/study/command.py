@@ -134,7 +134,9 @@ class Study:
                 known = tables.get(row.point) and tables.get(target)
                 setattr(row, name, accuracy.distance(tables[row.point], tables[target], self.criterion.curves) if known else None)
         if best and (coarser := front.next_finest(self.rows)):
-            best.distance_to_finest = coarser.distance_to_finest  # 0 would say that it is exact; this is what it may be off
+            for row in self.rows:
+                if row.distance_to_finest == 0:  # the finest, which is not exact: this is what it may be off
+                    row.distance_to_finest = coarser.distance_to_finest
         rows.write(self.csv, self.rows, self.columns())
 
     def _table(self, row):

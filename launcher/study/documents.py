@@ -21,7 +21,7 @@ Every knob is turned by itself around the case as it stands; runs are done one a
 its scale, over the quantities that the case's `study.toml` names. It has a floor where the reference is another code or an experiment: then it says little
 below a few per cent, and *from the finest* says more: the distance of all gauges' curves from the run with the smallest spacings, root mean square over the gauges of
 the L2 distance over time over the largest magnitude. *Moves the curves by* is the same distance from the case as it stands: what the knob alone does. CPU times are those of a shared machine with other
-work beside it; each table says how far two runs of the same differ. Steps and pressure iterations are free of that.
+work beside it; each scene says how far two runs of the same differ, and a speed-up of 0.8 to 1.2 may be noise. Steps and pressure iterations are free of that.
 """
 
 
@@ -33,6 +33,16 @@ def _read_all():
     return tables
 
 
+def _preset_error(row, found):
+    """Error and distance from the finest run; of a run that others are measured by, how far it can be trusted."""
+    best = front.finest(found)
+    if row is None:
+        return "did not end"
+    if row.error is None and front.spacings(row) == front.spacings(best) and row.distance_to_finest == best.distance_to_finest:
+        return f"what the others are held to, ± {report.percent(row.distance_to_finest)}"
+    return f"{report.percent(front.error_of(row))} ({report.percent(row.distance_to_finest)})"
+
+
 def preset_table(tables):
     """One line per scene: error and cost of the three presets."""
     lines = []
@@ -41,7 +51,7 @@ def preset_table(tables):
         cells = [f"`{case}`"]
         for name in report.PRESETS:
             row = front.find(found, name)
-            cells.append("did not end" if row is None else f"{report.percent(front.error_of(row))} ({report.percent(row.distance_to_finest)})")
+            cells.append(_preset_error(row, found))
             spent = cost if name == "standard" else row and row.cpu_s
             cells.append("" if not spent else f"{report.seconds(spent)}" + (f" ± {50 * scatter:.0f} %" if name == "standard" else f" ({spent / cost:.2g} x)"))
         lines.append(cells)
@@ -97,7 +107,7 @@ def knob_summary(tables):
         done = [(row, cost, standard) for row, cost, standard in found if row.done]
         added = [row.error - standard.error for row, _, standard in done if row.error is not None and standard.error is not None]
         lines.append([f"`{knob}`", value, _span([cost / row.cpu_s for row, cost, _ in done], lambda x: f"{x:.2g}"),
-                      _span(added, lambda x: f"{100 * x:+.2g} %"), _span([row.distance_to_standard for row, _, _ in done], report.percent),
+                      _span(added, report.points), _span([row.distance_to_standard for row, _, _ in done], lambda x: f"{100 * x:.2g} %"),
                       f"{len(done)}" + (f", {len(found) - len(done)} did not end" if len(done) < len(found) else "")])
     return report.table(["knob", "value", "speed-up", "error added", "moves the curves by", "scenes"], lines)
 

@@ -16,20 +16,26 @@ def error_of(row):
     return row.error if row.error is not None else row.distance_to_finest
 
 
+def _same_computation(row):
+    """What two rows share if the one knob more did nothing: then only the noise of CPU times could tell them apart."""
+    return row.steps, row.pressure_iterations, row.error, row.distance_to_standard, tuple(row.quantities.values())
+
+
 def measured(rows):
-    """The finished rows with a cost and an error, the repetition of the standard left out."""
-    return [row for row in rows if row.done and row.cpu_s and error_of(row) is not None and row.point != REPEATED]
+    """The finished rows with a cost and an error; of equal computations one, a preset before others."""
+    known = [row for row in rows if row.done and row.cpu_s and error_of(row) is not None and row.point != REPEATED]
+    known.sort(key=lambda row: 0 if row.point == "standard" else 1 if row.knob == "preset" else 2)
+    distinct = {}
+    for row in known:
+        distinct.setdefault(_same_computation(row), row)
+    return list(distinct.values())
 
 
 def pareto(rows):
-    """The rows no other beats, from the cheapest to the most accurate: each at least 1 % closer than all that are cheaper.
-
-    A knob that changed nothing is the standard once more, and only the noise of CPU times could tell them apart.
-    """
+    """The rows no other beats, from the cheapest to the most accurate: each at least 1 % closer than all that are cheaper."""
     front = []
     for row in sorted(measured(rows), key=lambda row: (row.cpu_s, error_of(row))):
-        same = row.point != "standard" and row.distance_to_standard == 0
-        if not same and (not front or error_of(row) < 0.99 * error_of(front[-1])):
+        if not front or error_of(row) < 0.99 * error_of(front[-1]):
             front.append(row)
     return front
 

@@ -11,6 +11,12 @@ def percent(share):
     return "-" if share is None else f"{100 * share:.3g} %"
 
 
+def points(share):
+    """A difference of two errors, in percentage points; what rounds to nothing is nothing."""
+    text = f"{100 * share:+.2f} %"
+    return "0" if text.strip("+-0. %") == "" else text
+
+
 def seconds(value):
     return "-" if value is None else f"{value:.3g} s"
 
@@ -65,10 +71,16 @@ def knob_table(rows):
         same = max(speed_up, 1 / speed_up) < 1 + max(scatter, 0.03)
         added = None if row.error is None or not standard or standard.error is None else row.error - standard.error
         lines.append([row.knob, _value_text(row), f"{speed_up:.2f}" + (" (as much)" if same else ""),
-                      "-" if added is None else f"{100 * added:+.2g} %", percent(row.distance_to_standard), percent(row.distance_to_finest)])
+                      "-" if added is None else points(added), percent(row.distance_to_standard), percent(row.distance_to_finest),
+                      *(_over(getattr(row, name), getattr(standard, name)) for name in ("steps", "pressure_iterations"))])
     order = {knob.key: number for number, knob in enumerate(KNOBS)}
     lines.sort(key=lambda line: order.get(line[0], 99))
-    return table(["knob", "value", "speed-up", "error added", "moves the curves by", "from the finest"], lines)
+    return table(["knob", "value", "speed-up", "error added", "moves the curves by", "from the finest", "steps", "pressure iterations"], lines)
+
+
+def _over(value, other):
+    """Ratio to the standard."""
+    return f"{value / other:.2f} x" if value and other else "-"
 
 
 def _value_text(row):

@@ -15,8 +15,10 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent.parent))
 
 from fake_build import ROOT, FakeBuild, wait_until  # noqa: E402
-from launcher.study import accuracy, documents, front, rows  # noqa: E402
+from launcher import cases  # noqa: E402
+from launcher.study import accuracy, documents, front, knobs, rows, sweep  # noqa: E402
 from launcher.study.rows import Row  # noqa: E402
+from plotting import run_files  # noqa: E402
 from real_run import build_directory  # noqa: E402
 
 # A fluid whose front arrives at 1 + 4 dx^2 seconds, which bursts where the Courant number is 0.3, and takes 1/dx^3 of a time.
@@ -111,7 +113,7 @@ class ArithmeticTest(unittest.TestCase):
         self.assertEqual([(found.point, met) for found, met in (front.best_for_time(known, 6), front.best_for_time(known, 0.5))],
                          [("c", True), ("a", False)])
 
-    # Seen to fail: with each component over its own magnitude (the second is round-off), and without the cut to common times.
+    # Seen to fail: with each component over its own magnitude (the second is round-off), and with undefined cells taken.
     def test_a_distance_is_over_the_magnitude_of_the_vector(self):
         import numpy
         t = numpy.linspace(0, 1, 101)
@@ -120,7 +122,7 @@ class ArithmeticTest(unittest.TestCase):
         self.assertAlmostEqual(accuracy.distance(other, finest), 0.01 / math.sqrt(2), 9)
         self.assertAlmostEqual(accuracy.distance(other, finest, ["P.ux_m"]), 0.01, 9)
 
-    # Seen to fail: with the cells formatted by %d.
+    # Seen to fail: with numbers rounded to whole ones.
     def test_a_table_reads_back_as_it_was_written(self):
         with tempfile.TemporaryDirectory(prefix="tern-test-") as directory:
             path = Path(directory) / "cost_accuracy.csv"
@@ -130,7 +132,7 @@ class ArithmeticTest(unittest.TestCase):
             self.assertEqual(rows.read(path)[0], one)
             self.assertEqual([back.error for back in rows.read(path)], [0.034, None])
 
-    # Seen to fail: with rest for after.
+    # Seen to fail: with the old block left behind the new one.
     def test_only_what_is_between_the_markers_is_replaced(self):
         text = f"before\n{documents.BEGIN}\nold\n{documents.END}\nafter\n"
         block = f"{documents.BEGIN}\nnew\n{documents.END}"
@@ -162,7 +164,7 @@ class StandInTest(unittest.TestCase):
     def rows(self):
         return {one.point: one for one in rows.read(self.path / "runs" / "study-pond" / "cost_accuracy.csv")}
 
-    # Seen to fail: with the rows of the file left aside; with a failed point run again.
+    # Seen to fail: with the rows of the file left aside; with a failed point run again; with its failure raised.
     def test_a_failed_point_is_a_row_and_nothing_is_run_twice(self):
         words = ("--knobs", "fluid.spacing,fluid.numerics.courant", "--levels", "2")
         code, output = self.study(*words)
@@ -183,7 +185,7 @@ class StandInTest(unittest.TestCase):
         self.assertIn("It burst.", text)
         self.assertTrue((self.path / "runs" / "study-pond" / "trade.png").stat().st_size > 10000)
 
-    # Seen to fail: with the wish answered before the study is run.
+    # Seen to fail: with the wish answered though nothing was measured.
     def test_a_wish_is_answered_with_a_line_to_copy(self):
         code, output = self.study("--knobs", "fluid.spacing", "--levels", "2", "--error", "2%")
         self.assertEqual(code, 0, output)
@@ -201,10 +203,11 @@ class StandInTest(unittest.TestCase):
         self.assertIn("standard-again", self.rows())
         self.assertNotIn("fluid.spacing=0.05", self.rows())
 
-    # Seen to fail: with rows written at the end.
+    # Seen to fail: with rows written at the end only; with the interrupted run taken for a failed point.
     def test_an_interrupt_leaves_the_finished_rows(self):
         process = self.start("--knobs", "fluid.spacing", FAKE_SLEEP="1.5")
         self.assertTrue(wait_until(lambda: self.count() >= 2, 60))
+        self.assertEqual(list(self.rows()), ["standard"], "written as soon as it has finished")
         os.killpg(process.pid, signal.SIGINT)
         output, _ = process.communicate(timeout=30)
         self.assertEqual(process.returncode, 130, output)
@@ -226,37 +229,47 @@ class StandInTest(unittest.TestCase):
 
 
 class CommittedTablesTest(unittest.TestCase):
-    """Error: within 30 % and 0.05 percentage points of the table. Cost of draft over standard: within a factor of 2."""
+    """Error (without a reference: distance of draft from standard) within 30 % and 0.05 percentage points of the table. Cost of
+    draft over standard: within a factor of 2, as CPU times of a shared machine are."""
 
     @classmethod
     def setUpClass(cls):
-        cls.build = build_directory()
+        os.environ["TERN_BUILD"] = str(build_directory())
 
-    def measure(self, case):
+    def measure(self, case, *names):
         directory = tempfile.TemporaryDirectory(prefix="tern-test-")
         self.addCleanup(directory.cleanup)
-        answer = subprocess.run([ROOT / "tern", "study", case, "--knobs", "preset", "--levels", "1", "--out", directory.name], stdout=subprocess.PIPE,
-                                stderr=subprocess.STDOUT, text=True, timeout=600, check=False, env=os.environ | {"TERN_BUILD": str(self.build)})
-        self.assertEqual(answer.returncode, 0, answer.stdout)
-        return rows.read(Path(directory.name) / "cost_accuracy.csv")
+        path, out = cases.find(case), Path(directory.name)
+        build = build_directory()
+        criterion = accuracy.read(path.parent, cases.read(build, path, [])["end_time"])
+        points = {"draft": knobs.Point("draft", "preset", "draft", ("--preset", "draft")), "standard": knobs.STANDARD}
+        work = sweep.Sweep(path, [], out, criterion, [])
+        found = [work.measure(planned) for planned in sweep.plan(build, path, [], [points[name] for name in names])]
+        tables = {name: run_files.read_table(out / "points" / name / "gauges.csv") for name in names}
+        for row in found:
+            self.assertTrue(row.done, row.cause)
+            if row.error is None:
+                row.distance_to_standard = accuracy.distance(tables[row.point], tables["standard"], criterion.curves)
+        return found
 
-    # Seen to fail: with draft at 1.5 times the spacing; with one more digit of the pressure tolerance in the standard.
-    def check(self, case):
-        now, table = self.measure(case), rows.read(ROOT / "docs" / "trade" / f"{case}.csv")
-        for name in ("draft", "standard"):
-            found, written = front.find(now, name).error, front.find(table, name).error
+    # Seen to fail: with draft at 3 times the spacing; with blend_theta = 0 as the default; with draft at the step of standard.
+    def check(self, case, *names):
+        now, table = self.measure(case, *names), rows.read(ROOT / "docs" / "trade" / f"{case}.csv")
+        for name in names:
+            found, written = (row.distance_to_standard if row.error is None else row.error for row in (front.find(now, name), front.find(table, name)))
             self.assertAlmostEqual(found, written, delta=0.3 * written + 5e-4, msg=f"{case}, {name}")
-        ratio, written = (front.find(some, "draft").cpu_s / front.standard_cost(some)[0] for some in (now, table))
-        self.assertLess(abs(math.log(ratio / written)), math.log(2), f"{case}: draft costs {ratio:.3f} of standard, {written:.3f} in the table")
+        if "standard" in names:
+            ratio, written = (front.find(some, "draft").cpu_s / front.standard_cost(some)[0] for some in (now, table))
+            self.assertLess(abs(math.log(ratio / written)), math.log(2), f"{case}: draft costs {ratio:.3f} of standard, {written:.3f} in the table")
 
     def test_hydrostatic_tank(self):
-        self.check("hydrostatic_tank")
+        self.check("hydrostatic_tank", "standard", "draft")
 
     def test_dam_break_front(self):
-        self.check("dam_break_front")
+        self.check("dam_break_front", "standard", "draft")
 
     def test_gray_cantilever(self):
-        self.check("gray_cantilever")
+        self.check("gray_cantilever", "draft")
 
 
 if __name__ == "__main__":
