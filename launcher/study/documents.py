@@ -25,7 +25,7 @@ work beside it; each scene says how far two runs of the same differ, and a speed
 """
 
 
-def _read_all():
+def read_all():
     """{case: rows} of docs/trade."""
     tables = {path.stem: rows.read(path) for path in sorted((ROOT / "docs" / "trade").glob("*.csv"))}
     if not tables:
@@ -158,7 +158,7 @@ def write(arguments):
             raise LauncherError(BAD_INPUT, f"{source} does not exist; measure it first: ./tern study {arguments.case}.")
         (ROOT / "docs" / "trade").mkdir(exist_ok=True)
         shutil.copyfile(source, ROOT / "docs" / "trade" / f"{name}.csv")
-    tables = _read_all()
+    tables = read_all()
     (ROOT / "docs" / "TRADE.md").write_text(trade_text(tables) + "\n", encoding="utf-8")
     readme = ROOT / "README.md"
     readme.write_text(replace_block(readme.read_text(encoding="utf-8"), readme_block(tables)), encoding="utf-8")

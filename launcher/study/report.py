@@ -99,6 +99,9 @@ def order_lines(rows):
     """Observed orders of the knobs that refine, one line each."""
     lines = []
     for one in front.orders(rows, [knob.key for knob in KNOBS if knob.refines]):
+        if all(row.distance_to_standard == 0 for _, row in one.entries):
+            lines.append(f"* `{one.knob}`: changes nothing here, something else binds.")
+            continue
         steps = " -> ".join(f"{value:.3g}: {percent(row.error if row.error is not None else row.distance_to_finest)}"
                             for value, row in one.entries)
         text = f"* `{one.knob}`: error {steps}"
@@ -106,7 +109,7 @@ def order_lines(rows):
             text += "; order " + ", ".join("-" if found is None else f"{found:.2g}" for found in one.against_reference)
         if one.plateau is not None:
             text += f"; no better below {one.plateau:.3g} (plateau)"
-        text += "; the curves converge to each other with order " + (f"{one.of_itself:.2g}." if one.of_itself else "none (not monotone).")
+        text += "; the curves converge to each other with order " + (f"{one.of_itself:.2g}." if one.of_itself else "none that fits.")
         lines.append(text)
     return "\n".join(lines) or "None: no knob that refines has three finished values."
 
