@@ -31,7 +31,7 @@ def _case_options(parser, case_count=None):
 def _override_options(parser):
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[],
                         help="override one key of the case, e.g. fluid.spacing=0.002 (may be repeated; recorded in run.json)")
-    parser.add_argument("--preset", help="named group of numerical settings: standard or paper")
+    parser.add_argument("--preset", help="named group of numerical settings: draft, standard, reference or paper")
     parser.add_argument("--build", choices=build.PRESETS, default="release", help="build to use (default release)")
 
 
@@ -42,6 +42,16 @@ def _positive_number(text):
         value = float("nan")
     if not 0 < value < float("inf"):
         raise argparse.ArgumentTypeError(f"{text} is not a positive number")
+    return value
+
+
+def _count(text):
+    try:
+        value = int(text)
+    except ValueError:
+        value = 0
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"{text} is not a whole number greater than 0")
     return value
 
 
@@ -143,6 +153,23 @@ def parser():
     one.add_argument("--json", action="store_true", help="print the table as JSON")
     _run_options(one)
 
+    one = _add(commands, "study", _study, "measure what every knob of a case costs and buys, and say which settings to take",
+               ["./tern study gray_cantilever", "./tern study dam_break_plate --budget 60 --knobs fluid.spacing,courant",
+                "./tern study hydrostatic_tank --error 1%     (from what is measured already, if anything is)",
+                "./tern study dam_break_front --time 5s", "./tern study CASE --write-docs   (its table to docs/trade, docs/TRADE.md anew)"])
+    one.add_argument("case", metavar="CASE", nargs="?", help=CASE_HELP)
+    one.add_argument("--knobs", metavar="NAME,...", action="append", help="only these, e.g. fluid.spacing, pressure_tolerance, preset (default: all the scene has)")
+    one.add_argument("--levels", metavar="N", type=_count, default=2, help="values tried of every knob, at most (default 2)")
+    one.add_argument("--budget", metavar="MINUTES", type=_positive_number, help="leave out what is not expected to fit; cheap points come first")
+    one.add_argument("--until", metavar="T", type=_positive_number, help="end time [s] of every run (default: of study.toml, or of the case)")
+    one.add_argument("--error", metavar="E", help="say which settings to take for this error, e.g. 5%%")
+    one.add_argument("--time", metavar="T", help="say which settings to take for this wall time, e.g. 60s")
+    one.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change the case all points start from")
+    one.add_argument("--out", metavar="DIR", help="where the study is kept and resumed (default runs/study-<case>)")
+    one.add_argument("--keep", action="store_true", help="count points measured by another version of tern instead of running them again")
+    one.add_argument("--write-docs", action="store_true", help="copy the table to docs/trade and write docs/TRADE.md and the README from all of them; "
+                     "runs nothing")
+
     one = _add(commands, "conform", _conform, "test whether a participant, yours or ours, keeps the protocol (docs/PROTOCOL.md)",
                ["./tern conform structure \"/usr/bin/python3 my_structure.py\"   (started anew for every check)",
                 "./tern conform fluid build/release/tern-fluid",
@@ -219,6 +246,16 @@ def _verify(arguments):
     packages.ensure(packages.PYTHON)
     arguments.case_options = _forwarded(arguments)
     return verify.verify(arguments)
+
+
+def _study(arguments):
+    packages.ensure(packages.PYTHON)
+    from launcher.study import command, documents
+    if arguments.write_docs:
+        return documents.write(arguments)
+    if arguments.case is None:
+        raise LauncherError(BAD_INPUT, "study needs a CASE (or --write-docs).")
+    return command.study(arguments)
 
 
 def _status(arguments):

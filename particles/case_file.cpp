@@ -11,6 +11,8 @@
 #include <map>
 #include <sstream>
 
+#include "particles/case_placement.hpp"
+#include "particles/case_preset.hpp"
 #include "particles/case_scene.hpp"
 #include "particles/error.hpp"
 #include "particles/parameter_table.hpp"
@@ -391,13 +393,13 @@ Case convert(const Setting& settings, const fs::path& folder) {
   return scene;
 }
 
-/// The interaction as the paper has it, in place of what the case says; --set goes on top.
-void apply_preset(Setting& document) {
-  const Setting* preset = document.find("preset");
-  if (!preset || preset->type != Setting::Type::text || preset->text != "paper") return;
-  if (!document.find("fluid") || !document.find("structure")) return;
-  for (const auto& [key, value] : {std::pair{"algorithm", "\"CM0\""}, {"scheme", "\"riemann\""}, {"vem.coefficient", "5.0"}, {"vem.form", "\"seed\""}})
-    apply_override(document, std::string("coupling.") + key, value);
+// Particles across each body, at the spacings of the case.
+std::vector<double> particles_across(const Setting& settings, const fs::path& folder) {
+  const Case scene = convert(settings, folder);
+  std::vector<double> across;
+  for (const StructureBody& body : scene.structure->bodies)
+    across.push_back((scene.dimension == 2 ? thin_section<2>(body) : thin_section<3>(body)) / body.spacing);
+  return across;
 }
 
 }  // namespace
@@ -413,10 +415,17 @@ Case read_case(const std::string& name_or_path, const CaseOptions& options) {
     preset.where = "--preset " + options.preset;
     document.set("preset", std::move(preset));
   }
-  apply_preset(document);
-  for (const auto& [key, value] : options.overrides) apply_override(document, key, value);
-  const Setting settings = complete_settings(document);
-  Case scene = convert(settings, fs::path(file).parent_path());
+  const fs::path folder = fs::path(file).parent_path();
+  const auto with_overrides = [&] {
+    Setting whole = document;
+    for (const auto& [key, value] : options.overrides) apply_override(whole, key, value);
+    return complete_settings(whole);
+  };
+  const std::vector<std::string> changes = apply_preset(document, [&] { return particles_across(with_overrides(), folder); });
+  const Setting settings = with_overrides();
+  Case scene = convert(settings, folder);
+  scene.preset = text(settings, "preset");
+  scene.preset_changes = changes;
   const fs::path absolute = fs::absolute(file).lexically_normal();
   scene.path = absolute.string();
   scene.name =

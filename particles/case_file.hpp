@@ -165,6 +165,8 @@ struct Case {
   std::string title;
   std::string hash;        ///< hexadecimal; of the effective settings (preset and overrides included) and of the motion files
   std::string settings;    ///< the effective settings as JSON text, for run.json
+  std::string preset;      ///< the group of numerical options
+  std::vector<std::string> preset_changes;  ///< what it made of the case, "key = value" each; --set goes on top
   int dimension = 0;
   double end_time = 0;     ///< [s]
   VectorExpression gravity;                ///< [m/s^2] in t, x, y, z

@@ -23,6 +23,7 @@ std::string json_text(const Case& scene) {
     account["fluid"] = {{"energy", fluid_energy_columns()}, {"gauge", gauge_columns(scene, GaugeOwner::fluid)}};
   if (scene.structure)
     account["structure"] = {{"energy", structure_energy_columns(scene)}, {"gauge", gauge_columns(scene, GaugeOwner::structure)}};
+  const Estimate expected = estimate(scene);
   const nlohmann::json json = {{"account", account},
                                {"name", scene.name},
                                {"path", scene.path},
@@ -33,6 +34,8 @@ std::string json_text(const Case& scene) {
                                {"has_fluid", scene.fluid.has_value()},
                                {"has_structure", scene.structure.has_value()},
                                {"settings", nlohmann::json::parse(scene.settings)},
+                               {"preset_changes", scene.preset_changes},
+                               {"expected_cpu_s", expected.fluid_cpu + expected.structure_cpu},
                                {"warnings", scene.warnings}};
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
@@ -52,7 +55,7 @@ int run(int argc, char** argv) {
         ->type_name("");
     command->add_option("--set", overrides, "replace a value of the case, e.g. --set fluid.spacing=0.002")
         ->type_name("KEY=VALUE");
-    command->add_option("--preset", options.preset, "group of numerical options: standard or paper")->type_name("PRESET");
+    command->add_option("--preset", options.preset, "group of numerical options: draft, standard, reference or paper")->type_name("PRESET");
     return command;
   };
   CLI::App* check = add("check", "validate; print particles, step limits, memory and expected time");

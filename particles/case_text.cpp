@@ -53,6 +53,14 @@ std::string origin(const Costs& costs) {
   return costs.measured.empty() ? "typical costs; ./tern measures those of this machine once it is built" : "measured on this machine on " + costs.measured;
 }
 
+// One line per change; nothing for a case as it stands.
+std::string preset_text(const Case& scene) {
+  if (scene.preset_changes.empty()) return "";
+  std::string text = fmt::format("preset {} (its error and cost: docs/TRADE.md; --set goes on top)\n", scene.preset);
+  for (const std::string& change : scene.preset_changes) text += "  " + change + "\n";
+  return text;
+}
+
 }  // namespace
 
 std::string check_text(const Case& scene, const Costs& costs) {
@@ -66,6 +74,7 @@ std::string check_text(const Case& scene, const Costs& costs) {
     text += fmt::format("  {:<16} {} of {} m, {} of them clamped, {:.3g} across; {} surface points\n", body.name,
                         body.particles, spacing, body.clamped, body.thickness / spacing, body.surface_points);
   }
+  text += preset_text(scene);
   text += "step limits\n" + step_limits(scene, e);
   for (const BodyEstimate& body : e.bodies) {
     if (body.added_mass_ratio > 0) {
@@ -202,6 +211,7 @@ std::string explain_text(const Case& scene, const Costs& costs) {
   if (!scene.structure)
     text += "* Elastic bodies: no [structure] in the case, so no structure and no coupler process.\n";
   if (!scene.fluid) text += "* A fluid: no [fluid] in the case, so no fluid and no coupler process.\n";
+  if (const std::string changes = preset_text(scene); !changes.empty()) text += "\nChanged by the " + changes;
   text += "\nWhat binds the step\n" + step_limits(scene, e);
   for (const BodyEstimate& body : e.bodies) {
     if (body.added_mass_ratio <= 0) continue;

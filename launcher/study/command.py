@@ -1,0 +1,166 @@
+"""./tern study: sweeps the knobs of a case, resumes what was begun, and answers which settings to take."""
+
+import json
+import shlex
+import subprocess
+from pathlib import Path
+
+from launcher import build, cases, summary
+from launcher.errors import BAD_INPUT, DONE, INTERRUPTED, LauncherError
+from launcher.study import accuracy, front, knobs, report, rows, sweep
+from plotting import run_files, trade
+
+
+def parse_error(text):
+    """0.05 from "5%", "5 %" or "0.05"."""
+    number = text.strip().removesuffix("%").strip()
+    try:
+        value = float(number) / (100 if text.strip().endswith("%") else 1)
+    except ValueError:
+        value = float("nan")
+    if not 0 < value < float("inf"):
+        raise LauncherError(BAD_INPUT, f"--error {text} is not an error greater than 0; write for example 5% or 0.05.")
+    return value
+
+
+def parse_time(text):
+    """Seconds from "60", "60s", "2min" or "1h"."""
+    units = {"min": 60.0, "s": 1.0, "h": 3600.0}
+    number, factor = text.strip(), 1.0
+    for unit, size in units.items():
+        if number.endswith(unit):
+            number, factor = number.removesuffix(unit), size
+            break
+    try:
+        value = float(number) * factor
+    except ValueError:
+        value = float("nan")
+    if not 0 < value < float("inf"):
+        raise LauncherError(BAD_INPUT, f"--time {text} is not a time greater than 0; write for example 60s, 2min or 1h.")
+    return value
+
+
+def _version(directory):
+    answer = subprocess.run([directory / "tern-case", "--version"], stdout=subprocess.PIPE, text=True, check=False)
+    return answer.stdout.strip().removeprefix("tern-case ")
+
+
+class Study:
+    """One case and the directory its points are in."""
+
+    def __init__(self, arguments):
+        self.wish = {"error": parse_error(arguments.error) if arguments.error else None,
+                     "time_s": parse_time(arguments.time) if arguments.time else None}
+        self.chosen = knobs.select([name for part in arguments.knobs or [] for name in part.split(",") if name])
+        self.budget_s = sweep.check_budget(arguments.budget)
+        self.path = cases.find(arguments.case)
+        self.build = build.ensure("release")
+        self.base_options = [part for setting in arguments.set for part in ("--set", setting)]
+        self.case = cases.read(self.build, self.path, self.base_options)
+        self.name = arguments.case
+        self.settings = self.case["settings"]
+        self.criterion = accuracy.read(self.path.parent, self.case["end_time"], arguments.until)
+        self.out = Path(arguments.out) if arguments.out else Path("runs") / f"study-{self.case['name']}"
+        self.out.mkdir(parents=True, exist_ok=True)
+        self.csv = self.out / "cost_accuracy.csv"
+        self.version, self.keep_versions = _version(self.build), arguments.keep
+        self.scene_knobs = [knob for knob in knobs.KNOBS if knobs.applies(knob, self.settings)]
+        wanted = knobs.points(self.settings, self.chosen, arguments.levels)
+        self.wanted = [knobs.STANDARD, *wanted, knobs.STANDARD_AGAIN]
+        self.rows = self._valid(rows.read(self.csv))
+
+    def _valid(self, found):
+        """The latest row of every point that belongs to this case, end and version."""
+        latest = {}
+        for row in found:
+            if row.base == self.case["hash"] and abs(row.end_time_s - self.criterion.until) < 1e-9 and (
+                    self.keep_versions or row.version == self.version):
+                latest[(row.point, row.options)] = self._judged(row)
+        return list(latest.values())
+
+    def _judged(self, row):
+        """The row with the error over the quantities that count now; study.toml may have changed."""
+        names = {quantity["name"] for quantity in self.criterion.quantities}
+        if names <= set(row.quantities):
+            row.quantities = {name: value for name, value in row.quantities.items() if name in names}
+            row.error = accuracy.root_mean_square(row.quantities.values())
+        return row
+
+    def columns(self):
+        cells = sweep.effective_cells(self.settings, self.scene_knobs)
+        return rows.header([quantity["name"] for quantity in self.criterion.quantities], cells)
+
+    def keep(self, row):
+        """Takes a finished point into the table, at once."""
+        row.base, row.version = self.case["hash"], self.version
+        self.rows.append(row)
+        rows.append(self.csv, row, self.columns())
+        shown = f"error {report.percent(row.error)}, CPU {report.seconds(row.cpu_s)}" if row.done else f"{row.status}: {row.cause}"
+        print(f"tern: {row.point}: {shown}", flush=True)
+
+    def run(self):
+        """Runs what is missing; returns (points left out for the budget, whether it was interrupted)."""
+        known = {(row.point, row.options) for row in self.rows}
+        missing = [point for point in self.wanted if (point.name, shlex.join(point.options)) not in known]
+        planned = sweep.plan(self.build, self.path, self.base_options, [knobs.STANDARD, *(point for point in missing if point != knobs.STANDARD)])
+        standard = next(one for one in planned if one.point == knobs.STANDARD)
+        work = sweep.Sweep(self.path, self.base_options, self.out, self.criterion, self.scene_knobs)
+        if knobs.STANDARD not in missing:
+            planned.remove(standard)
+            done = front.find(self.rows, "standard")
+            if done:
+                work.measured_before(standard.expected_s, done.wall_s)
+        if not [one for one in planned if one.point != knobs.STANDARD_AGAIN]:
+            planned = [one for one in planned if not front.find(self.rows, front.REPEATED)]
+        left_out = []
+        try:
+            left_out = sweep.run_all(work, planned, self.budget_s, self.keep)
+        except KeyboardInterrupt:
+            return left_out, True
+        return left_out, False
+
+    def fill_distances(self):
+        """Distances between the runs, which are known only when the finest is."""
+        tables = {row.point: self._table(row) for row in self.rows if row.done}
+        best = front.finest(self.rows)
+        targets = {row.point: {"distance_to_finest": best and best.point, "distance_to_standard": "standard"} for row in self.rows}
+        for knob in (knob.key for knob in self.scene_knobs if knob.refines):
+            entries = front.family(self.rows, knob)
+            for _, row in entries:
+                if row.knob == knob:
+                    targets[row.point]["distance_in_knob"] = entries[-1][1].point
+        for row in self.rows:
+            for name, target in targets[row.point].items():
+                known = tables.get(row.point) and tables.get(target)
+                setattr(row, name, accuracy.distance(tables[row.point], tables[target], self.criterion.curves) if known else None)
+        if best and (coarser := front.next_finest(self.rows)):
+            for row in self.rows:
+                if row.distance_to_finest == 0:  # the finest, which is not exact: this is what it may be off
+                    row.distance_to_finest = coarser.distance_to_finest
+        rows.write(self.csv, self.rows, self.columns())
+
+    def _table(self, row):
+        path = self.out / "points" / row.point / "gauges.csv"
+        return run_files.read_table(path) if path.is_file() else {}
+
+
+def _left_out_sentence(left_out):
+    names = ", ".join(one.point.name for one in left_out)
+    return f"tern: left out, not expected to fit the budget: {names}. Start the same command again to go on." if left_out else ""
+
+
+def study(arguments):
+    """Runs the study (or only answers from it); returns the exit code."""
+    one = Study(arguments)
+    asked = any(value is not None for value in one.wish.values())
+    left_out, interrupted = ([], False) if asked and front.measured(one.rows) else one.run()
+    one.fill_distances()
+    (one.out / "study.md").write_text(report.text(one.case["name"], one.rows, left_out, one.criterion.left_out), encoding="utf-8")
+    trade.picture(one.case["name"], one.rows, one.out / "trade.png")
+    if asked:
+        print(report.answer(one.name, one.rows, **one.wish, base_options=shlex.join(one.base_options)))
+    if left_out:
+        print(_left_out_sentence(left_out))
+    print(f"tern: {sum(row.done for row in one.rows)} of {len(one.rows)} points finished; {summary.shown(one.out)}: study.md, trade.png, "
+          "cost_accuracy.csv")
+    return INTERRUPTED if interrupted else DONE

@@ -1,0 +1,167 @@
+"""docs/TRADE.md, its picture, and the table in README.md, from the tables in docs/trade."""
+
+import shutil
+from pathlib import Path
+
+from launcher import cases
+from launcher.build import ROOT
+from launcher.errors import BAD_INPUT, DONE, LauncherError
+from launcher.study import front, report, rows
+from launcher.study.knobs import KNOBS
+from plotting import trade
+
+BEGIN, END = "<!-- trade: written by ./tern study --write-docs -->", "<!-- trade: end -->"
+ERRORS = (0.05, 0.02, 0.01, 0.005, 0.002)
+
+INTRODUCTION = """# What accuracy costs
+
+Written by `./tern study --write-docs` from `docs/trade/*.csv`, each the `cost_accuracy.csv` of `./tern study CASE`; do not edit.
+
+Every knob is turned by itself around the case as it stands; runs are done one at a time. *Error*: root mean square of (value - reference) over
+its scale, over the quantities that the case's `study.toml` names. It has a floor where the reference is another code or an experiment: then it says little
+below a few per cent, and *from the finest* says more: the distance of all gauges' curves from the run with the smallest spacings, root mean square over the gauges of
+the L2 distance over time over the largest magnitude. *Moves the curves by* is the same distance from the case as it stands: what the knob alone does. CPU times are those of a shared machine with other
+work beside it; each scene says how far two runs of the same differ, and a speed-up of 0.8 to 1.2 may be noise. Steps and pressure iterations are free of that.
+"""
+
+
+def read_all():
+    """{case: rows} of docs/trade."""
+    tables = {path.stem: rows.read(path) for path in sorted((ROOT / "docs" / "trade").glob("*.csv"))}
+    if not tables:
+        raise LauncherError(BAD_INPUT, "docs/trade holds no table; measure one first: ./tern study CASE, then ./tern study CASE --write-docs.")
+    return tables
+
+
+def _preset_error(row, found):
+    """Error and distance from the finest run; of a run that others are measured by, how far it can be trusted."""
+    best = front.finest(found)
+    if row is None:
+        return "did not end"
+    if row.error is None and front.spacings(row) == front.spacings(best) and row.distance_to_finest == best.distance_to_finest:
+        return f"what the others are held to, ± {report.percent(row.distance_to_finest)}"
+    return f"{report.percent(front.error_of(row))} ({report.percent(row.distance_to_finest)})"
+
+
+def preset_table(tables):
+    """One line per scene: error and cost of the three presets."""
+    lines = []
+    for case, found in tables.items():
+        cost, scatter = front.standard_cost(found)
+        cells = [f"`{case}`"]
+        for name in report.PRESETS:
+            row = front.find(found, name)
+            cells.append(_preset_error(row, found))
+            spent = cost if name == "standard" else row and row.cpu_s
+            cells.append("" if not spent else f"{report.seconds(spent)}" + (f" ± {50 * scatter:.0f} %" if name == "standard" else f" ({spent / cost:.2g} x)"))
+        lines.append(cells)
+    head = ["scene"] + [cell for name in report.PRESETS for cell in (f"{name}: error (from the finest)", "CPU")]
+    return report.table(head, lines)
+
+
+def wish_table(tables):
+    """The cheapest measured settings for a wanted error, per scene."""
+    lines = []
+    for case, found in tables.items():
+        best = None
+        for wanted in ERRORS:
+            row, met = front.best_for_error(found, wanted)
+            if met and row is not best:
+                best = row
+                lines.append([f"`{case}`", report.percent(wanted), report.options_of(row), report.percent(front.error_of(row)),
+                              report.percent(row.distance_to_finest), report.seconds(row.cpu_s)])
+    return report.table(["scene", "for an error of", "take", "error", "from the finest", "CPU"], lines)
+
+
+def _value(row, standard):
+    """The value as a factor of the standard's where it is one, so that scenes can be compared."""
+    knob = next((knob for knob in KNOBS if knob.key == row.knob), None)
+    if knob and knob.scaled and row.knob != "spacing":
+        name = f"{knob.key}_{knob.unit}" if knob.unit else knob.key
+        return f"{float(row.settings[name]) / float(standard.settings[name]):.3g} x" + (f" (with {', '.join(knob.with_)})" if knob.with_ else "")
+    return row.value + (f" (with {', '.join(knob.with_)})" if knob and knob.with_ else "")
+
+
+def _span(values, form):
+    """`a .. b`, or one value; a dash for none."""
+    values = [value for value in values if value is not None]
+    if not values:
+        return "-"
+    low, high = form(min(values)), form(max(values))
+    return low if low == high else f"{low} .. {high}"
+
+
+def knob_summary(tables):
+    """Every value of every knob over all scenes that have it."""
+    entries = {}
+    for found in tables.values():
+        cost, _ = front.standard_cost(found)
+        standard = front.find(found, "standard")
+        for row in found:
+            if row.knob and row.knob != "preset" and standard:
+                label = _value(row, standard) if row.done else row.value
+                entries.setdefault((row.knob, label), []).append((row, cost, standard))
+    order = {knob.key: number for number, knob in enumerate(KNOBS)}
+    lines = []
+    for (knob, value), found in sorted(entries.items(), key=lambda entry: order.get(entry[0][0], 99)):
+        done = [(row, cost, standard) for row, cost, standard in found if row.done]
+        added = [row.error - standard.error for row, _, standard in done if row.error is not None and standard.error is not None]
+        lines.append([f"`{knob}`", value, _span([cost / row.cpu_s for row, cost, _ in done], lambda x: f"{x:.2g}"),
+                      _span(added, report.points), _span([row.distance_to_standard for row, _, _ in done], lambda x: f"{100 * x:.2g} %"),
+                      f"{len(done)}" + (f", {len(found) - len(done)} did not end" if len(done) < len(found) else "")])
+    return report.table(["knob", "value", "speed-up", "error added", "moves the curves by", "scenes"], lines)
+
+
+def _case_section(case, found):
+    cost, scatter = front.standard_cost(found)
+    end = next((row.end_time_s for row in found), 0.0)
+    versions = ", ".join(sorted({row.version for row in found}))
+    parts = [f"## {case}", "", f"`./tern study {case}`, {versions}, to t = {end:g} s. The case as it stands takes {report.seconds(cost)} of CPU; its runs "
+             f"at begin and end differ by {report.percent(scatter)}. {report.finest_sentence(found)}", "", report.quantity_lines(found), "",
+             "The front:", "", report.front_table(found), "", "Observed orders:", "", report.order_lines(found), "", "Knobs:", "", report.knob_table(found), ""]
+    if report.failures(found):
+        parts += ["Did not end:", "", report.failures(found), ""]
+    return "\n".join(parts)
+
+
+def trade_text(tables):
+    """docs/TRADE.md."""
+    return "\n".join([INTRODUCTION, "![Error against CPU time](pictures/trade.png)", "", "## The presets", "", _presets_words(), "", preset_table(tables), "",
+                      "## Which settings for which error", "", wish_table(tables), "", "## The knobs, over all scenes", "", knob_summary(tables), "",
+                      *(_case_section(case, found) for case, found in tables.items())])
+
+
+def _presets_words():
+    return (ROOT / "docs" / "trade" / "presets.md").read_text(encoding="utf-8").strip()
+
+
+def readme_block(tables):
+    """What stands between the markers of README.md."""
+    return f"{BEGIN}\n{preset_table(tables)}\n{END}"
+
+
+def replace_block(text, block):
+    """`text` with what is between the markers replaced; LauncherError without them."""
+    before, begin, rest = text.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not begin or not end:
+        raise LauncherError(BAD_INPUT, f"README.md has no lines {BEGIN} and {END}; put them where the table belongs.")
+    return before + block + after
+
+
+def write(arguments):
+    """./tern study [CASE] --write-docs: takes over the table of CASE, and writes all documents; returns the exit code."""
+    if arguments.case:
+        name = cases.find(arguments.case).parent.name
+        source = (Path(arguments.out) if arguments.out else Path("runs") / f"study-{name}") / "cost_accuracy.csv"
+        if not source.is_file():
+            raise LauncherError(BAD_INPUT, f"{source} does not exist; measure it first: ./tern study {arguments.case}.")
+        (ROOT / "docs" / "trade").mkdir(exist_ok=True)
+        shutil.copyfile(source, ROOT / "docs" / "trade" / f"{name}.csv")
+    tables = read_all()
+    (ROOT / "docs" / "TRADE.md").write_text(trade_text(tables) + "\n", encoding="utf-8")
+    readme = ROOT / "README.md"
+    readme.write_text(replace_block(readme.read_text(encoding="utf-8"), readme_block(tables)), encoding="utf-8")
+    trade.panels(tables, ROOT / "docs" / "pictures" / "trade.png")
+    print(f"tern: docs/TRADE.md, docs/pictures/trade.png and README.md written from {', '.join(tables)}.")
+    return DONE
