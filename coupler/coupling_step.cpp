@@ -24,6 +24,9 @@ constexpr double lightest_of_one_pass = 0.5;
 /// Mass with which a light surface yields in the pressure equation of CM3, in layers of fluid particles. From 2 to 12 it makes
 /// no difference to the number of trials.
 constexpr double robin_layers = 5;
+/// Amplitude of an alternating load from which it counts, by how far it moves a layer of fluid particles in a window, over their
+/// spacing.
+constexpr double least_alternation = 1e-3;
 
 }  // namespace
 
@@ -40,7 +43,7 @@ DissipativeLoad<D> CouplingStep<D>::dissipative_load(double begin, double durati
     trial_load_ = load_;
   else
     trial_load_.force.assign(surface.position.size(), Vector<D>::Zero());
-  if (algorithm_ == CouplingAlgorithm::cm3) fixed_point_.begin_window(largest_gain());
+  if (algorithm_ == CouplingAlgorithm::cm3) fixed_point_.begin_window(largest_gain(), begin_);
   dissipative_.surface_velocity.clear();
   add_known_forces();
   return dissipative_;
@@ -84,6 +87,7 @@ BandForce<D> CouplingStep<D>::interface_force(const BandPressure<D>& pressure) {
   add_pressure(pressure);
   settle_contacts(pressure);
   check_balance();
+  check_alternation();
   return band_force_;
 }
 
@@ -107,7 +111,11 @@ CouplingStep<D>::CouplingStep(const Case& scene, const SurfaceProperties& proper
       kernel_(smoothing_length_),
       fixed_point_(coupling_.acceleration, coupling_.tolerance),
       pairs_(smoothing_length_, scene.fluid->spacing) {
-  for (const StructureBody& body : scene.structure->bodies) body_density_.push_back(body.density);
+  for (const StructureBody& body : scene.structure->bodies) {
+    body_density_.push_back(body.density);
+    body_name_.push_back(body.name);
+  }
+  alternation_.resize(body_density_.size());
   if (algorithm_ == CouplingAlgorithm::automatic) {
     algorithm_ = CouplingAlgorithm::cm2;
     for (std::size_t b = 0; b < body_density_.size(); ++b)
@@ -268,6 +276,39 @@ void CouplingStep<D>::check_balance() {
   if (size > 0) {
     audit_.force_error = force.norm() / size;
     audit_.moment_error = moment_size > 0 ? moment.norm() / moment_size : 0;
+  }
+}
+
+template <int D>
+void CouplingStep<D>::check_alternation() {
+  const double unit = least_alternation * density_ * spacing_ * spacing_ / (duration_ * duration_);  // Pa
+  for (std::size_t b = 0; b < alternation_.size(); ++b) {
+    SurfaceLoad<D> own;
+    std::vector<std::size_t> point;
+    double area = 0;
+    for (std::size_t k = 0; k < load_.force.size(); ++k) {
+      if (properties_.body[k] != b) continue;
+      own.force.push_back(load_.force[k]);
+      point.push_back(k);
+      area += surface_.area[k] * surface_.area[k];
+    }
+    LoadAlternation& alternation = alternation_[b];
+    if (!alternation.add(flat(own), unit * std::sqrt(area))) continue;
+    std::size_t worst = 0;
+    const auto size = [&](std::size_t m) { return alternation.kink().template segment<D>(D * static_cast<Eigen::Index>(m)).norm(); };
+    for (std::size_t m = 1; m < point.size(); ++m)
+      if (size(m) > size(worst)) worst = m;
+    std::string place;
+    for (int c = 0; c < D; ++c) place += fmt::format("{}{:.5g}", c ? ", " : "", surface_.position[point[worst]][c]);
+    throw NumericalFailure(fmt::format(
+        "The load on body '{}' turns round from window to window at t = {:.6g} s: for {} windows it has been pushed and pulled in turns, "
+        "by {:.3g} N/m^{} (norm over its surface points) about a mean of {:.3g}, which is the limit; most near ({}) m. The coupling "
+        "makes this load, {}.",
+        body_name_[b], begin_ + duration_, LoadAlternation::reversals + 1, alternation.amplitude(), 3 - D, alternation.mean(), place,
+        algorithm_ == CouplingAlgorithm::cm0   ? "as explicit staggering of a light body does: use coupling.algorithm = \"CM2\" or \"CM3\""
+        : algorithm_ == CouplingAlgorithm::cm2 ? "the body is too light for one pass: use coupling.algorithm = \"CM3\""
+                                               : "the windows are too long for a body as light and stiff as this: use a smaller "
+                                                 "fluid.numerics.gravity_courant and courant, or a heavier or thicker body"));
   }
 }
 

@@ -2,10 +2,12 @@
 // The interaction of one window: from the trial surface and the fluid band to forces on both sides.
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "coupler/fixed_point.hpp"
 #include "coupler/interface_pairs.hpp"
+#include "coupler/load_alternation.hpp"
 #include "particles/case_file.hpp"
 #include "particles/interface.hpp"
 
@@ -39,7 +41,7 @@ class CouplingStep {
   const SurfaceLoad<D>* next_trial(const BandPressure<D>& pressure);
 
   /// Last exchange: pressure and contact forces, and the load of the structure (everything). Throws NumericalFailure
-  /// when a force is not finite.
+  /// when a force is not finite, and when a load turns round from window to window.
   BandForce<D> interface_force(const BandPressure<D>& pressure);
 
   /// Load on the structure over this window; valid after interface_force().
@@ -63,6 +65,7 @@ class CouplingStep {
   void add_pressure(const BandPressure<D>& pressure);
   void settle_contacts(const BandPressure<D>& pressure);
   void check_balance();
+  void check_alternation();
 
   static Eigen::VectorXd flat(const SurfaceLoad<D>& load);
 
@@ -76,6 +79,7 @@ class CouplingStep {
   CouplingAlgorithm algorithm_;  ///< not automatic
   double density_, spacing_, smoothing_length_, contact_distance_;
   std::vector<double> body_density_;
+  std::vector<std::string> body_name_;
   VectorExpression gravity_;
   SurfaceProperties properties_;
   Kernel<D> kernel_;
@@ -89,6 +93,7 @@ class CouplingStep {
   DissipativeLoad<D> dissipative_;
   BandForce<D> band_force_;
   WindowAudit audit_;
+  std::vector<LoadAlternation> alternation_;  ///< by body
 };
 
 }  // namespace tern::coupler

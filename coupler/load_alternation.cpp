@@ -1,0 +1,30 @@
+#include "coupler/load_alternation.hpp"
+
+#include <utility>
+
+namespace tern::coupler {
+namespace {
+
+constexpr double opposite = -0.9;  ///< cosine of the angle between two kinks; white noise of many points has -2/3
+
+}  // namespace
+
+bool LoadAlternation::add(const Eigen::VectorXd& load, double least) {
+  if (last_.size() != load.size()) {
+    last_ = load;
+    return false;
+  }
+  const Eigen::VectorXd change = load - last_;
+  mean_ = (load + last_).norm() / 2;
+  last_ = load;
+  const Eigen::VectorXd before = std::exchange(change_, change);
+  if (before.size() == 0) return false;
+  const Eigen::VectorXd kink = change - before, kink_before = std::exchange(kink_, kink);
+  if (kink_before.size() > 0 && !(kink.dot(kink_before) < opposite * kink.norm() * kink_before.norm())) amplitudes_.clear();
+  amplitudes_.push_back(amplitude());
+  if (amplitudes_.size() > reversals + 1) amplitudes_.pop_front();
+  return amplitudes_.size() == reversals + 1 && amplitudes_.back() >= amplitudes_.front() && amplitudes_.back() > mean_ &&
+         amplitudes_.back() >= least;
+}
+
+}  // namespace tern::coupler
