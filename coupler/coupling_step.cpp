@@ -106,6 +106,7 @@ CouplingStep<D>::CouplingStep(const Case& scene, const SurfaceProperties& proper
       spacing_(scene.fluid->spacing),
       smoothing_length_(scene.fluid->numerics.smoothing_length_ratio * scene.fluid->spacing),
       contact_distance_(scene.fluid->numerics.contact_distance * scene.fluid->spacing),
+      courant_(scene.fluid->numerics.courant),
       gravity_(scene.gravity),
       properties_(properties),
       kernel_(smoothing_length_),
@@ -301,15 +302,28 @@ void CouplingStep<D>::check_alternation() {
     std::string place;
     for (int c = 0; c < D; ++c) place += fmt::format("{}{:.5g}", c ? ", " : "", surface_.position[point[worst]][c]);
     throw NumericalFailure(fmt::format(
-        "The load on body '{}' turns round from window to window at t = {:.6g} s: for {} windows it has been pushed and pulled in turns, "
-        "by {:.3g} N/m^{} (norm over its surface points) about a mean of {:.3g}, which is the limit; most near ({}) m. The coupling "
-        "makes this load, {}.",
-        body_name_[b], begin_ + duration_, LoadAlternation::reversals + 1, alternation.amplitude(), 3 - D, alternation.mean(), place,
-        algorithm_ == CouplingAlgorithm::cm0   ? "as explicit staggering of a light body does: use coupling.algorithm = \"CM2\" or \"CM3\""
-        : algorithm_ == CouplingAlgorithm::cm2 ? "the body is too light for one pass: use coupling.algorithm = \"CM3\""
-                                               : "the windows are too long for a body as light and stiff as this: use a smaller "
-                                                 "fluid.numerics.gravity_courant and courant, or a heavier or thicker body"));
+        "The load on body '{}' turns round from window to window at t = {:.6g} s: by {:.3g} N/m^{} (norm over its surface points) "
+        "about a mean of {:.3g}, most near ({}) m, and without dying out; the limit is the mean, or a tenth of it when it grows by half every "
+        "{} windows. The coupling makes this load: {}.",
+        body_name_[b], begin_ + duration_, alternation.amplitude(), 3 - D, alternation.mean(), place, LoadAlternation::reversals, remedy()));
   }
+}
+
+template <int D>
+const char* CouplingStep<D>::remedy() const {
+  if (algorithm_ == CouplingAlgorithm::cm0)
+    return "explicit staggering of a body that is light for its fluid is unstable, use coupling.algorithm = \"CM2\" or \"CM3\"";
+  if (algorithm_ == CouplingAlgorithm::cm2) return "the body is too light for one pass, use coupling.algorithm = \"CM3\"";
+  return "the windows are too long for a body as light as this, use a smaller fluid.numerics.gravity_courant and courant, or a "
+         "heavier or thicker body";
+}
+
+template <int D>
+double CouplingStep<D>::energy_of_layer() const {
+  double area = 0;
+  for (double a : surface_.area) area += a;
+  const double speed = duration_ > 0 ? 0.5 * courant_ * spacing_ / duration_ : 0;
+  return 0.5 * density_ * spacing_ * area * speed * speed;
 }
 
 template <int D>

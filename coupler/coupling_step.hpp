@@ -50,6 +50,11 @@ class CouplingStep {
   CouplingAlgorithm algorithm() const { return algorithm_; }
   /// CM3: how the trials of this window went.
   const FixedPoint& trials() const { return fixed_point_; }
+  /// Kinetic energy of a layer of fluid particles on the whole surface at half the speed that the window is made for
+  /// (fluid.numerics.courant): less than this is no matter [J/m^(3-D)].
+  double energy_of_layer() const;
+  /// What to change when the coupling itself fails.
+  const char* remedy() const;
   /// Total load on one body in this window [N/m^(3-D)].
   Vector<D> total_load(std::uint32_t body) const;
 
@@ -77,7 +82,7 @@ class CouplingStep {
 
   CouplingCase coupling_;
   CouplingAlgorithm algorithm_;  ///< not automatic
-  double density_, spacing_, smoothing_length_, contact_distance_;
+  double density_, spacing_, smoothing_length_, contact_distance_, courant_;
   std::vector<double> body_density_;
   std::vector<std::string> body_name_;
   VectorExpression gravity_;

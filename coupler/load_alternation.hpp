@@ -14,8 +14,9 @@ namespace tern::coupler {
 
 class LoadAlternation {
  public:
-  /// Takes note of the load of a window. True when each of the last five kinks was nearly opposite to the one before and the
-  /// amplitude has not fallen since, exceeds the mean load and is at least `least` (in the unit of the load).
+  /// Takes note of the load of a window. True when each of the last five kinks was nearly opposite to the one before, and the amplitude
+  /// has not fallen since and exceeds the mean load; or when nine were, and it has grown by half every four windows and exceeds a tenth of
+  /// the mean load. In either case it is at least `least` (in the unit of the load).
   bool add(const Eigen::VectorXd& load, double least);
 
   double amplitude() const { return kink_.norm() / 4; }  ///< |A| of the last window
@@ -25,7 +26,7 @@ class LoadAlternation {
 
  private:
   Eigen::VectorXd last_, change_, kink_;
-  std::deque<double> amplitudes_;  ///< since the load began to turn round in every window, at most reversals + 1
+  std::deque<double> amplitudes_;  ///< since the load began to turn round in every window, at most 2 reversals + 1
   double mean_ = 0;
 };
 

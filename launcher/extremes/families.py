@@ -64,7 +64,7 @@ def steps():
                    f"fluid.numerics.courant={value}")
     for value in (0.025, 0.1, 0.2, 0.35, 0.5, 0.6):
         yield _set(scenes.plate("steps", f"plate under water, gravity_courant {value}", row="fluid.gravity_courant", column=str(value),
-                                until=0.2), f"fluid.numerics.gravity_courant={value}", f"fluid.numerics.courant={min(value * 1.5, 0.5)}")
+                                until=0.2, tail=0.4 * value), f"fluid.numerics.gravity_courant={value}", f"fluid.numerics.courant={min(value * 1.5, 0.5)}")
     for value in (0.1, 0.3, 0.6, 0.7):
         yield _set(scenes.plate("steps", f"plate under water, explicit, structure courant {value}", row="structure.courant", column=str(value)),
                    f"structure.numerics.courant={value}", "structure.numerics.integrator=explicit")
@@ -130,7 +130,7 @@ def pairs():
     yield _set(scenes.plate("pairs", "light and loosely solved: density ratio 0.1, tolerance 1e-2", ratio=0.1, row="light, loose"),
                "fluid.numerics.pressure_tolerance=1e-2")
     # The longest windows with the lightest plate: most motions of the plate are not resolved.
-    yield _set(scenes.plate("pairs", "light and long steps: density ratio 0.1, gravity_courant 0.3", ratio=0.1, row="light, long steps"),
+    yield _set(scenes.plate("pairs", "light and long steps: density ratio 0.1, gravity_courant 0.3", ratio=0.1, tail=0.12, row="light, long steps"),
                "fluid.numerics.gravity_courant=0.3")
     # Nearly incompressible on both sides, and thin.
     yield scenes.plate("pairs", "thin and incompressible: two across, Poisson's ratio 0.4999", layers=2, nu=0.4999, row="thin, incompressible")
@@ -184,7 +184,7 @@ def boundaries():
         return make
 
     def gravity_courant(value):
-        return _set(scenes.plate("boundary", f"plate under water, windows of {value:.4g} sqrt(dx/g)", until=0.2),
+        return _set(scenes.plate("boundary", f"plate under water, windows of {value:.4g} sqrt(dx/g)", until=0.2, tail=0.4 * value),
                     f"fluid.numerics.gravity_courant={value:.6g}", "fluid.numerics.courant=0.5")
 
     def squeeze(left):

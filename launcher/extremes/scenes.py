@@ -36,9 +36,10 @@ _LOAD = '[[gauge]]\nkind = "interface_force"\nname = "load"\nbody = "plate"\n'
 
 
 def plate(family, name, *, ratio=1.0, layers=4, modulus=1e7, faces=2, nu=0.3, spacing=PLATE_SPACING, thickness=None, gravity=SLOSH,
-          sealed=False, until=0.1, velocity=None, **more):
+          sealed=False, until=0.1, tail=0.04, velocity=None, **more):
     """A tank of 0.24 m with 0.16 m of water. One wet face: the plate is its floor, clamped at both sides. Two: it stands in the
-    middle, 0.08 m high, clamped at its foot. Water and plate start at rest, the plate unloaded."""
+    middle, 0.08 m high, clamped at its foot. Water and plate start at rest, the plate unloaded. The run goes on for a `tail`: windows are stretched to
+    meet its end, and a change of their length shows vibrations that it strobes otherwise."""
     thickness = thickness or layers * spacing
     height = DEPTH if sealed else 2 * DEPTH
     open_faces = () if sealed else ("y_max",)
@@ -54,7 +55,7 @@ def plate(family, name, *, ratio=1.0, layers=4, modulus=1e7, faces=2, nu=0.3, sp
         water = [_box(middle + thickness, 0, WIDTH, top), _box(0, top, WIDTH, DEPTH), _box(0, 0, middle, top)]
         shape = (middle, -4 * spacing, middle + thickness, top)
         clamps = [_box(-1, -1, 1, 0)]
-    case = (_head("Plate in a tank that is tilted", 1.2 * until, gravity, (-1, -1, 1, 1)) + tank + _water(water, FLUID_SPACING, velocity)
+    case = (_head("Plate in a tank that is tilted", until + tail, gravity, (-1, -1, 1, 1)) + tank + _water(water, FLUID_SPACING, velocity)
             + _body(_box(*shape), spacing, ratio * WATER, modulus, nu, clamps) + _LOAD + _EVERY_WINDOW)
     mass = ratio * WATER * (shape[2] - shape[0]) * (shape[3] - shape[1])
     length = WIDTH if faces == 1 else DEPTH
