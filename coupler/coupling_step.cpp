@@ -319,11 +319,16 @@ const char* CouplingStep<D>::remedy() const {
 }
 
 template <int D>
-double CouplingStep<D>::energy_of_layer() const {
+void CouplingStep<D>::check_energy(double time, double total, double present) {
+  // Less than a layer of fluid particles on the surface has at half the speed that the window is made for is no matter.
   double area = 0;
   for (double a : surface_.area) area += a;
   const double speed = duration_ > 0 ? 0.5 * courant_ * spacing_ / duration_ : 0;
-  return 0.5 * density_ * spacing_ * area * speed * speed;
+  if (!energy_.add(total, present, 0.5 * density_ * spacing_ * area * speed * speed)) return;
+  throw NumericalFailure(fmt::format(
+      "The interface has made {:.3g} J/m^{} in the last {} windows up to t = {:.6g} s, of {:.3g} that are present as motion and strain; "
+      "the limit is {:g} of it. The fluid sees another motion of the bodies' surface than they make: {}.",
+      energy_.made(), 3 - D, InterfaceEnergy::windows, time, present, InterfaceEnergy::share, remedy()));
 }
 
 template <int D>

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "coupler/fixed_point.hpp"
+#include "coupler/interface_energy.hpp"
 #include "coupler/interface_pairs.hpp"
 #include "coupler/load_alternation.hpp"
 #include "particles/case_file.hpp"
@@ -50,11 +51,9 @@ class CouplingStep {
   CouplingAlgorithm algorithm() const { return algorithm_; }
   /// CM3: how the trials of this window went.
   const FixedPoint& trials() const { return fixed_point_; }
-  /// Kinetic energy of a layer of fluid particles on the whole surface at half the speed that the window is made for
-  /// (fluid.numerics.courant): less than this is no matter [J/m^(3-D)].
-  double energy_of_layer() const;
-  /// What to change when the coupling itself fails.
-  const char* remedy() const;
+  /// At the end of a window: `total`, kinetic and potential energy of the fluid and the work of the interface on the structure since the
+  /// start; `present`, kinetic and strain energy of both sides [J/m^(3-D)]. Throws NumericalFailure when the interface makes energy.
+  void check_energy(double time, double total, double present);
   /// Total load on one body in this window [N/m^(3-D)].
   Vector<D> total_load(std::uint32_t body) const;
 
@@ -71,6 +70,9 @@ class CouplingStep {
   void settle_contacts(const BandPressure<D>& pressure);
   void check_balance();
   void check_alternation();
+
+  /// What to change when the coupling itself fails.
+  const char* remedy() const;
 
   static Eigen::VectorXd flat(const SurfaceLoad<D>& load);
 
@@ -98,6 +100,7 @@ class CouplingStep {
   DissipativeLoad<D> dissipative_;
   BandForce<D> band_force_;
   WindowAudit audit_;
+  InterfaceEnergy energy_;
   std::vector<LoadAlternation> alternation_;  ///< by body
 };
 

@@ -1,5 +1,6 @@
 #include "coupler/load_alternation.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace tern::coupler {
@@ -27,7 +28,7 @@ bool LoadAlternation::add(const Eigen::VectorXd& load, double least) {
   const double now = amplitudes_.back();
   if (amplitudes_.size() <= reversals || now < least) return false;
   const double before_them = amplitudes_[amplitudes_.size() - 1 - reversals];
-  if (now >= before_them && now > mean_) return true;
+  if (now > mean_ && now >= *std::max_element(amplitudes_.end() - 1 - reversals, amplitudes_.end())) return true;
   return amplitudes_.size() > 2 * reversals && before_them >= growth * amplitudes_.front() && now >= growth * before_them && now > tenth * mean_;
 }
 

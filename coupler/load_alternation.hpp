@@ -15,7 +15,7 @@ namespace tern::coupler {
 class LoadAlternation {
  public:
   /// Takes note of the load of a window. True when each of the last five kinks was nearly opposite to the one before, and the amplitude
-  /// has not fallen since and exceeds the mean load; or when nine were, and it has grown by half every four windows and exceeds a tenth of
+  /// is the largest of them and exceeds the mean load; or when nine were, and it has grown by half every four windows and exceeds a tenth of
   /// the mean load. In either case it is at least `least` (in the unit of the load).
   bool add(const Eigen::VectorXd& load, double least);
 

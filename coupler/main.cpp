@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "coupler/added_mass.hpp"
-#include "coupler/interface_energy.hpp"
 #include "coupler/remote_participants.hpp"
 #include "particles/command_line.hpp"
 #include "particles/error.hpp"
@@ -114,7 +113,6 @@ void run(const CommandLine& command, const Case& scene, RunReport& report) {
     channel.welcome(static_cast<std::uint32_t>(properties.body.size()));
 
     Totals totals;
-    coupler::InterfaceEnergy interface_energy;
     const bool walls_move = std::any_of(scene.walls.begin(), scene.walls.end(), [](const WallCase& wall) { return wall.motion.has_value(); });
     StepControl control;
     const Ticks end = to_ticks(scene.end_time);
@@ -146,12 +144,7 @@ void run(const CommandLine& command, const Case& scene, RunReport& report) {
       // foreign participant may not keep an account.
       const double present = fluid_energies[0] + structure_energies[0] + structure_energies[1];
       if (walls_move || fluid_energies[0] == 0 || work == 0) return;
-      if (interface_energy.add(fluid_energies[0] + fluid_energies[1] + work, present, step.energy_of_layer()))
-        throw NumericalFailure(fmt::format(
-            "The interface has made {:.3g} J/m^{} in the last {} windows up to t = {:.6g} s, of {:.3g} that are present as motion and strain; "
-            "the limit is {:g} of it. The fluid sees another motion of the bodies' surface than they make: {}.",
-            interface_energy.made(), 3 - D, coupler::InterfaceEnergy::windows, seconds(now), present, coupler::InterfaceEnergy::share,
-            step.remedy()));
+      step.check_energy(seconds(now), fluid_energies[0] + fluid_energies[1] + work, present);
     };
     Ticks now = 0;
     coupler::RemoteParticipants<D> participants(channel, [&](const wire::Account& account) { record(now, account); });

@@ -200,6 +200,13 @@ class PlacementCheck {
                          "spacing of at most {:.3g} m.",
                          body.name, across, body.spacing, across * body.spacing / 2));
       }
+      // Its faces are sums over patches as long as its spacing: at 2.5 spacings of the fluid a tank loses 1.4 % of its volume, at 4 7 %.
+      if (scene_.fluid && body.spacing > 2 * scene_.fluid->spacing * (1 + 1e-9)) {
+        fail(where_body(i),
+             fmt::format("the spacing of '{}' is {} m, but may be at most twice fluid.spacing ({} m), or its faces are too coarse for the fluid; "
+                         "use a spacing of at most {:.3g} m, or a larger fluid.spacing.",
+                         body.name, body.spacing, scene_.fluid->spacing, 2 * scene_.fluid->spacing));
+      }
       if (across < 4 - 1e-6) {
         scene_.warnings.push_back(
             fmt::format("{}: '{}' is {:.3g} particles across; its bending stiffness is off by 6 % with 3 and by 29 % "

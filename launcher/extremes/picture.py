@@ -12,17 +12,25 @@ from launcher.extremes import families  # noqa: E402
 COLOURS = {"bounded": "#56b4e9", "stopped": "#e69f00", "wrong": "#d00000"}  # told apart with any colour vision
 
 
+def _number(name):
+    """The order of columns: by value where they are numbers, as they come elsewhere."""
+    try:
+        return float(name)
+    except ValueError:
+        return 0.0
+
+
 def _grid(axes, cells, rows):
     """One grid; a cell shows its largest speed, or after how many windows it stopped."""
     row_names = list(dict.fromkeys(cell.row for cell in cells))
-    column_names = list(dict.fromkeys(cell.column for cell in cells))
+    column_names = sorted(dict.fromkeys(cell.column for cell in cells), key=_number)
     for cell in cells:
         row = rows.get((cell.family, cell.name))
         if row is None:
             continue
         x, y = column_names.index(cell.column), row_names.index(cell.row)
         axes.add_patch(plt.Rectangle((x, y), 1, 1, facecolor=COLOURS[row["class"]], edgecolor="white", linewidth=2))
-        note = f"{float(row['speed']):.2g}" if row["class"] == "bounded" and row["speed"] else row["windows"] if row["class"] == "stopped" else "!"
+        note = {"bounded": f"{float(row['speed'] or 0):.2g}", "stopped": row["windows"] or "refused", "wrong": "!"}[row["class"]]
         axes.text(x + 0.5, y + 0.5, note, ha="center", va="center", fontsize=8)
     axes.set_xlim(0, len(column_names))
     axes.set_ylim(len(row_names), 0)
@@ -58,12 +66,12 @@ def draw(all_rows, out):
         pictures.append(_save(figure, out / "plates.png"))
     others = [name for name in families.FAMILIES if name != "plates" and any(row["family"] == name for row in all_rows)]
     if others:
-        figure, grids = plt.subplots(-(-len(others) // 2), 2, figsize=(15, 2.6 * -(-len(others) // 2)), squeeze=False)
+        figure, grids = plt.subplots(-(-len(others) // 2), 2, figsize=(15, 2.2 * -(-len(others) // 2)), squeeze=False)
         for axes in grids.flat[len(others):]:
             axes.set_visible(False)
         for axes, name in zip(grids.flat, others):
             _grid(axes, list(families.FAMILIES[name]()), rows)
             axes.set_title(name)
-        figure.subplots_adjust(hspace=0.75, wspace=0.35, bottom=0.08)
+        figure.subplots_adjust(hspace=0.8, wspace=0.35, bottom=0.08)
         pictures.append(_save(figure, out / "families.png"))
     return pictures

@@ -114,9 +114,10 @@ def squeezed(family, name, *, left, material="neo_hookean", nu=0.3, wide=2.0, la
 
 def piston(family, name, *, ratio, **more):
     """Water of 0.1 m between slip walls on a bar of 0.04 m, as wide as the column: one-dimensional, so that its added mass is known,
-    rho H, and the theory of one mode holds. `ratio`: of that over the mass of the bar that moves."""
+    rho H, and the theory of one mode holds. `ratio`: of that over the mass with which the bar answers, a third of its own, since its
+    displacement falls linearly to the held end."""
     depth, thick, wide = 0.1, 0.02, 0.1
-    density = WATER * depth / (ratio * thick)
+    density = 3 * WATER * depth / (ratio * thick)
     case = (_head("Water on an elastic piston", 0.06, (0.0, -GRAVITY), (-0.1, -0.4, 0.3, 0.6)) + _tank(_box(0, -0.3, wide, 0.4))
             + _water([_box(0, 0, wide, depth)], 0.01)
             + _body(_box(0, -thick - 0.01, wide, 0), 0.005, density, 2e5, 0, [_box(-1, -1, 1, -thick)]) + _LOAD + _EVERY_WINDOW)

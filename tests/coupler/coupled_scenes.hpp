@@ -119,6 +119,10 @@ inline CoupledOutcome run(const CoupledScene& s, double until) {
       run_window<2>(fluid, coupled, step, now, duration);
       now += duration;
       ++outcome.windows;
+      const auto of_fluid = fluid.energies();
+      const auto of_structure = structure.energies();
+      step.check_energy(seconds(now), of_fluid.kinetic + of_fluid.potential + of_structure.interface_work,
+                        of_fluid.kinetic + of_structure.kinetic + of_structure.strain);
       outcome.trials += (step.trials().trials() - outcome.trials) / outcome.windows;
       outcome.open_windows += !step.trials().converged();
       double fastest = fluid.largest_speed();

@@ -30,7 +30,7 @@ double sign(int n) { return n % 2 ? -1 : 1; }
 // (nothing is found).
 TEST(LoadAlternation, IsFoundOnlyWhereTheLoadTurnsRoundAgainAndAgain) {
   EXPECT_EQ(found([](int n, int k) { return 1 + 0.01 * std::pow(1.5, n) * sign(n) * std::sin(0.1 * k + 0.2); }), 11);
-  EXPECT_EQ(found([](int n, int) { return n > 20 ? 2 * sign(n) : 0; }), 26);
+  EXPECT_EQ(found([](int n, int) { return n > 20 ? 2 * sign(n) : 0; }), 25);
   // What windows resolve, six to a period, as violent as may be.
   EXPECT_EQ(found([](int n, int k) { return std::pow(1.1, n) * std::sin(n * std::numbers::pi / 3) * (k + 1); }), 0);
   // A ripple that is smaller than what it is laid on.
@@ -54,16 +54,21 @@ TEST(InterfaceEnergy, IsFoundWhereTheLastWindowsMadeATenthOfWhatIsThere) {
   EXPECT_FALSE(nothing.add(1e-3, 1e-4, 0.01));
 }
 
-/// What a plate in a tank stops with, and how fast anything was until then, over sqrt(g H).
-CoupledOutcome explicitly(double density_ratio) { return run({density_ratio, 4, 1e7, 1, CouplingAlgorithm::cm0}, 0.06); }
-
-// Seen to fail without check_alternation() (bounded speeds up to 8 sqrt(gH), no message).
-TEST(EarlyStop, NamesExplicitStaggeringThatMakesItsOwnLoad) {
-  const CoupledOutcome outcome = explicitly(1);
+void expect_named(const CoupledScene& scene, double healthy_speed, std::vector<std::string> parts) {
+  SCOPED_TRACE(describe(scene));
+  const CoupledOutcome outcome = run(scene, 0.06);
   EXPECT_EQ(outcome.verdict, CoupledOutcome::Verdict::stopped);
-  for (const char* part : {"turns round from window to window", "'plate'", "t = 0.0", "limit", "coupling.algorithm = \"CM2\""})
-    EXPECT_NE(outcome.message.find(part), std::string::npos) << part << " in: " << outcome.message;
-  EXPECT_LT(outcome.largest_speed, 10 * 0.22);  // 0.22 with CM2
+  EXPECT_LT(outcome.largest_speed, 10 * healthy_speed);
+  for (const auto& part : parts) EXPECT_NE(outcome.message.find(part), std::string::npos) << part << " in: " << outcome.message;
+}
+
+// Seen to fail without check_alternation() (the first two; bounded speeds, no message), without check_energy() (the third; the structure
+// bursts at two hundred times the speed). Speeds over sqrt(gH) with CM2: 0.27, 0.46, 0.23.
+TEST(EarlyStop, NamesExplicitStaggeringWhileTheMotionIsStillSound) {
+  const auto cm0 = CouplingAlgorithm::cm0;
+  expect_named({10, 8, 1e5, 2, cm0}, 0.27, {"'plate' turns round from window to window at t = 0.0", "limit", "coupling.algorithm = \"CM2\""});
+  expect_named({10, 2, 1e7, 1, cm0}, 0.46, {"'plate' turns round from window to window at t = 0.0", "most near ("});
+  expect_named({0.1, 4, 1e7, 1, cm0}, 0.23, {"The interface has made", "up to t = 0.0", "limit", "coupling.algorithm = \"CM2\""});
 }
 
 }  // namespace
