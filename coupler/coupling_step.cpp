@@ -110,6 +110,7 @@ CouplingStep<D>::CouplingStep(const Case& scene, const SurfaceProperties& proper
       gravity_(scene.gravity),
       properties_(properties),
       kernel_(smoothing_length_),
+      fluid_weight_(weight_of_fluid<D>(scene)),
       fixed_point_(coupling_.acceleration, coupling_.tolerance),
       pairs_(smoothing_length_, scene.fluid->spacing) {
   for (const StructureBody& body : scene.structure->bodies) {
@@ -320,11 +321,13 @@ const char* CouplingStep<D>::remedy() const {
 
 template <int D>
 void CouplingStep<D>::check_energy(double time, double total, double present) {
-  // Less than a layer of fluid particles on the surface has at half the speed that the window is made for is no matter.
+  // What counts: a twentieth of the energy that the weight of the fluid beside the bodies and its motion at the start have; where there is
+  // neither, the motion of a layer of particles at the speed that the window is made for.
   double area = 0;
   for (double a : surface_.area) area += a;
-  const double speed = duration_ > 0 ? 0.5 * courant_ * spacing_ / duration_ : 0;
-  if (!energy_.add(total, present, 0.5 * density_ * spacing_ * area * speed * speed)) return;
+  if (!energy_at_start_) energy_at_start_ = present;
+  const double of_scene = fluid_weight_.energy(area) + *energy_at_start_, speed = duration_ > 0 ? courant_ * spacing_ / duration_ : 0;
+  if (!energy_.add(total, present, of_scene > 0 ? 0.05 * of_scene : 0.5 * density_ * spacing_ * area * speed * speed)) return;
   throw NumericalFailure(fmt::format(
       "The interface has made {:.3g} J/m^{} in the last {} windows up to t = {:.6g} s, of {:.3g} that are present as motion and strain; "
       "the limit is {:g} of it. The fluid sees another motion of the bodies' surface than they make: {}.",

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "coupler/added_mass.hpp"
 #include "coupler/fixed_point.hpp"
 #include "coupler/interface_energy.hpp"
 #include "coupler/interface_pairs.hpp"
@@ -90,6 +91,7 @@ class CouplingStep {
   VectorExpression gravity_;
   SurfaceProperties properties_;
   Kernel<D> kernel_;
+  FluidWeight fluid_weight_;
   FixedPoint fixed_point_;
   InterfacePairs<D> pairs_;
   double begin_ = 0, duration_ = 0;
@@ -101,6 +103,7 @@ class CouplingStep {
   BandForce<D> band_force_;
   WindowAudit audit_;
   InterfaceEnergy energy_;
+  std::optional<double> energy_at_start_;
   std::vector<LoadAlternation> alternation_;  ///< by body
 };
 

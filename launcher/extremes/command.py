@@ -75,11 +75,11 @@ def extremes(arguments):
     found = [whole.boundary(boundary) for boundary in boundaries]
     text = page.text(whole.rows, found)
     (out / "extremes.md").write_text(text, encoding="utf-8")
-    if arguments.page:
-        page.insert(Path(arguments.page), text)
     packages.ensure(packages.PYTHON)
     from launcher.extremes import picture
     pictures = picture.draw(whole.rows, out)
+    if arguments.page:
+        page.insert(Path(arguments.page), text, pictures)
     wrong = [row for row in whole.rows if row["class"] == "wrong"]
     if not arguments.quiet:
         print(page.counted(whole.rows) + f"; table, page and {len(pictures)} pictures in {out}", flush=True)

@@ -154,7 +154,7 @@ QUICK = {
     "plate under water, Poisson's ratio 0.49999", "plate of 20 mm, 1 across, both faces wet", "structure over fluid 0.25, 20 mm, both faces wet",
     "column that breaks, courant 0.6", "plate, pressure solved to 1e-2", "full tank with a plate in it, density ratio 1",
     "drop at 10 m/s on a pool", "neo_hookean squeezed to 0.5 of its height", "st_venant_kirchhoff squeezed to 0.1 of its height",
-    "water at rest without gravity", "light and loosely solved: density ratio 0.1, tolerance 1e-2",
+    "water at rest without gravity", "floor under water at rest for 20 sqrt(H/g)", "structure over fluid 4, four across, one face wet", "light and loosely solved: density ratio 0.1, tolerance 1e-2",
 }
 
 
@@ -204,6 +204,6 @@ def boundaries():
     yield Boundary("boundary", "longest windows, plate under water", "sqrt(dx/g)", 0.1, 0.5, gravity_courant,
                    "none: implicit in the pressure; 0.5 is the end of the range")
     yield Boundary("boundary", "explicit sub-steps of a plate under water", "dx_s/c_p", 0.3, 0.6, structure_courant,
-                   "0.71: the fastest wave of a square lattice, dx/(c sqrt(2))")
+                   "0.71 for central differences on a square lattice; the range ends at 0.6")
     yield Boundary("boundary", "St Venant-Kirchhoff, strongest squeeze", "height left", 0.8, 0.1, squeeze,
                    "0.58: its resistance is largest there and falls below, a block between clamps can go further")

@@ -1,5 +1,7 @@
 """The map as a section of a Markdown page, between two marker comments."""
 
+import shutil
+
 from launcher.errors import BAD_INPUT, LauncherError
 from launcher.extremes import families
 
@@ -65,10 +67,16 @@ def text(rows, found):
     return "\n".join(lines) + "\n"
 
 
-def insert(path, section):
-    """Puts the section between the markers of a page."""
+def insert(path, section, pictures):
+    """Puts the section between the markers of a page, and the pictures into the folder `pictures` beside it."""
     whole = path.read_text(encoding="utf-8")
     if whole.count(BEGIN) != 1 or whole.count(END) != 1 or whole.index(BEGIN) > whole.index(END):
         raise LauncherError(BAD_INPUT, f"--page {path}: the page needs the lines {BEGIN} and {END}, once each and in this order.")
     before, rest = whole.split(BEGIN)
-    path.write_text(before + BEGIN + "\n" + section + END + rest.split(END)[1], encoding="utf-8")
+    links = ""
+    for picture in pictures:
+        target = path.parent / "pictures" / f"extremes_{picture.name}"
+        target.parent.mkdir(exist_ok=True)
+        shutil.copyfile(picture, target)
+        links += f"![{target.stem.replace('_', ': ')}](pictures/{target.name})\n\n"
+    path.write_text(before + BEGIN + "\n" + links + section + END + rest.split(END)[1], encoding="utf-8")

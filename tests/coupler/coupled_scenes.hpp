@@ -1,6 +1,6 @@
 #pragma once
 // Small coupled scenes in one process, over the whole range of what a body can be: light and heavy, thin and thick, soft and
-// stiff, wet on one face or on both. Shared by stability_verification.cpp (a few) and bench/coupling_stability.cpp (all).
+// stiff, wet on one face or on both. A few of the plates of ./tern extremes (launcher/extremes/scenes.py), without processes.
 
 #include <fmt/format.h>
 

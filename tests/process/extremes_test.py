@@ -19,6 +19,7 @@ from real_run import build_directory
 
 sys.path.insert(0, str(ROOT))
 
+from launcher.errors import LauncherError  # noqa: E402
 from launcher.extremes import bisection, families, page, run_cell, scenes, verdict  # noqa: E402
 from launcher.extremes.table import Table  # noqa: E402
 
@@ -178,8 +179,12 @@ class PageTest(unittest.TestCase):
         with tempfile.TemporaryDirectory(prefix="tern-test-") as directory:
             path = Path(directory) / "page.md"
             path.write_text(f"before\n{page.BEGIN}\nold\n{page.END}\nafter\n")
-            page.insert(path, "new\n")
-            self.assertEqual(path.read_text(), f"before\n{page.BEGIN}\nnew\n{page.END}\nafter\n")
+            (path.parent / "map.png").write_bytes(b"a picture")
+            page.insert(path, "new\n", [path.parent / "map.png"])
+            self.assertEqual(path.read_text(), f"before\n{page.BEGIN}\n![extremes: map](pictures/extremes_map.png)\n\nnew\n{page.END}\nafter\n")
+            self.assertTrue((path.parent / "pictures" / "extremes_map.png").is_file())
+            path.write_text("a page without markers\n")
+            self.assertRaises(LauncherError, page.insert, path, "new\n", [])
 
 
 if __name__ == "__main__":
