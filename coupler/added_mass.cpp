@@ -1,6 +1,7 @@
 #include "coupler/added_mass.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -62,6 +63,23 @@ AddedMass predict_added_mass(const Case& scene, const SurfaceProperties& propert
   return largest;
 }
 
+template <int D>
+FluidWeight weight_of_fluid(const Case& scene) {
+  FluidWeight weight;
+  auto water = nothing<D>();
+  for (const FluidBody& body : scene.fluid->bodies)
+    enclose<D>(water, body.shape, scene.fluid->spacing, [&](const Vector<D>&) {
+      weight.volume += std::pow(scene.fluid->spacing, D);
+      return true;
+    });
+  double gravity = 0;
+  for (int c = 0; c < D; ++c) gravity = std::hypot(gravity, scene.gravity[c](0));
+  if (gravity == 0 || weight.volume == 0) return weight;
+  for (int c = 0; c < D; ++c) weight.height += std::abs(scene.gravity[c](0)) / gravity * (water.max[c] - water.min[c]);
+  weight.pressure = 0.5 * scene.fluid->density * gravity * weight.height;
+  return weight;
+}
+
 std::string describe(const AddedMass& added_mass) {
   return fmt::format("m_a/m_s = {:.3g} for '{}' ({:.3g} m of fluid, {}; all exposed faces wet)", added_mass.ratio, added_mass.body,
                      added_mass.length, added_mass.by_depth ? "its least extent" : "1/k of the first bending mode");
@@ -69,5 +87,7 @@ std::string describe(const AddedMass& added_mass) {
 
 template AddedMass predict_added_mass<2>(const Case&, const SurfaceProperties&);
 template AddedMass predict_added_mass<3>(const Case&, const SurfaceProperties&);
+template FluidWeight weight_of_fluid<2>(const Case&);
+template FluidWeight weight_of_fluid<3>(const Case&);
 
 }  // namespace tern::coupler

@@ -6,6 +6,7 @@
 //                              length L,   H the least extent of the fluid at the start
 //   m_s   half of the faces have more: the median of rho_S T/N_wet, all exposed faces taken as wet
 
+#include <algorithm>
 #include <string>
 
 #include "particles/case_file.hpp"
@@ -29,7 +30,17 @@ double section_mass(const SurfaceProperties& properties, std::size_t body);
 template <int D>
 AddedMass predict_added_mass(const Case& scene, const SurfaceProperties& properties);
 
-/// `m_a/m_s = 20.6 for 'plate' (...)`: the figure and what it was estimated from.
+/// The fluid as it stands at the start, by its weight.
+struct FluidWeight {
+  double pressure = 0, height = 0, volume = 0;  ///< rho g H/2 [Pa]; H [m]; [m^D]
+
+  /// What it can set in motion beside a surface of this area: of the fluid that stands over it, or of all there is when that is less
+  /// [J/m^(3-D)].
+  double energy(double area) const { return pressure * std::min(volume, area * height); }
+};
+template <int D>
+FluidWeight weight_of_fluid(const Case& scene);
+
 std::string describe(const AddedMass& added_mass);
 
 }  // namespace tern::coupler

@@ -2,10 +2,14 @@
 // The interaction of one window: from the trial surface and the fluid band to forces on both sides.
 
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "coupler/added_mass.hpp"
 #include "coupler/fixed_point.hpp"
+#include "coupler/interface_energy.hpp"
 #include "coupler/interface_pairs.hpp"
+#include "coupler/load_alternation.hpp"
 #include "particles/case_file.hpp"
 #include "particles/interface.hpp"
 
@@ -48,7 +52,7 @@ class CouplingStep {
   const SurfaceLoad<D>* next_trial(const BandPressure<D>& pressure);
 
   /// Last exchange: pressure and contact forces, and the load of the structure (everything). Throws NumericalFailure
-  /// when a force is not finite.
+  /// when a force is not finite, and when a load turns round from window to window.
   BandForce<D> interface_force(const BandPressure<D>& pressure);
 
   /// Load on the structure over this window; valid after interface_force().
@@ -58,6 +62,9 @@ class CouplingStep {
   CouplingAlgorithm algorithm() const { return algorithm_; }
   /// CM3: how the trials of this window went.
   const FixedPoint& trials() const { return fixed_point_; }
+  /// At the end of a window: `total`, kinetic and potential energy of the fluid and the work of the interface on the structure since the
+  /// start; `present`, kinetic and strain energy of both sides [J/m^(3-D)]. Throws NumericalFailure when the interface makes energy.
+  void check_energy(double time, double total, double present);
   /// Total load on one body in this window [N/m^(3-D)].
   Vector<D> total_load(std::uint32_t body) const;
 
@@ -73,6 +80,10 @@ class CouplingStep {
   void add_pressure(const BandPressure<D>& pressure);
   void settle_contacts(const BandPressure<D>& pressure);
   void check_balance();
+  void check_alternation();
+
+  /// What to change when the coupling itself fails.
+  const char* remedy() const;
 
   static Eigen::VectorXd flat(const SurfaceLoad<D>& load);
 
@@ -84,11 +95,13 @@ class CouplingStep {
 
   CouplingCase coupling_;
   CouplingAlgorithm algorithm_;  ///< not automatic
-  double density_, spacing_, smoothing_length_, contact_distance_;
+  double density_, spacing_, smoothing_length_, contact_distance_, courant_;
   std::vector<double> body_density_;
+  std::vector<std::string> body_name_;
   VectorExpression gravity_;
   SurfaceProperties properties_;
   Kernel<D> kernel_;
+  FluidWeight fluid_weight_;
   FixedPoint fixed_point_;
   InterfacePairs<D> pairs_;
   double begin_ = 0, duration_ = 0;
@@ -100,6 +113,9 @@ class CouplingStep {
   BandForce<D> band_force_;
   WindowAudit audit_;
   Evaluations evaluations_;
+  InterfaceEnergy energy_;
+  std::optional<double> energy_at_start_;
+  std::vector<LoadAlternation> alternation_;  ///< by body
 };
 
 }  // namespace tern::coupler

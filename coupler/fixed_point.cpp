@@ -24,7 +24,8 @@ constexpr double largest_surprise = 0.3;
 
 }  // namespace
 
-void FixedPoint::begin_window(double gain) {
+void FixedPoint::begin_window(double gain, double begin) {
+  begin_ = begin;
   trials_ = 0;
   residual_ = 0;
   gain_ = gain;
@@ -40,8 +41,8 @@ bool FixedPoint::add(const Eigen::VectorXd& trial, const Eigen::VectorXd& answer
   ++trials_;
   if (!std::isfinite(size) || !std::isfinite(residual.norm()))
     throw NumericalFailure(fmt::format(
-        "The load on the surface is not finite in trial {} of a window: the trials of CM3 have run away. Try a smaller "
-        "fluid.numerics.courant.", trials_));
+        "The load on the surface is not finite in trial {} of the window from t = {:.6g} s: the trials of CM3 have run away. Try a "
+        "smaller fluid.numerics.courant.", trials_, begin_));
   if (trials_ > 1) {
     const Eigen::VectorXd change = residual - last_residual_;
     if (acceleration_ == Acceleration::aitken)
@@ -56,9 +57,9 @@ bool FixedPoint::add(const Eigen::VectorXd& trial, const Eigen::VectorXd& answer
   residual_ = largest_answer_ > 0 ? residual.norm() / std::max(size, least_load * largest_answer_) : residual.norm() > 0 ? 1 : 0;
   if (trials_ == most_trials && !(residual_ <= largest_residual))
     throw NumericalFailure(fmt::format(
-        "Fluid and structure do not agree on the load after {} trials of one window: it changes by {:.2g} of itself from trial to "
-        "trial. A body is too light and too soft for windows this long; use a smaller fluid.numerics.gravity_courant and "
-        "courant, or a thicker body.", trials_, residual_));
+        "Fluid and structure do not agree on the load after {} trials of the window from t = {:.6g} s: it changes by {:.2g} of itself "
+        "from trial to trial, at most {:g} is accepted. A body is too light and too soft for windows this long; use a smaller fluid.numerics.gravity_courant and "
+        "courant, or a thicker body.", trials_, begin_, residual_, largest_residual));
   return converged() || trials_ == most_trials;
 }
 

@@ -17,8 +17,8 @@ class FixedPoint {
   /// `tolerance`: of |H(x) - x| / |H(x)|; below a hundredth of the largest load of the run, over that.
   FixedPoint(Acceleration acceleration, double tolerance) : acceleration_(acceleration), tolerance_(tolerance) {}
 
-  /// `gain`: how many times an error of the trial may come back in its answer, >= 1.
-  void begin_window(double gain);
+  /// `gain`: how many times an error of the trial may come back in its answer, >= 1. `begin`: of the window, for messages [s].
+  void begin_window(double gain, double begin);
 
   /// Takes note of the answer H(x) [N/m^(3-D)] to the trial x; true when no further trial is wanted. Throws NumericalFailure
   /// when the answer is not finite.
@@ -43,7 +43,7 @@ class FixedPoint {
   Acceleration acceleration_;
   double tolerance_;
   int trials_ = 0;
-  double gain_ = 1, residual_ = 0, factor_ = 1, largest_answer_ = 0;
+  double gain_ = 1, begin_ = 0, residual_ = 0, factor_ = 1, largest_answer_ = 0;
   Eigen::VectorXd last_residual_, last_answer_;
   std::deque<std::vector<Change>> changes_;  ///< of this window first, then of those before; of each the newest first
 };

@@ -63,8 +63,7 @@ Fluid<D>::Fluid(const Case& scene)
     }
     speed_floor_ = 0.5 * std::sqrt(gravity_size_ * ((high - low).maxCoeff() + constants_.spacing));
   }
-  const double reference = std::max(2 * speed_floor_, fastest);
-  speed_limit_ = 1000 * (reference > 0 ? reference : 1.0);
+  reference_speed_ = std::max(2 * speed_floor_, fastest);
   set_state(std::move(state));
   wall_finder_.fill(walls_.faces(), constants_.faces.support());
   space_before_walls_.assign(walls_.faces().size(), -1);

@@ -132,7 +132,7 @@ class Fluid {
   void hide_walls_behind_structure();
   void count_leaks(const Faces<D>& faces, const FaceRows& rows);
   void remove_escaped();
-  void check_finite() const;
+  void check_speed();                                  // speed_limit.cpp
   double density_time_scale() const;
 
   Constants<D> constants_;
@@ -141,7 +141,9 @@ class Fluid {
   bool reports_divergence_;  ///< of the band
   Vector<D> domain_min_, domain_max_;
   Period<D> period_;
-  double gravity_size_ = 0, speed_floor_ = 0, speed_limit_ = 0;
+  double gravity_size_ = 0, speed_floor_ = 0;
+  double reference_speed_ = 0;   ///< of the scene; 0: not known [m/s]
+  int windows_of_collapse_ = 0;  ///< with a step far shorter than the reference speed asks for
   Walls<D> walls_;
   FaceFinder<D> wall_finder_, surface_finder_;
   std::vector<double> space_before_walls_;  ///< per patch, negative: not known; see boundary.hpp

@@ -9,7 +9,9 @@
 // du_k = -dt (p + rho g.(x_k - x_i) - p^_k)/m_k n_k, which inserted in div(u^{n+1}) gives kappa_ik = 2 rho V_i A_k w~_ik / m_k.
 
 #include <algorithm>
+#include <cmath>
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "fluid/fluid.hpp"
@@ -126,11 +128,18 @@ void Fluid<D>::solve_pressure_poisson() {
     solve_.iterations += wasted;
   }
   solve_.iterations += before;
-  if (!solve_.converged)
-    throw NumericalFailure("The pressure solve did not converge at t = " + std::to_string(begin_s_) + " s: relative residual " +
-                           std::to_string(solve_.residual) + " after " + std::to_string(solve_.iterations) +
-                           " iterations. A velocity has probably run away before; look at the last frames, or try a "
-                           "smaller fluid.numerics.courant.");
+  if (!solve_.converged) {
+    const std::ptrdiff_t worst = std::max_element(work_.residual.begin(), work_.residual.begin() + n, [](double a, double b) {
+      return std::abs(a) < std::abs(b);
+    }) - work_.residual.begin();
+    std::string where;
+    for (int c = 0; c < D; ++c) where += fmt::format("{}{:.5g}", c ? ", " : "", predicted_position_[worst][c]);
+    throw NumericalFailure(fmt::format(
+        "The pressure solve did not converge in the window from t = {:.6g} s: relative residual {:.2g} after {} iterations, asked for "
+        "is {:g}; largest at fluid particle {} at ({}) m. Either a velocity has run away before: look at the last frames, or try a smaller "
+        "fluid.numerics.courant; or raise fluid.numerics.pressure_tolerance.",
+        begin_s_, solve_.residual, solve_.iterations, tolerance, state_.id[worst], where));
+  }
   if (pools_.any()) pools_.subtract_means(pressure_);
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (std::ptrdiff_t i = 0; i < n; ++i) state_.pressure[i] = pressure_[i];

@@ -1,6 +1,8 @@
 // Particle shifting against clumps and voids (Lind et al. 2012), with the part normal to a free surface left out
 // (optimised shifting, Khayyer et al. 2017):
 //   dr_i = -C_s h |u|max dt grad C_i,   grad C_i = sum V_j (1 + 0.2 (w_ij/w(dx))^4) grad w_ij
+// And off the faces of the structure: these end a window elsewhere than the velocity says that the fluid has been given, a little each
+// window, so that a particle beside a face that swings creeps up to it and through it.
 
 #include "fluid/fluid.hpp"
 #include "particles/contact.hpp"
@@ -10,6 +12,7 @@ namespace tern::fluid {
 namespace {
 
 constexpr double largest_shift = 0.1, largest_shift_at_structure = 0.05;  ///< in dx
+constexpr double regained = 0.1;  ///< of the contact distance, that a particle has lost, per window
 
 /// Takes out the part of `shift` that points into a face nearer than `distance`.
 template <int D>
@@ -24,10 +27,31 @@ void keep_off_faces(const Faces<D>& faces, const FaceRows& rows, std::ptrdiff_t 
   }
 }
 
+/// Way back to the contact distance of the faces of the structure [m].
+template <int D>
+Vector<D> off_structure(const Faces<D>& faces, const FaceRows& rows, std::ptrdiff_t i, const Vector<D>& x, double distance) {
+  Vector<D> way = Vector<D>::Zero();
+  if (rows.height[i] > distance) return way;
+  for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry) {
+    const int k = rows.face[entry];
+    if (!touches<D>(faces.position[k], faces.normal[k], faces.area[k], x, distance)) continue;
+    const double lost = distance - (x - faces.position[k]).dot(faces.normal[k]) - way.dot(faces.normal[k]) / regained;
+    if (lost > 0) way += regained * lost * faces.normal[k];
+  }
+  return way;
+}
+
 }  // namespace
 
 template <int D>
 void Fluid<D>::shift_particles() {
+  const double contact = constants_.numerics.contact_distance * constants_.spacing;
+  if (!surface_.position.empty() && contact > 0)
+    for (int i : band_) {
+      Vector<D> way = off_structure<D>(surface_, surface_rows_, i, predicted_position_[i], contact);
+      keep_off_faces<D>(walls_.faces(), wall_rows_, i, predicted_position_[i], contact, way);
+      state_.position[i] += way;
+    }
   const double coefficient = constants_.numerics.shifting * constants_.kernel.smoothing_length() * bulk_speed_ * duration_s_;
   if (coefficient == 0) return;
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());

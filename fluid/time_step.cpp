@@ -129,7 +129,7 @@ void Fluid<D>::end_window(const BandForce<D>& force) {
   for (std::size_t m = 0; m < force.force.size(); ++m)
     predicted_velocity_[band_[m]] += (duration_s_ / constants_.mass) * force.force[m];
   settle_wall_contacts();
-  check_finite();
+  check_speed();
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
   potential_ -= ordered_reduce(n, 0.0, [&](std::ptrdiff_t i) {
     return 0.5 * constants_.mass * duration_s_ * gravity_[i].dot(state_.velocity[i] + predicted_velocity_[i]);
@@ -304,24 +304,6 @@ void Fluid<D>::remove_escaped() {
 }
 
 template <int D>
-void Fluid<D>::check_finite() const {
-  const double fastest = ordered_max(static_cast<std::ptrdiff_t>(state_.size()), 0.0,
-                                     [&](std::ptrdiff_t i) { return predicted_velocity_[i].squaredNorm(); });
-  if (std::sqrt(fastest) < speed_limit_) return;
-  for (std::size_t i = 0; i < state_.size(); ++i) {
-    const double speed = predicted_velocity_[i].norm();
-    if (speed < speed_limit_) continue;
-    std::string where;
-    for (int c = 0; c < D; ++c) where += fmt::format("{}{:.5g}", c ? ", " : "", predicted_position_[i][c]);
-    throw NumericalFailure(fmt::format(
-        "The speed of fluid particle {} at ({}) m is {:.4g} m/s at t = {:.6g} s, above the limit of {:.4g} m/s (a thousand times "
-        "the reference speed of the scene); pressure there {:.4g} Pa. The step has become unstable: use a smaller "
-        "fluid.numerics.courant, or for a light structure the coupling algorithm CM2.",
-        state_.id[i], where, speed, begin_s_ + duration_s_, speed_limit_, state_.pressure[i]));
-  }
-}
-
-template <int D>
 StepProposal Fluid<D>::propose_step() const {
   const double speed = std::max({largest_speed(), walls_.largest_speed(), speed_floor_});
   StepProposal proposal{1e300, "none"};
@@ -353,8 +335,7 @@ StepProposal Fluid<D>::propose_step() const {
   template void Fluid<D>::hide_walls_behind_structure();                         \
   template void Fluid<D>::move_surface_at(const std::vector<Vector<D>>&);         \
   template void Fluid<D>::count_leaks(const Faces<D>&, const FaceRows&);          \
-  template void Fluid<D>::remove_escaped();                                      \
-  template void Fluid<D>::check_finite() const;
+  template void Fluid<D>::remove_escaped();
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)
 #undef TERN_INSTANTIATE

@@ -185,6 +185,16 @@ def parser():
                ["./tern status runs/dam_break_plate"])
     one.add_argument("runs", metavar="RUN", nargs="+", help="directory of a run")
 
+    one = _add(commands, "extremes", _extremes, "map where the method holds and how it fails, by some hundred short runs",
+               ["./tern extremes --quick", "./tern extremes --only spray",
+                "./tern extremes                    (all of it; begun again after Ctrl-C, it goes on where it was)"])
+    one.add_argument("--quick", action="store_true", help="one or two cells of most families, less than a minute")
+    one.add_argument("--only", metavar="FAMILY", help="this family only: plates, poisson, ... (a wrong name lists them), or boundary")
+    one.add_argument("--out", metavar="DIR", help="where table, page and pictures go (default runs/extremes)")
+    one.add_argument("--page", metavar="FILE", help="also put the result into a page, between its markers (docs/STABILITY.md)")
+    one.add_argument("--quiet", action="store_true", help="print what is wrong, nothing else")
+    one.add_argument("--build", choices=build.PRESETS, default="release", help="build to use (default release)")
+
     one = _add(commands, "plot", _plot, "pictures of a run; with several runs, also their gauges in one picture",
                ["./tern plot runs/dam_break_plate", "./tern plot runs/dam_break_plate --times 0.28 0.50 0.80",
                 "./tern plot runs/dam_break_plate runs/dam_break_plate-2"])
@@ -267,6 +277,11 @@ def _conform(arguments):
     from launcher import conform
     arguments.case_options = _forwarded(arguments)
     return conform.conform(arguments)
+
+
+def _extremes(arguments):
+    from launcher.extremes import command
+    return command.extremes(arguments)
 
 
 def _plot(arguments):

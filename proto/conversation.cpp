@@ -40,8 +40,8 @@ void Conversation::complete(wire::Message& message, const Place& place) {
   const std::string fault = find_body_fault(message, agreement_);
   if (!fault.empty())
     throw NumericalFailure(
-        fmt::format("The {} process computed a {} that cannot be sent {}: {}. A smaller step or a finer "
-                    "spacing may help; the frames before show where it began.",
+        fmt::format("The {} process computed a {} that cannot be sent {}: {}. A smaller fluid.numerics.courant or a "
+                    "finer spacing may help; the frames before show where it began.",
                     name(self_), name(message.body_case()), where(place.step, place.time_s), fault));
   message.set_sequence(++sent_);
   remember(message, agreement_);

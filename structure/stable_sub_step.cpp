@@ -57,8 +57,9 @@ double stable_sub_step(const Reference<D>& reference, double courant, const Stat
       throw NumericalFailure(fmt::format(
           "The sub-step of body '{}' has collapsed to {:.2g} of that at rest at t = {:.6g} s: particle {} moves at {:.3g} m/s, particle {} "
           "is stretched to {:.3g} of its length, the pressure wave at rest runs at {:.3g} m/s. A particle has been flung off or torn out; "
-          "the load is too violent for this material and resolution.",
-          body.name, at_rest / signal_speed, seconds(state.time), fastest, std::sqrt(speed), longest, largest, at_rest));
+          "the load is too violent for this material and resolution. Refine [structure] spacing ({:.3g} m), or make the body stiffer.",
+          body.name, at_rest / signal_speed, seconds(state.time), fastest, std::sqrt(speed), longest, largest, at_rest,
+          body.spacing));
     dt = std::min(dt, courant * body.spacing / signal_speed);
   }
   return dt;

@@ -1,6 +1,6 @@
 #pragma once
 // Small coupled scenes in one process, over the whole range of what a body can be: light and heavy, thin and thick, soft and
-// stiff, wet on one face or on both. Shared by stability_verification.cpp (a few) and bench/coupling_stability.cpp (all).
+// stiff, wet on one face or on both. A few of the plates of ./tern extremes (launcher/extremes/scenes.py), without processes.
 
 #include <fmt/format.h>
 
@@ -119,6 +119,10 @@ inline CoupledOutcome run(const CoupledScene& s, double until) {
       run_window<2>(fluid, coupled, step, now, duration);
       now += duration;
       ++outcome.windows;
+      const auto of_fluid = fluid.energies();
+      const auto of_structure = structure.energies();
+      step.check_energy(seconds(now), of_fluid.kinetic + of_fluid.potential + of_structure.interface_work,
+                        of_fluid.kinetic + of_structure.kinetic + of_structure.strain);
       outcome.trials += (step.trials().trials() - outcome.trials) / outcome.windows;
       outcome.open_windows += !step.trials().converged();
       double fastest = fluid.largest_speed();

@@ -17,7 +17,7 @@ using Map = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
 
 /// Trials until the map agrees with itself, and the last answer.
 int trials_to_agree(FixedPoint& iteration, const Map& map, Eigen::VectorXd& x, double gain = 1) {
-  iteration.begin_window(gain);
+  iteration.begin_window(gain, 0);
   for (;;) {
     const Eigen::VectorXd answer = map(x);
     const bool done = iteration.add(x, answer);
@@ -85,7 +85,7 @@ TEST(FixedPoint, KeepsItsTrialsNearWhatIsKnownWhereAnErrorComesBackAThousandfold
 TEST(FixedPoint, NothingThatIsNotFiniteIsAgreement) {
   for (double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     FixedPoint iteration(Acceleration::iqn_ils, 1e-2);
-    iteration.begin_window(1);
+    iteration.begin_window(1, 0);
     const Eigen::VectorXd trial = Eigen::VectorXd::Zero(3);
     EXPECT_THROW(iteration.add(trial, Eigen::VectorXd::Constant(3, bad)), NumericalFailure);
   }

@@ -1,5 +1,5 @@
 // Bodies from light to heavy, thin to thick and soft to stiff under the algorithm that is taken by default; all combinations
-// are in bench/coupling_stability.cpp.
+// are in ./tern extremes.
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,53 @@
+// What the fluid cannot be doing: particles a thousand times as fast as the scene makes them, and steps a hundredth of what it
+// asks for, window after window: a run that crawls on like that never ends. Reference: the fall through the height of the fluid, its
+// velocity at the start, the fastest wall so far, the body at the first window.
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "fluid/fluid.hpp"
+#include "particles/error.hpp"
+#include "particles/parallel.hpp"
+
+namespace tern::fluid {
+namespace {
+
+constexpr double impossible = 1000;  ///< speed over the reference
+constexpr double collapsed = 100;    ///< the same, when it lasts; jets from impacts reach ten
+constexpr int lasting = 10;          ///< windows
+
+}  // namespace
+
+template <int D>
+void Fluid<D>::check_speed() {
+  if (state_.time == 0)
+    for (const auto& u : surface_.velocity) reference_speed_ = std::max(reference_speed_, u.norm());
+  reference_speed_ = std::max(reference_speed_, walls_.largest_speed());
+  const double reference = reference_speed_ > 0 ? reference_speed_ : 1.0;
+  const double fastest = std::sqrt(ordered_max(static_cast<std::ptrdiff_t>(state_.size()), 0.0, [&](std::ptrdiff_t i) {
+    const double squared = predicted_velocity_[i].squaredNorm();
+    return std::isfinite(squared) ? squared : 1e300;
+  }));
+  windows_of_collapse_ = fastest < collapsed * reference ? 0 : windows_of_collapse_ + 1;
+  const bool lasts = windows_of_collapse_ == lasting;
+  if (fastest < impossible * reference && !lasts) return;
+  for (std::size_t i = 0; i < state_.size(); ++i) {
+    const double speed = predicted_velocity_[i].norm();
+    if (speed < (1 - 1e-12) * fastest) continue;
+    std::string where;
+    for (int c = 0; c < D; ++c) where += fmt::format("{}{:.5g}", c ? ", " : "", predicted_position_[i][c]);
+    const std::string what = fmt::format("The speed of fluid particle {} at ({}) m is {:.4g} m/s at t = {:.6g} s, above the limit of {:.4g} m/s ({} the "
+                                         "reference speed of the scene); pressure there {:.4g} Pa.",
+                                         state_.id[i], where, speed, begin_s_ + duration_s_, (lasts ? collapsed : impossible) * reference,
+                                         lasts ? "for ten windows a hundred times" : "a thousand times", state_.pressure[i]);
+    throw NumericalFailure(fmt::format("{} The step has {}: use a smaller fluid.numerics.courant, or for a light structure the coupling "
+                                       "algorithm CM3.", what,
+                                       lasts ? fmt::format("collapsed to {:.3g} s, which this speed asks for", duration_s_) : "become unstable"));
+  }
+}
+
+template void Fluid<2>::check_speed();
+template void Fluid<3>::check_speed();
+
+}  // namespace tern::fluid

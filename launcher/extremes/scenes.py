@@ -1,0 +1,125 @@
+"""The scenes of the map. Cases as text; all in 2D, of water, some hundred particles each."""
+
+from launcher.extremes.cell import GRAVITY, WATER, Cell
+
+DEPTH, WIDTH, FLUID_SPACING, PLATE_SPACING = 0.16, 0.24, 0.01, 0.005
+SLOSH = (0.98, -GRAVITY)  # a tank tilted by a tenth of gravity at t = 0
+
+
+def _box(x0, y0, x1, y1):
+    return f"{{ box = {{ min = [{x0:.9g}, {y0:.9g}], max = [{x1:.9g}, {y1:.9g}] }} }}"
+
+
+def _head(title, end_time, gravity, domain):
+    return (f'title = "{title}"\ndimension = 2\nend_time = {end_time:.9g}\ngravity = [{gravity[0]!r}, {gravity[1]!r}]\n'
+            f"[domain]\nmin = [{domain[0]}, {domain[1]}]\nmax = [{domain[2]}, {domain[3]}]\n")
+
+
+def _tank(box, open_faces=("y_max",)):
+    return f'[[wall]]\nname = "tank"\ncontainer = {box}\nopen = {list(open_faces)!r}\n'.replace("'", '"')
+
+
+def _water(shapes, spacing, velocity=None):
+    text = f"[fluid]\ndensity = {WATER}\nspacing = {spacing:.9g}\n"
+    for shape in shapes:
+        text += f"[[fluid.body]]\nshape = {shape}\n" + (f"velocity = [{velocity[0]}, {velocity[1]}]\n" if velocity else "")
+    return text
+
+
+def _body(shape, spacing, density, modulus, nu, clamps, extra=""):
+    return (f'[[structure.body]]\nname = "plate"\nshape = {shape}\nspacing = {spacing:.9g}\ndensity = {density:.9g}\n'
+            f"young_modulus = {modulus:.9g}\npoisson_ratio = {nu:.9g}\nclamp = [{', '.join(clamps)}]\n{extra}")
+
+
+_EVERY_WINDOW = "[output]\nframe_interval = 1000\ngauge_interval = 1e-6\n"
+_LOAD = '[[gauge]]\nkind = "interface_force"\nname = "load"\nbody = "plate"\n'
+
+
+def plate(family, name, *, ratio=1.0, layers=4, modulus=1e7, faces=2, nu=0.3, spacing=PLATE_SPACING, thickness=None, gravity=SLOSH,
+          sealed=False, until=0.1, tail=0.04, velocity=None, **more):
+    """A tank of 0.24 m with 0.16 m of water. One wet face: the plate is its floor, clamped at both sides. Two: it stands in the
+    middle, 0.08 m high, clamped at its foot. Water and plate start at rest, the plate unloaded. The run goes on for a `tail`: windows are stretched to
+    meet its end, and a change of their length shows vibrations that it strobes otherwise."""
+    thickness = thickness or layers * spacing
+    height = DEPTH if sealed else 2 * DEPTH
+    open_faces = () if sealed else ("y_max",)
+    if faces == 1:
+        held = 4 * spacing
+        tank = _tank(_box(0, -0.1, WIDTH, height), (*open_faces, "y_min"))
+        water = [_box(0, 0, WIDTH, DEPTH)]
+        shape = (-held, -thickness, WIDTH + held, 0)
+        clamps = [_box(-1, -1, 0, 1), _box(WIDTH, -1, 1, 1)]
+    else:
+        middle, top = WIDTH / 2, DEPTH / 2
+        tank = _tank(_box(0, 0, WIDTH, height), open_faces)
+        water = [_box(middle + thickness, 0, WIDTH, top), _box(0, top, WIDTH, DEPTH), _box(0, 0, middle, top)]
+        shape = (middle, -4 * spacing, middle + thickness, top)
+        clamps = [_box(-1, -1, 1, 0)]
+    case = (_head("Plate in a tank that is tilted", until + tail, gravity, (-1, -1, 1, 1)) + tank + _water(water, FLUID_SPACING, velocity)
+            + _body(_box(*shape), spacing, ratio * WATER, modulus, nu, clamps) + _LOAD + _EVERY_WINDOW)
+    mass = ratio * WATER * (shape[2] - shape[0]) * (shape[3] - shape[1])
+    length = WIDTH if faces == 1 else DEPTH
+    return Cell(family, name, case, (GRAVITY * DEPTH) ** 0.5, WATER * GRAVITY * DEPTH**2 * WIDTH / 2, mass=mass,
+                load=WATER * GRAVITY * DEPTH * length, until=until, **more)
+
+
+def tank(family, name, *, gravity=SLOSH, until=0.5, sealed=False, velocity=None, spacing=FLUID_SPACING, **more):
+    """The same tank without a plate."""
+    height = DEPTH if sealed else 2 * DEPTH
+    case = (_head("Tank that is tilted", until, gravity, (-1, -1, 1, 1)) + _tank(_box(0, 0, WIDTH, height), () if sealed else ("y_max",))
+            + _water([_box(0, 0, WIDTH, DEPTH)], spacing, velocity) + _EVERY_WINDOW)
+    return Cell(family, name, case, (GRAVITY * DEPTH) ** 0.5, WATER * GRAVITY * DEPTH**2 * WIDTH / 2, until=until, **more)
+
+
+def column(family, name, *, until=0.4, modulus=None, layers=2, **more):
+    """A column of water that breaks and hits the far wall, or an elastic plate before it; the plate of the dam break, coarse."""
+    high, wide = 0.16, 0.08
+    case = _head("Column that breaks", until, (0.0, -GRAVITY), (-0.1, -0.2, 0.4, 1)) + _tank(_box(0, 0, 0.32, 0.6))
+    case += _water([_box(0, 0, wide, high)], 0.005)
+    mass = 0.0
+    if modulus:
+        thickness = layers * 0.002
+        case += _body(_box(0.24, -0.008, 0.24 + thickness, 0.05), 0.002, 1200, modulus, 0.4, [_box(0.2, -0.1, 0.3, 0)]) + _LOAD
+        mass = 1200 * thickness * 0.058
+    load = WATER * GRAVITY * high * 0.05 if modulus else 0.0
+    return Cell(family, name, case + _EVERY_WINDOW, (GRAVITY * high) ** 0.5, WATER * GRAVITY * high**2 * wide / 2, mass=mass, load=load,
+                until=until, **more)
+
+
+def drop(family, name, *, speed, until, modulus=None, **more):
+    """A disc of 0.1 m of water hits a pool of 0.1 m, or an elastic floor under it. Scales: speed and energy of the disc."""
+    case = _head("Drop on a pool", until, (0.0, -GRAVITY), (-1, -0.5, 2, 4)) + _tank(
+        _box(0, -0.1, 0.6, 0.6), ("y_max", "y_min") if modulus else ("y_max",)).replace("-0.1", "-0.1" if modulus else "0")
+    case += _water([_box(0, 0, 0.6, 0.1)], 0.01)
+    case += f"[[fluid.body]]\nshape = {{ ball = {{ center = [0.3, 0.165], radius = 0.05 }} }}\nvelocity = [0, {-speed}]\n"
+    mass = 0.0
+    if modulus:
+        case += _body(_box(-0.04, -0.02, 0.64, 0), 0.005, 1200, modulus, 0.3, [_box(-1, -1, 0, 1), _box(0.6, -1, 1, 1)]) + _LOAD
+        mass = 1200 * 0.02 * 0.68
+    return Cell(family, name, case + _EVERY_WINDOW, speed, WATER * 3.1416 * 0.05**2 * speed**2 / 2, mass=mass, until=until, **more)
+
+
+def squeezed(family, name, *, left, material="neo_hookean", nu=0.3, wide=2.0, layers=8, **more):
+    """A block, 1 m high, between two clamps of which the upper one comes down to `left` of the height in 0.1 s. Scales: wave speed
+    and energy of the squeeze, E/2 (1 - left)^2 of its volume."""
+    modulus, spacing = 1e6, 1.0 / layers
+    edge = spacing
+    held = f'[[structure.clamp]]\nname = "lid"\nbody = "plate"\nregion = {_box(-1, 1, wide + 1, 2)}\ndisplacement = [0, "{left - 1}*min(t/0.1,1)"]\n'
+    case = (f'title = "Squeezed block"\ndimension = 2\nend_time = 0.12\ngravity = [0, 0]\n'
+            + _body(_box(0, -edge, wide, 1 + edge), spacing, 1000, modulus, nu, [_box(-1, -1, wide + 1, 0)], f'material = "{material}"\n') + held
+            + "[output]\nframe_interval = 1000\ngauge_interval = 1e-3\n")
+    mass = 1000 * wide * (1 + 2 * edge)
+    return Cell(family, name, case, (modulus / 1000) ** 0.5, modulus * wide * (1 - left) ** 2 / 2, mass=mass, until=0.12, **more)
+
+
+def piston(family, name, *, ratio, **more):
+    """Water of 0.1 m between slip walls on a bar of 0.04 m, as wide as the column: one-dimensional, so that its added mass is known,
+    rho H, and the theory of one mode holds. `ratio`: of that over the mass with which the bar answers, a third of its own, since its
+    displacement falls linearly to the held end."""
+    depth, thick, wide = 0.1, 0.02, 0.1
+    density = 3 * WATER * depth / (ratio * thick)
+    case = (_head("Water on an elastic piston", 0.06, (0.0, -GRAVITY), (-0.1, -0.4, 0.3, 0.6)) + _tank(_box(0, -0.3, wide, 0.4))
+            + _water([_box(0, 0, wide, depth)], 0.01)
+            + _body(_box(0, -thick - 0.01, wide, 0), 0.005, density, 2e5, 0, [_box(-1, -1, 1, -thick)]) + _LOAD + _EVERY_WINDOW)
+    return Cell(family, name, case, (GRAVITY * depth) ** 0.5, WATER * GRAVITY * depth**2 * wide / 2, mass=density * 0.03 * wide,
+                load=WATER * GRAVITY * depth * wide, until=0.05, **more)
