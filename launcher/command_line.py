@@ -248,7 +248,12 @@ def _case_tool(arguments):
     directory = build.ensure(arguments.build, ["tern-case"])
     costs = calibration.costs_file(directory)
     options = ["--costs", costs] if costs else []
-    return subprocess.run([directory / "tern-case", arguments.tool, path, *_forwarded(arguments), *options], check=False).returncode
+    code = subprocess.run([directory / "tern-case", arguments.tool, path, *_forwarded(arguments), *options], check=False).returncode
+    if code == DONE and arguments.tool == "explain":
+        from launcher import advice
+        if words := advice.text(cases.read(directory, path, _forwarded(arguments))):
+            print("\n" + words)
+    return code
 
 
 def _verify(arguments):

@@ -1,0 +1,82 @@
+"""What ./tern explain says about another error or time: from the measured trade (docs/TRADE.md), of the scene itself or of its like."""
+
+from launcher.build import ROOT
+from launcher.study import front, knobs, rows
+
+QUICKER = 1.25       # speed-up from which a knob is worth a line
+UNNOTICED = 0.0005   # error added that is not worth a word
+NOTICED = 0.001      # error removed that is
+
+
+def _tables(case):
+    """({scene: rows}, are they of the scene itself): of the scenes with the same sides."""
+    own = [path for path in (ROOT / "runs" / f"study-{case['name']}" / "cost_accuracy.csv", ROOT / "docs" / "trade" / f"{case['name']}.csv")
+           if path.is_file()]
+    if own:
+        return {case["name"]: rows.read(own[0])}, True
+    sides = {"fluid": "fluid.spacing_m", "structure": "structure.body.spacing_m"}
+    found = {}
+    for path in sorted((ROOT / "docs" / "trade").glob("*.csv")):
+        table = rows.read(path)
+        standard = front.find(table, "standard")
+        if standard and all(bool(standard.settings.get(column)) == case[f"has_{side}"] for side, column in sides.items()):
+            found[path.stem] = table
+    return found, False
+
+
+def _span(values, form):
+    low, high = form(min(values)), form(max(values))
+    return low if low == high else f"{low} to {high}"
+
+
+def _added(row, table):
+    """Error beyond that of the case as it stands; against the finest run where there is no reference."""
+    standard = front.find(table, "standard")
+    if row.error is not None and standard.error is not None:
+        return row.error - standard.error
+    if row.distance_to_finest is not None and standard.distance_to_finest is not None:
+        return row.distance_to_finest - standard.distance_to_finest
+    return None
+
+
+def _effects(tables, point):
+    """[(speed-up, error added)] of one point in all tables that have it and where it ended."""
+    effects = []
+    for table in tables.values():
+        cost, _ = front.standard_cost(table)
+        row = front.find(table, point)
+        added = _added(row, table) if row and cost and row.cpu_s else None
+        if added is not None:
+            effects.append((cost / row.cpu_s, added))
+    return effects
+
+
+def _line(option, effects):
+    speed = _span([1 / speed for speed, _ in effects], lambda x: f"{x:.2g}")
+    added = _span([added for _, added in effects], lambda x: f"{100 * x:+.2f} %")
+    return f"  {option:<54} {speed} times the CPU time, error {added}"
+
+
+def text(case):
+    """The paragraph, or nothing where no like scene was measured. `case`: of cases.read()."""
+    tables, own = _tables(case)
+    tables = {name: table for name, table in tables.items() if front.find(table, "standard")}
+    if not tables:
+        return ""
+    where = "measured in this scene" if own else f"measured in {', '.join(tables)}"
+    lines = [f"For another error or time ({where}; docs/TRADE.md)"]
+    lines += [_line(f"--preset {name}", effects) for name in ("draft", "reference") if (effects := _effects(tables, name))]
+    points = {row.point: row for table in tables.values() for row in table
+              if row.options and row.knob not in ("preset", "spacing", "fluid.spacing", "structure.body.spacing")}
+    known = {knob.key: knob for knob in knobs.KNOBS}
+    for point, row in points.items():
+        effects = _effects(tables, point)
+        knob = known.get(row.knob)
+        if not effects or knob is None or knob.with_ or not knobs.applies(knob, case["settings"]):
+            continue
+        quicker = min(speed for speed, _ in effects) >= QUICKER and max(added for _, added in effects) <= UNNOTICED
+        better = max(added for _, added in effects) <= -NOTICED
+        if quicker or better:
+            lines.append(_line(row.options, effects))
+    lines.append(f"  ./tern study {case['name']} --error 1%   (or --time 60s) measures what this scene needs.")
+    return "\n".join(lines)
