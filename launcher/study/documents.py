@@ -1,6 +1,5 @@
 """docs/TRADE.md, its picture, and the table in README.md, from the tables in docs/trade."""
 
-import shutil
 from pathlib import Path
 
 from launcher import cases
@@ -149,6 +148,17 @@ def replace_block(text, block):
     return before + block + after
 
 
+def _take_over(source, target, keep_versions):
+    """Copies the rows that belong to the latest run of the case as it stands."""
+    found = rows.read(source)
+    standard = next((row for row in reversed(found) if row.point == "standard"), None)
+    if standard is None:
+        raise LauncherError(BAD_INPUT, f"{source} has no row of the case as it stands; let the study go on first.")
+    own = [row for row in found if (row.base, row.end_time_s) == (standard.base, standard.end_time_s)
+           and (keep_versions or row.version == standard.version)]
+    rows.write(target, own, rows.header(standard.quantities, standard.settings))
+
+
 def write(arguments):
     """./tern study [CASE] --write-docs: takes over the table of CASE, and writes all documents; returns the exit code."""
     if arguments.case:
@@ -157,7 +167,7 @@ def write(arguments):
         if not source.is_file():
             raise LauncherError(BAD_INPUT, f"{source} does not exist; measure it first: ./tern study {arguments.case}.")
         (ROOT / "docs" / "trade").mkdir(exist_ok=True)
-        shutil.copyfile(source, ROOT / "docs" / "trade" / f"{name}.csv")
+        _take_over(source, ROOT / "docs" / "trade" / f"{name}.csv", arguments.keep)
     tables = read_all()
     (ROOT / "docs" / "TRADE.md").write_text(trade_text(tables) + "\n", encoding="utf-8")
     readme = ROOT / "README.md"
