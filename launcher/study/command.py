@@ -78,6 +78,7 @@ class Study:
 
     def _judged(self, row):
         """The row with the error over the quantities that count now; study.toml may have changed."""
+        row.judged_by = self.criterion.judged_by
         names = {quantity["name"] for quantity in self.criterion.quantities}
         if names <= set(row.quantities):
             row.quantities = {name: value for name, value in row.quantities.items() if name in names}

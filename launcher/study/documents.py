@@ -17,8 +17,8 @@ INTRODUCTION = """# What accuracy costs
 Written by `./tern study --write-docs` from `docs/trade/*.csv`, each the `cost_accuracy.csv` of `./tern study CASE`; do not edit.
 
 Every knob is turned by itself around the case as it stands; runs are done one at a time. *Error*: root mean square of (value - reference) over
-its scale, over the quantities that the case's `study.toml` names. It has a floor where the reference is another code or an experiment: then it says little
-below a few per cent, and *from the finest* says more: the distance of all gauges' curves from the run with the smallest spacings, root mean square over the gauges of
+its scale, over the quantities that the case's `study.toml` names. Where the reference is another code or an experiment (confidence B) it has a floor, and nearness to it may be an accident: then,
+as without a reference, runs are judged by how far they are *from the finest*: the distance of all gauges' curves from the run with the smallest spacings, root mean square over the gauges of
 the L2 distance over time over the largest magnitude. *Moves the curves by* is the same distance from the case as it stands: what the knob alone does. CPU times are those of a shared machine with other
 work beside it; each scene says how far two runs of the same differ, and a speed-up of 0.8 to 1.2 may be noise. Steps and pressure iterations are free of that.
 """
@@ -37,9 +37,10 @@ def _preset_error(row, found):
     best = front.finest(found)
     if row is None:
         return "did not end"
-    if row.error is None and front.spacings(row) == front.spacings(best) and row.distance_to_finest == best.distance_to_finest:
-        return f"what the others are held to, ± {report.percent(row.distance_to_finest)}"
-    return f"{report.percent(front.error_of(row))} ({report.percent(row.distance_to_finest)})"
+    error = report.percent(row.error)
+    if row.judged_by == "finest" and front.spacings(row) == front.spacings(best) and row.distance_to_finest == best.distance_to_finest:
+        return f"{error} (what the others are held to, ± {report.percent(row.distance_to_finest)})"
+    return f"{error} ({report.percent(row.distance_to_finest)})"
 
 
 def preset_table(tables):
@@ -67,7 +68,7 @@ def wish_table(tables):
             row, met = front.best_for_error(found, wanted)
             if met and row is not best:
                 best = row
-                lines.append([f"`{case}`", report.percent(wanted), report.options_of(row), report.percent(front.error_of(row)),
+                lines.append([f"`{case}`", report.percent(wanted), report.options_of(row), report.percent(row.error),
                               report.percent(row.distance_to_finest), report.seconds(row.cpu_s)])
     return report.table(["scene", "for an error of", "take", "error", "from the finest", "CPU"], lines)
 

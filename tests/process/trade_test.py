@@ -114,6 +114,13 @@ class ArithmeticTest(unittest.TestCase):
         self.assertEqual([(found.point, met) for found, met in (front.best_for_time(known, 6), front.best_for_time(known, 0.5))],
                          [("c", True), ("a", False)])
 
+    # Seen to fail: with the error against another code taken for the judge.
+    def test_nearness_to_another_code_is_no_merit(self):
+        known = [row("near", 3, 0.01, distance_to_finest=0.2, judged_by="finest"), row("converged", 3, 0.06, distance_to_finest=0.02, judged_by="finest")]
+        self.assertEqual(front.best_for_error(known, 0.05)[0].point, "converged")
+        criterion = accuracy.Criterion([{"confidence": "A"}, {"confidence": "B"}], [], 1.0, [])
+        self.assertEqual(criterion.judged_by, "finest")
+
     # Seen to fail: with each component over its own magnitude (the second is round-off), and with undefined cells taken.
     def test_a_distance_is_over_the_magnitude_of_the_vector(self):
         import numpy
