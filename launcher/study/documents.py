@@ -16,11 +16,15 @@ INTRODUCTION = """# What accuracy costs
 
 Written by `./tern study --write-docs` from `docs/trade/*.csv`, each the `cost_accuracy.csv` of `./tern study CASE`; do not edit.
 
-Every knob is turned by itself around the case as it stands; runs are done one at a time. *Error*: root mean square of (value - reference) over
-its scale, over the quantities that the case's `study.toml` names. Where the reference is another code or an experiment (confidence B) it has a floor, and nearness to it may be an accident: then,
-as without a reference, runs are judged by how far they are *from the finest*: the distance of all gauges' curves from the run with the smallest spacings, root mean square over the gauges of
-the L2 distance over time over the largest magnitude. *Moves the curves by* is the same distance from the case as it stands: what the knob alone does. CPU times are those of a shared machine with other
-work beside it; each scene says how far two runs of the same differ, and a speed-up of 0.8 to 1.2 may be noise. Steps and pressure iterations are free of that.
+Every knob is turned by itself around the case as it stands; runs are done one at a time.
+
+* *Error*: root mean square of (value - reference)/scale over the quantities that the case's `study.toml` names. Where the reference is another code or an experiment
+  (confidence B) it has a floor, and nearness to it may be an accident: then, as without a reference, runs are judged by how far they are from the finest.
+* *From the finest*: the distance of all gauges' curves from the run with the smallest spacings, root mean square over the gauges of the L2 distance over time over the
+  largest magnitude. Of the finest run itself: its uncertainty, which is the distance of the next finest.
+* *Moves the curves by*: the same distance from the case as it stands, what the knob alone does.
+* CPU times are those of a shared machine with other work beside it; each scene says how far two runs of the same differ, and a speed-up of 0.8 to 1.2 may be noise. Steps and
+  pressure iterations are free of that.
 """
 
 
@@ -105,7 +109,8 @@ def knob_summary(tables):
     lines = []
     for (knob, value), found in sorted(entries.items(), key=lambda entry: order.get(entry[0][0], 99)):
         done = [(row, cost, standard) for row, cost, standard in found if row.done]
-        added = [row.error - standard.error for row, _, standard in done if row.error is not None and standard.error is not None]
+        added = [row.error - standard.error for row, _, standard in done
+                 if row.judged_by == "reference" and row.error is not None and standard.error is not None]
         lines.append([f"`{knob}`", value, _span([cost / row.cpu_s for row, cost, _ in done], lambda x: f"{x:.2g}"),
                       _span(added, report.points), _span([row.distance_to_standard for row, _, _ in done], lambda x: f"{100 * x:.2g} %"),
                       f"{len(done)}" + (f", {len(found) - len(done)} did not end" if len(done) < len(found) else "")])
