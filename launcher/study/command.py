@@ -132,10 +132,10 @@ class Study:
             for name, target in targets[row.point].items():
                 known = tables.get(row.point) and tables.get(target)
                 setattr(row, name, accuracy.distance(tables[row.point], tables[target], self.criterion.curves) if known else None)
-        if best and (coarser := front.next_finest(self.rows)):
-            for row in self.rows:
-                if row.distance_to_finest == 0:  # the finest, which is not exact: this is what it may be off
-                    row.distance_to_finest = coarser.distance_to_finest
+        coarser = front.next_finest(self.rows)
+        for row in self.rows:
+            if row.distance_to_finest == 0:  # the finest, which is not exact: what it may be off, if anything tells
+                row.distance_to_finest = coarser.distance_to_finest if coarser else None
         rows.write(self.csv, [*self.others, *self.rows], self.columns())
 
     def _table(self, row):

@@ -148,7 +148,7 @@ def answer(case, rows, error=None, time_s=None, base_options=""):
             continue
         row, met = pick(rows, wanted)
         if row is None:
-            lines.append(f"No point of the study has finished; nothing can be said about {what()}.")
+            lines.append(f"No point of the study has a known {kind}; nothing can be said about {what()}.")
             continue
         lines.append(f"For {what()}, measured to t = {row.end_time_s:g} s:" if met else
                      f"No point of the study reaches {what()}; the nearest is:")

@@ -224,6 +224,17 @@ class StandInTest(unittest.TestCase):
         self.assertEqual(self.count(), runs, "answered from what is there")
         self.assertIn("No point of the study reaches an error against the reference of at most 0.1 %; the nearest is:", output)
 
+    # Seen to fail: with the distance of the finest run from itself taken for its error.
+    def test_one_spacing_alone_tells_no_error(self):
+        (self.path / "pond" / "expected.toml").unlink()
+        code, output = self.study("--knobs", "gradient", "--error", "5%")
+        self.assertEqual(code, 0, output)
+        self.assertIn("No point of the study has a known distance to the finest run", output)
+        self.study("--knobs", "fluid.spacing")
+        found = self.rows()  # 4 (0.1^2 - 0.05^2) = 0.03 of a front at 3 m
+        self.assertAlmostEqual(found["standard"].distance_to_finest, 0.01, 4)
+        self.assertEqual(found["fluid.spacing=0.05"].distance_to_finest, found["standard"].distance_to_finest, "its uncertainty")
+
     # Seen to fail: without the comparison with the budget.
     def test_a_budget_leaves_out_what_does_not_fit_and_says_so(self):
         code, output = self.study("--knobs", "fluid.spacing,gradient", "--budget", "0.1", FAKE_SLEEP="1")
