@@ -1,6 +1,7 @@
 """How far off a run is: from the references of its case, and from another run.
 
-Against references: root mean square over the quantities that count of (value - reference)/scale. They are those of
+Against references: root mean square over the quantities that count of (value - reference)/scale. It judges a run if all of them
+are of confidence A; else the distance from the finest run does, for another code may be met by accident. The quantities are those of
 expected.toml with a reference other than 0, over its magnitude; a study.toml beside it chooses others:
 
     until = 0.45                     # s; a study ends here, earlier than the case (left out: the end time of the case)
@@ -31,6 +32,11 @@ class Criterion:
     left_out: list    # names of those that need a later end
     until: float      # s
     curves: list      # columns; empty = all
+
+    @property
+    def judged_by(self):
+        """References of confidence A are held to be true; another code is something to be compared with, not to be met."""
+        return "reference" if self.quantities and all(quantity["confidence"] == "A" for quantity in self.quantities) else "finest"
 
 
 def _read_toml(path):

@@ -8,7 +8,7 @@ from pathlib import Path
 from launcher import build, cases, summary
 from launcher.errors import BAD_INPUT, DONE, INTERRUPTED, LauncherError
 from launcher.study import accuracy, front, knobs, report, rows, sweep
-from plotting import run_files, trade
+from plotting import run_files
 
 
 def parse_error(text):
@@ -67,19 +67,18 @@ class Study:
         self.scene_knobs = [knob for knob in knobs.KNOBS if knobs.applies(knob, self.settings)]
         wanted = knobs.points(self.settings, self.chosen, arguments.levels)
         self.wanted = [knobs.STANDARD, *wanted, knobs.STANDARD_AGAIN]
-        self.rows = self._valid(rows.read(self.csv))
+        found = rows.read(self.csv)
+        own = {(row.point, row.options): self._judged(row) for row in found if self._belongs(row)}
+        self.rows, self.others = list(own.values()), [row for row in found if not self._belongs(row)]
 
-    def _valid(self, found):
-        """The latest row of every point that belongs to this case, end and version."""
-        latest = {}
-        for row in found:
-            if row.base == self.case["hash"] and abs(row.end_time_s - self.criterion.until) < 1e-9 and (
-                    self.keep_versions or row.version == self.version):
-                latest[(row.point, row.options)] = self._judged(row)
-        return list(latest.values())
+    def _belongs(self, row):
+        """Whether the row is of this case as it is now, to this end, and of this version of tern."""
+        return (row.base == self.case["hash"] and abs(row.end_time_s - self.criterion.until) < 1e-9
+                and (self.keep_versions or row.version == self.version))
 
     def _judged(self, row):
         """The row with the error over the quantities that count now; study.toml may have changed."""
+        row.judged_by = self.criterion.judged_by
         names = {quantity["name"] for quantity in self.criterion.quantities}
         if names <= set(row.quantities):
             row.quantities = {name: value for name, value in row.quantities.items() if name in names}
@@ -133,15 +132,22 @@ class Study:
             for name, target in targets[row.point].items():
                 known = tables.get(row.point) and tables.get(target)
                 setattr(row, name, accuracy.distance(tables[row.point], tables[target], self.criterion.curves) if known else None)
-        if best and (coarser := front.next_finest(self.rows)):
-            for row in self.rows:
-                if row.distance_to_finest == 0:  # the finest, which is not exact: this is what it may be off
-                    row.distance_to_finest = coarser.distance_to_finest
-        rows.write(self.csv, self.rows, self.columns())
+        coarser = front.next_finest(self.rows)
+        for row in self.rows:
+            if row.distance_to_finest == 0:  # the finest, which is not exact: what it may be off, if anything tells
+                row.distance_to_finest = coarser.distance_to_finest if coarser else None
+        rows.write(self.csv, [*self.others, *self.rows], self.columns())
 
     def _table(self, row):
-        path = self.out / "points" / row.point / "gauges.csv"
-        return run_files.read_table(path) if path.is_file() else {}
+        """The curves of a row, if what is in its directory is its run: another end or version may have come after it."""
+        directory = self.out / "points" / row.point
+        try:
+            contents = json.loads((directory / "run.json").read_text(encoding="utf-8"))
+            table = run_files.read_table(directory / "gauges.csv")
+        except (OSError, ValueError):
+            return {}
+        same = contents.get("options") == [*self.base_options, *shlex.split(row.options)] and contents.get("git", "") in row.version
+        return table if same and abs(table["t_s"][-1] - row.end_time_s) <= 0.02 * row.end_time_s else {}
 
 
 def _left_out_sentence(left_out):
@@ -156,11 +162,15 @@ def study(arguments):
     left_out, interrupted = ([], False) if asked and front.measured(one.rows) else one.run()
     one.fill_distances()
     (one.out / "study.md").write_text(report.text(one.case["name"], one.rows, left_out, one.criterion.left_out), encoding="utf-8")
+    from plotting import trade  # matplotlib takes its time: not before there is something to show
     trade.picture(one.case["name"], one.rows, one.out / "trade.png")
     if asked:
         print(report.answer(one.name, one.rows, **one.wish, base_options=shlex.join(one.base_options)))
     if left_out:
         print(_left_out_sentence(left_out))
+    if one.others:
+        print(f"tern: {len(one.others)} rows of the table are of another version, end or case and were left aside"
+              f"{'' if one.keep_versions else ' (--keep counts those of another version)'}.")
     print(f"tern: {sum(row.done for row in one.rows)} of {len(one.rows)} points finished; {summary.shown(one.out)}: study.md, trade.png, "
           "cost_accuracy.csv")
     return INTERRUPTED if interrupted else DONE

@@ -1,6 +1,5 @@
 """docs/TRADE.md, its picture, and the table in README.md, from the tables in docs/trade."""
 
-import shutil
 from pathlib import Path
 
 from launcher import cases
@@ -17,11 +16,15 @@ INTRODUCTION = """# What accuracy costs
 
 Written by `./tern study --write-docs` from `docs/trade/*.csv`, each the `cost_accuracy.csv` of `./tern study CASE`; do not edit.
 
-Every knob is turned by itself around the case as it stands; runs are done one at a time. *Error*: root mean square of (value - reference) over
-its scale, over the quantities that the case's `study.toml` names. It has a floor where the reference is another code or an experiment: then it says little
-below a few per cent, and *from the finest* says more: the distance of all gauges' curves from the run with the smallest spacings, root mean square over the gauges of
-the L2 distance over time over the largest magnitude. *Moves the curves by* is the same distance from the case as it stands: what the knob alone does. CPU times are those of a shared machine with other
-work beside it; each scene says how far two runs of the same differ, and a speed-up of 0.8 to 1.2 may be noise. Steps and pressure iterations are free of that.
+Every knob is turned by itself around the case as it stands; runs are done one at a time.
+
+* *Error*: root mean square of (value - reference)/scale over the quantities that the case's `study.toml` names. Where the reference is another code or an experiment
+  (confidence B) it has a floor, and nearness to it may be an accident: then, as without a reference, runs are judged by how far they are from the finest.
+* *From the finest*: the distance of all gauges' curves from the run with the smallest spacings, root mean square over the gauges of the L2 distance over time over the
+  largest magnitude. Of the finest run itself: its uncertainty, which is the distance of the next finest.
+* *Moves the curves by*: the same distance from the case as it stands, what the knob alone does.
+* CPU times are those of a shared machine with other work beside it; each scene says how far two runs of the same differ, and a speed-up of 0.8 to 1.2 may be noise. Steps and
+  pressure iterations are free of that.
 """
 
 
@@ -38,9 +41,10 @@ def _preset_error(row, found):
     best = front.finest(found)
     if row is None:
         return "did not end"
-    if row.error is None and front.spacings(row) == front.spacings(best) and row.distance_to_finest == best.distance_to_finest:
-        return f"what the others are held to, ± {report.percent(row.distance_to_finest)}"
-    return f"{report.percent(front.error_of(row))} ({report.percent(row.distance_to_finest)})"
+    error = report.percent(row.error)
+    if row.judged_by == "finest" and front.spacings(row) == front.spacings(best) and row.distance_to_finest == best.distance_to_finest:
+        return f"{error} (what the others are held to, ± {report.percent(row.distance_to_finest)})"
+    return f"{error} ({report.percent(row.distance_to_finest)})"
 
 
 def preset_table(tables):
@@ -68,7 +72,7 @@ def wish_table(tables):
             row, met = front.best_for_error(found, wanted)
             if met and row is not best:
                 best = row
-                lines.append([f"`{case}`", report.percent(wanted), report.options_of(row), report.percent(front.error_of(row)),
+                lines.append([f"`{case}`", report.percent(wanted), report.options_of(row), report.percent(row.error),
                               report.percent(row.distance_to_finest), report.seconds(row.cpu_s)])
     return report.table(["scene", "for an error of", "take", "error", "from the finest", "CPU"], lines)
 
@@ -105,7 +109,8 @@ def knob_summary(tables):
     lines = []
     for (knob, value), found in sorted(entries.items(), key=lambda entry: order.get(entry[0][0], 99)):
         done = [(row, cost, standard) for row, cost, standard in found if row.done]
-        added = [row.error - standard.error for row, _, standard in done if row.error is not None and standard.error is not None]
+        added = [row.error - standard.error for row, _, standard in done
+                 if row.judged_by == "reference" and row.error is not None and standard.error is not None]
         lines.append([f"`{knob}`", value, _span([cost / row.cpu_s for row, cost, _ in done], lambda x: f"{x:.2g}"),
                       _span(added, report.points), _span([row.distance_to_standard for row, _, _ in done], lambda x: f"{100 * x:.2g} %"),
                       f"{len(done)}" + (f", {len(found) - len(done)} did not end" if len(done) < len(found) else "")])
@@ -149,6 +154,17 @@ def replace_block(text, block):
     return before + block + after
 
 
+def _take_over(source, target, keep_versions):
+    """Copies the rows that belong to the latest run of the case as it stands."""
+    found = rows.read(source)
+    standard = next((row for row in reversed(found) if row.point == "standard"), None)
+    if standard is None:
+        raise LauncherError(BAD_INPUT, f"{source} has no row of the case as it stands; let the study go on first.")
+    own = [row for row in found if (row.base, row.end_time_s) == (standard.base, standard.end_time_s)
+           and (keep_versions or row.version == standard.version)]
+    rows.write(target, own, rows.header(standard.quantities, standard.settings))
+
+
 def write(arguments):
     """./tern study [CASE] --write-docs: takes over the table of CASE, and writes all documents; returns the exit code."""
     if arguments.case:
@@ -157,7 +173,7 @@ def write(arguments):
         if not source.is_file():
             raise LauncherError(BAD_INPUT, f"{source} does not exist; measure it first: ./tern study {arguments.case}.")
         (ROOT / "docs" / "trade").mkdir(exist_ok=True)
-        shutil.copyfile(source, ROOT / "docs" / "trade" / f"{name}.csv")
+        _take_over(source, ROOT / "docs" / "trade" / f"{name}.csv", arguments.keep)
     tables = read_all()
     (ROOT / "docs" / "TRADE.md").write_text(trade_text(tables) + "\n", encoding="utf-8")
     readme = ROOT / "README.md"

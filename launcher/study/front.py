@@ -12,8 +12,13 @@ def find(rows, name):
 
 
 def error_of(row):
-    """What a row is judged by: the error against the reference, or without one the distance to the finest run."""
-    return row.error if row.error is not None else row.distance_to_finest
+    """What a row is judged by: the error against the reference, or the distance to the finest run where there is none to trust."""
+    return row.error if row.error is not None and row.judged_by == "reference" else row.distance_to_finest
+
+
+def by_reference(rows):
+    """Whether the study is judged by references."""
+    return any(row.error is not None and row.judged_by == "reference" for row in rows)
 
 
 def _same_computation(row):

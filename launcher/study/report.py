@@ -30,10 +30,6 @@ def options_of(row):
     return f"`{row.options}`" if row.options else "the case as it stands"
 
 
-def has_reference(rows):
-    return any(row.error is not None for row in rows)
-
-
 def _ratio(row, cost):
     return "-" if not (row.cpu_s and cost) else f"{row.cpu_s / cost:.3g}"
 
@@ -131,7 +127,9 @@ def quantity_lines(rows):
     if not standard or not standard.quantities:
         return "The case has no reference: the error is the distance to the finest run, over all gauges."
     lines = [[name, percent(value), percent(best.quantities.get(name)) if best else "-"] for name, value in standard.quantities.items()]
-    return table(["error of (over its scale)", "standard", f"finest ({best.point})" if best else "finest"], lines)
+    note = "" if front.by_reference(rows) else ("The reference is another code or an experiment: shown, but not what runs are judged by; that is "
+                                                "the distance from the finest run.\n\n")
+    return note + table(["error of (over its scale)", "standard", f"finest ({best.point})" if best else "finest"], lines)
 
 
 def wish_line(case, row, base_options=""):
@@ -142,15 +140,15 @@ def wish_line(case, row, base_options=""):
 def answer(case, rows, error=None, time_s=None, base_options=""):
     """The settings for a wanted error or wall time, in words."""
     lines = []
-    kind = "error against the reference" if has_reference(rows) else "distance to the finest run"
-    for wanted, pick, what in ((error, front.best_for_error, lambda: f"an {kind} of at most {percent(error)}" if has_reference(rows)
+    kind = "error against the reference" if front.by_reference(rows) else "distance to the finest run"
+    for wanted, pick, what in ((error, front.best_for_error, lambda: f"an {kind} of at most {percent(error)}" if front.by_reference(rows)
                                 else f"a {kind} of at most {percent(error)}"),
                                (time_s, front.best_for_time, lambda: f"at most {seconds(time_s)} of wall time")):
         if wanted is None:
             continue
         row, met = pick(rows, wanted)
         if row is None:
-            lines.append(f"No point of the study has finished; nothing can be said about {what()}.")
+            lines.append(f"No point of the study has a known {kind}; nothing can be said about {what()}.")
             continue
         lines.append(f"For {what()}, measured to t = {row.end_time_s:g} s:" if met else
                      f"No point of the study reaches {what()}; the nearest is:")
@@ -158,7 +156,7 @@ def answer(case, rows, error=None, time_s=None, base_options=""):
         lines.append(f"  {kind} {percent(front.error_of(row))}, {percent(row.distance_to_finest)} from the finest run, CPU "
                      f"{seconds(row.cpu_s)}, wall {seconds(row.wall_s)}")
         best = front.finest(rows)
-        if row.error is None and best and row.distance_to_finest and best.distance_to_finest and row.distance_to_finest < best.distance_to_finest:
+        if row.judged_by == "finest" and best and row.distance_to_finest and best.distance_to_finest and row.distance_to_finest < best.distance_to_finest:
             lines.append(f"  (the finest run itself is uncertain by {percent(best.distance_to_finest)}: smaller distances say little)")
     return "\n".join(lines)
 

@@ -8,7 +8,7 @@ from launcher.errors import BAD_INPUT, LauncherError
 
 _PERCENT = ("error", "distance_to_finest", "distance_to_standard", "distance_in_knob")
 _NUMBERS = {"exit_code": int, "end_time_s": float, "cpu_s": float, "wall_s": float, "steps": int, "pressure_iterations": float}
-_TEXTS = ("point", "knob", "value", "options", "status", "cause", "base", "version")
+_TEXTS = ("point", "knob", "value", "options", "status", "cause", "judged_by", "base", "version")
 _OF = "error_percent of "
 
 
@@ -33,6 +33,7 @@ class Row:
     distance_to_standard: float | None = None
     distance_in_knob: float | None = None
     quantities: dict = field(default_factory=dict)  # name: error
+    judged_by: str = "reference"                    # or "finest": the reference is another code, or there is none
     settings: dict = field(default_factory=dict)    # key with unit: effective value
     base: str = ""     # hash of the case as it stands
     version: str = ""  # of the executables
@@ -46,6 +47,7 @@ def _cells(row):
     cells = {name: getattr(row, name) for name in ("point", "knob", "value", "options", "status", "exit_code", "cause", "end_time_s",
                                                     "cpu_s", "wall_s", "steps", "pressure_iterations")}
     cells |= {f"{name}_percent": None if getattr(row, name) is None else 100 * getattr(row, name) for name in _PERCENT}
+    cells["judged_by"] = row.judged_by
     cells |= {_OF + name: 100 * value for name, value in row.quantities.items()}
     cells |= row.settings | {"base": row.base, "version": row.version}
     return {name: "" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
