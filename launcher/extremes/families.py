@@ -26,9 +26,9 @@ def plates():
             for layers in LAYERS:
                 for modulus in MODULI:
                     name = plate_name(ratio, layers, modulus, faces)
-                    for algorithm in ALGORITHMS:
+                    for algorithm in ALGORITHMS:  # what CM0 does to a heavy plate grows slowly
                         cell = scenes.plate("plates", f"{name}, {algorithm}", ratio=ratio, layers=layers, modulus=modulus, faces=faces,
-                                            allow_unstable=algorithm == "CM0", row=f"{ratio:g}, {layers} across",
+                                            allow_unstable=algorithm == "CM0", until=0.2 if algorithm == "CM0" else 0.1, row=f"{ratio:g}, {layers} across",
                                             column=f"{modulus:.0e}, {faces} wet".replace("e+0", "e"))
                         yield _set(cell, f"coupling.algorithm={algorithm}")
 
@@ -108,9 +108,9 @@ def rest():
     yield scenes.tank("rest", "water at rest for 40 sqrt(H/g)", gravity=still, until=40 * (scenes.DEPTH / 9.81) ** 0.5,
                       limits=(0.1, 0.01, 0.01), row="tank", column="40 sqrt(H/g)")
     yield scenes.plate("rest", "plate under water at rest for 20 sqrt(H/g)", gravity=still, until=20 * (scenes.DEPTH / 9.81) ** 0.5,
-                       limits=(0.5, 0.01, 0.01), row="plate", column="20 sqrt(H/g)")
+                       limits=(0.5, 0.05, 0.01), row="plate", column="20 sqrt(H/g)")
     yield scenes.plate("rest", "floor under water at rest for 20 sqrt(H/g)", gravity=still, faces=1, until=20 * (scenes.DEPTH / 9.81) ** 0.5,
-                       limits=(0.5, 0.01, 0.01), row="floor", column="20 sqrt(H/g)")
+                       limits=(0.5, 0.05, 0.01), row="floor", column="20 sqrt(H/g)")
 
 
 def weightless():
@@ -154,7 +154,8 @@ QUICK = {
     "plate under water, Poisson's ratio 0.49999", "plate of 20 mm, 1 across, both faces wet", "structure over fluid 0.25, 20 mm, both faces wet",
     "column that breaks, courant 0.6", "plate, pressure solved to 1e-2", "full tank with a plate in it, density ratio 1",
     "drop at 10 m/s on a pool", "neo_hookean squeezed to 0.5 of its height", "st_venant_kirchhoff squeezed to 0.1 of its height",
-    "water at rest without gravity", "floor under water at rest for 20 sqrt(H/g)", "structure over fluid 4, four across, one face wet", "light and loosely solved: density ratio 0.1, tolerance 1e-2",
+    "water at rest without gravity", "floor under water at rest for 20 sqrt(H/g)", "structure over fluid 4, four across, one face wet",
+    "light and loosely solved: density ratio 0.1, tolerance 1e-2",
 }
 
 
