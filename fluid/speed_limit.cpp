@@ -37,13 +37,13 @@ void Fluid<D>::check_speed() {
     if (speed < (1 - 1e-12) * fastest) continue;
     std::string where;
     for (int c = 0; c < D; ++c) where += fmt::format("{}{:.5g}", c ? ", " : "", predicted_position_[i][c]);
-    const std::string what = fmt::format("The speed of fluid particle {} at ({}) m is {:.4g} m/s at t = {:.6g} s, above the limit of {:.4g} m/s ({} the "
-                                         "reference speed of the scene); pressure there {:.4g} Pa.",
-                                         state_.id[i], where, speed, begin_s_ + duration_s_, (lasts ? collapsed : impossible) * reference,
-                                         lasts ? "for ten windows a hundred times" : "a thousand times", state_.pressure[i]);
-    throw NumericalFailure(fmt::format("{} The step has {}: use a smaller fluid.numerics.courant, or for a light structure the coupling "
-                                       "algorithm CM3.", what,
-                                       lasts ? fmt::format("collapsed to {:.3g} s, which this speed asks for", duration_s_) : "become unstable"));
+    throw NumericalFailure(fmt::format(
+        "The speed of fluid particle {} at ({}) m is {:.4g} m/s at t = {:.6g} s, above the limit of {:.4g} m/s ({} the reference speed of "
+        "the scene); pressure there {:.4g} Pa. The step has {}: use a smaller fluid.numerics.courant, or for a light structure the coupling "
+        "algorithm CM3.",
+        state_.id[i], where, speed, begin_s_ + duration_s_, (lasts ? collapsed : impossible) * reference,
+        lasts ? "for ten windows a hundred times" : "a thousand times", state_.pressure[i],
+        lasts ? fmt::format("collapsed to {:.3g} s, which this speed asks for", duration_s_) : "become unstable"));
   }
 }
 

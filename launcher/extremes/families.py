@@ -26,9 +26,9 @@ def plates():
             for layers in LAYERS:
                 for modulus in MODULI:
                     name = plate_name(ratio, layers, modulus, faces)
-                    for algorithm in ALGORITHMS:
+                    for algorithm in ALGORITHMS:  # what CM0 does to a heavy plate grows slowly
                         cell = scenes.plate("plates", f"{name}, {algorithm}", ratio=ratio, layers=layers, modulus=modulus, faces=faces,
-                                            allow_unstable=algorithm == "CM0", row=f"{ratio:g}, {layers} across",
+                                            allow_unstable=algorithm == "CM0", until=0.2 if algorithm == "CM0" else 0.1, row=f"{ratio:g}, {layers} across",
                                             column=f"{modulus:.0e}, {faces} wet".replace("e+0", "e"))
                         yield _set(cell, f"coupling.algorithm={algorithm}")
 
@@ -108,9 +108,9 @@ def rest():
     yield scenes.tank("rest", "water at rest for 40 sqrt(H/g)", gravity=still, until=40 * (scenes.DEPTH / 9.81) ** 0.5,
                       limits=(0.1, 0.01, 0.01), row="tank", column="40 sqrt(H/g)")
     yield scenes.plate("rest", "plate under water at rest for 20 sqrt(H/g)", gravity=still, until=20 * (scenes.DEPTH / 9.81) ** 0.5,
-                       limits=(0.5, 0.01, 0.01), row="plate", column="20 sqrt(H/g)")
+                       limits=(0.5, 0.05, 0.01), row="plate", column="20 sqrt(H/g)")
     yield scenes.plate("rest", "floor under water at rest for 20 sqrt(H/g)", gravity=still, faces=1, until=20 * (scenes.DEPTH / 9.81) ** 0.5,
-                       limits=(0.5, 0.01, 0.01), row="floor", column="20 sqrt(H/g)")
+                       limits=(0.5, 0.05, 0.01), row="floor", column="20 sqrt(H/g)")
 
 
 def weightless():
@@ -154,7 +154,8 @@ QUICK = {
     "plate under water, Poisson's ratio 0.49999", "plate of 20 mm, 1 across, both faces wet", "structure over fluid 0.25, 20 mm, both faces wet",
     "column that breaks, courant 0.6", "plate, pressure solved to 1e-2", "full tank with a plate in it, density ratio 1",
     "drop at 10 m/s on a pool", "neo_hookean squeezed to 0.5 of its height", "st_venant_kirchhoff squeezed to 0.1 of its height",
-    "water at rest without gravity", "floor under water at rest for 20 sqrt(H/g)", "structure over fluid 4, four across, one face wet", "light and loosely solved: density ratio 0.1, tolerance 1e-2",
+    "water at rest without gravity", "floor under water at rest for 20 sqrt(H/g)", "structure over fluid 4, four across, one face wet",
+    "light and loosely solved: density ratio 0.1, tolerance 1e-2",
 }
 
 
@@ -176,10 +177,11 @@ def boundaries():
     def piston(ratio):
         return _set(scenes.piston("boundary", f"piston, CM0, m_a/m_s {ratio:.4g}", ratio=ratio, allow_unstable=True), "coupling.algorithm=CM0")
 
-    def plate_density(algorithm):
+    def plate_density(algorithm, layers, modulus):
         def make(ratio):
-            cell = scenes.plate("boundary", f"plate under water, E 1e5 Pa, two across, {algorithm}, density ratio {ratio:.4g}", ratio=ratio,
-                                layers=2, modulus=1e5, allow_unstable=algorithm == "CM0")
+            cell = scenes.plate("boundary", f"plate under water, E {modulus:g} Pa, {layers} across, {algorithm}, density ratio {ratio:.4g}",
+                                ratio=ratio, layers=layers, modulus=modulus, allow_unstable=algorithm == "CM0",
+                                until=0.2 if algorithm == "CM0" else 0.1)
             return cell if algorithm == "default" else _set(cell, f"coupling.algorithm={algorithm}")
         return make
 
@@ -197,9 +199,9 @@ def boundaries():
 
     yield Boundary("boundary", "CM0, largest added mass of a piston over the mass it answers with", "-", 0.3, 5.0, piston,
                    "1: the mismatch of the velocities is multiplied by minus this ratio in each window")
-    yield Boundary("boundary", "CM0, lightest plate under water of 2 across and 1e5 Pa", "density ratio", 1000.0, 1.0, plate_density("CM0"),
-                   "4: added mass of 0.043 m of water on 10 mm, a ratio of 1")
-    yield Boundary("boundary", "default, lightest plate under water of 2 across and 1e5 Pa", "density ratio", 1.0, 0.02, plate_density("default"),
+    yield Boundary("boundary", "CM0, lightest stiff plate under water, 20 mm of 4 across, 1e9 Pa", "density ratio", 10.0, 0.05, plate_density("CM0", 4, 1e9),
+                   "2: added mass of 0.043 m of water, a ratio of 1")
+    yield Boundary("boundary", "default, lightest plate under water of 2 across and 1e5 Pa", "density ratio", 1.0, 0.02, plate_density("default", 2, 1e5),
                    "none: trials are repeated until they agree")
     yield Boundary("boundary", "longest windows, plate under water", "sqrt(dx/g)", 0.1, 0.5, gravity_courant,
                    "none: implicit in the pressure; 0.5 is the end of the range")
