@@ -413,8 +413,12 @@ Case read_case(const std::string& name_or_path, const CaseOptions& options) {
     preset.where = "--preset " + options.preset;
     document.set("preset", std::move(preset));
   }
+  // --set preset=... chooses the group as well; every other --set goes on top of it, in whichever order they are given.
+  for (const auto& [key, value] : options.overrides)
+    if (key == "preset") apply_override(document, key, value);
   apply_preset(document);
-  for (const auto& [key, value] : options.overrides) apply_override(document, key, value);
+  for (const auto& [key, value] : options.overrides)
+    if (key != "preset") apply_override(document, key, value);
   const Setting settings = complete_settings(document);
   Case scene = convert(settings, fs::path(file).parent_path());
   const fs::path absolute = fs::absolute(file).lexically_normal();
