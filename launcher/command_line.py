@@ -14,6 +14,7 @@ total-Lagrangian-SPH structure, and a coupler between them."""
 EPILOG = """first steps:
   ./tern run cases/dam_break_plate       installs what is missing, builds, runs the case
   ./tern plot runs/dam_break_plate       pictures of fields, gauges, energies and steps
+  ./tern report runs/dam_break_plate     the same and more as one page for the browser
   ./tern test                            all tests
 
 exit codes: 0 done, 2 bad input, 3 numerical failure (or: a band or test failed), 4 peer lost or timed out,
@@ -197,8 +198,20 @@ def parser():
 
     one = _add(commands, "plot", _plot, "pictures of a run; with several runs, also their gauges in one picture",
                ["./tern plot runs/dam_break_plate", "./tern plot runs/dam_break_plate --times 0.28 0.50 0.80",
-                "./tern plot runs/dam_break_plate runs/dam_break_plate-2"])
+                "./tern plot runs/dam_break_plate runs/dam_break_plate-2",
+                "./tern plot runs/dam_break_plate --animate --field speed     (writes runs/dam_break_plate/film_speed.mp4)"])
     one.add_argument("runs", metavar="RUN", nargs="+", help="directory of a run")
+    one.add_argument("--times", metavar="T", nargs="+", type=float, help="times of the field pictures [s] (default: four)")
+    one.add_argument("--animate", action="store_true", help="a film of the frames instead, RUN/film.mp4 (H.264)")
+    one.add_argument("--fps", metavar="N", type=_positive_number, help="pictures per second of the film (default: it lasts about 8 s)")
+    one.add_argument("--field", choices=("pressure", "speed"), help="what colours the film (default pressure, and shear stress of "
+                     "the structure)")
+
+    one = _add(commands, "report", _report, "one HTML page of runs: curves against references, fields, costs, settings; of studies too",
+               ["./tern report runs/dam_break_plate                          (writes runs/dam_break_plate/report.html)",
+                "./tern report runs/dam_break_plate --times 0.28 0.50 0.80", "./tern report runs/coarse runs/fine --out compared.html"])
+    one.add_argument("directories", metavar="RUN", nargs="+", help="directory of a run, or any with tables, pictures and Markdown")
+    one.add_argument("--out", metavar="FILE", help="the page (default report.html in the directory; for several, in the present one)")
     one.add_argument("--times", metavar="T", nargs="+", type=float, help="times of the field pictures [s] (default: four)")
     return whole
 
@@ -290,13 +303,38 @@ def _extremes(arguments):
 
 
 def _plot(arguments):
+    if arguments.animate:
+        return _animate(arguments)
+    if arguments.fps or arguments.field:
+        raise LauncherError(BAD_INPUT, "--fps and --field are for a film; add --animate.")
     packages.ensure(packages.PYTHON)
     times = ["--times", *(repr(time) for time in arguments.times)] if arguments.times else []
     return subprocess.run([sys.executable, "-B", build.ROOT / "plotting", *arguments.runs, *times], check=False).returncode
 
 
+def _animate(arguments):
+    if arguments.times:
+        raise LauncherError(BAD_INPUT, "--times is for pictures; a film (--animate) takes all frames.")
+    packages.ensure(packages.PYTHON + packages.FILM)
+    from plotting import film, run_files
+    for directory in arguments.runs:
+        try:
+            print(film.animate(directory, arguments.fps, arguments.field or "pressure"), flush=True)
+        except run_files.UnreadableRun as error:
+            raise LauncherError(BAD_INPUT, str(error)) from error
+    return DONE
+
+
+def _report(arguments):
+    packages.ensure(packages.PYTHON + packages.REPORT)
+    from report import write
+    print(write.write_page(arguments.directories, arguments.out, arguments.times))
+    return DONE
+
+
 def _test(arguments):
-    packages.ensure(packages.BUILD + packages.PYTHON + packages.TESTS + sum(packages.PARTICIPANTS.values(), []))
+    packages.ensure(packages.BUILD + packages.PYTHON + packages.REPORT + packages.FILM + packages.TESTS
+                    + sum(packages.PARTICIPANTS.values(), []))
     fuzz = arguments.label == "fuzz"
     if fuzz:
         packages.ensure(packages.FUZZ)

@@ -13,7 +13,9 @@ BUILD = (
     "libprotobuf-dev protobuf-compiler libhdf5-dev libtomlplusplus-dev libcli11-dev libspdlog-dev libfmt-dev "
     "libmuparser-dev nlohmann-json3-dev libgtest-dev libgmock-dev"
 ).split()
-TESTS = ["iproute2"]  # network namespaces
+TESTS = "iproute2 chromium".split()  # network namespaces; pages are looked at
+REPORT = ["python3-markdown"]
+FILM = ["ffmpeg"]
 FUZZ = "clang libclang-rt-dev libomp-dev".split()
 PYTHON = "python3-numpy python3-matplotlib python3-h5py python3-zmq python3-protobuf".split()
 # Of single participants of proto/python/participants, beyond those of all.

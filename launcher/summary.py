@@ -2,6 +2,15 @@
 
 import os
 
+# What every run is asked about: measure, label, form.
+CONSERVATION = (
+    ("volume_drift", "volume drift of the fluid", "{:+.3%}"),
+    ("momentum_audit_max", "momentum audit, largest relative sum of interface forces", "{:.1e}"),
+    ("added_mass_ratio_predicted", "added-mass ratio, predicted", "{:.3g}"),
+    ("particles_leaked", "particles through a face", "{:.0f}"),
+    ("particles_removed", "particles that left the domain", "{:.0f}"),
+)
+
 
 def shown(path):
     """`path` as short as it can be typed from here."""
@@ -45,11 +54,7 @@ def text(contents, out):
     if trials is not None:
         lines.append(f"  trials per window (CM3): mean {trials:.1f}, max {measure(contents, 'coupling_trials_max') or 0:.0f}"
                      + (f"; {open_windows:.0f} windows did not reach the tolerance" if open_windows else ""))
-    for name, label, form in (("volume_drift", "volume drift of the fluid", "{:+.3%}"),
-                              ("momentum_audit_max", "momentum audit, largest relative sum of interface forces", "{:.1e}"),
-                              ("added_mass_ratio_predicted", "added-mass ratio, predicted", "{:.3g}"),
-                              ("particles_leaked", "particles through a face", "{:.0f}"),
-                              ("particles_removed", "particles that left the domain", "{:.0f}")):
+    for name, label, form in CONSERVATION:
         value = measure(contents, name)
         if value is not None:
             lines.append(f"  {label}: {form.format(value)}")

@@ -42,12 +42,14 @@ def judge(directory, quantities):
     return rows
 
 
-def _number(value):
+def number(value):
+    """A value of the table as text."""
     return "" if value is None else f"{value:.4g}" if isinstance(value, (int, float)) else str(value)
 
 
-def _band(band):
-    lowest, highest = band
+def band(limits):
+    """The band of a row as text."""
+    lowest, highest = limits
     if lowest is None:
         return f"<= {highest:.4g}"
     return f">= {lowest:.4g}" if highest is None else f"{lowest:.4g} .. {highest:.4g}"
@@ -57,8 +59,8 @@ def table(case, rows):
     """The rows as a table for people."""
     cells = [["quantity", "value", "unit", "reference", "error", "band", "conf.", ""]]
     for row in rows:
-        cells.append([row["name"], _number(row["value"]) or "none", row["unit"], _number(row["reference"]),
-                      _number(row["error"]), _band(row["band"]), row["confidence"], "pass" if row["passed"] else "FAIL"])
+        cells.append([row["name"], number(row["value"]) or "none", row["unit"], number(row["reference"]),
+                      number(row["error"]), band(row["band"]), row["confidence"], "pass" if row["passed"] else "FAIL"])
     widths = [max(len(line[column]) for line in cells) for column in range(len(cells[0]))]
     lines = [f"{case}:"] + ["  " + "  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip()
                             for line in cells]

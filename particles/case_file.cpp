@@ -415,6 +415,9 @@ Case read_case(const std::string& name_or_path, const CaseOptions& options) {
     preset.where = "--preset " + options.preset;
     document.set("preset", std::move(preset));
   }
+  // --set preset=... chooses the group as well; every other --set goes on top of it, in whichever order they are given.
+  for (const auto& [key, value] : options.overrides)
+    if (key == "preset") apply_override(document, key, value);
   const fs::path folder = fs::path(file).parent_path();
   const auto with_overrides = [&] {
     Setting whole = document;

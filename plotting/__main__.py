@@ -13,12 +13,18 @@ matplotlib.use("Agg")
 from plotting import curves, fields, run_files, style  # noqa: E402
 
 
+def save(figure, run, name):
+    return None if figure is None else style.save(figure, run, name)
+
+
 def plot(run, times):
     """All pictures of one run; returns their paths."""
     pictures = []
     for time in fields.choose_times(run, times):
-        pictures.append(fields.picture(run, time))
-    pictures += [curves.gauges([run]), curves.energies(run), curves.steps(run)]
+        exact, figure = fields.figure(run, time)
+        pictures.append(style.save(figure, run, f"field_{exact:.3f}s"))
+    for name, figure in (("gauges", curves.gauges([run])), ("energies", curves.energies(run)), ("steps", curves.steps(run))):
+        pictures.append(save(figure, run, name))
     return [picture for picture in pictures if picture is not None]
 
 
@@ -32,7 +38,7 @@ def main():
         runs = [run_files.Run(directory) for directory in arguments.runs]
         pictures = [picture for run in runs for picture in plot(run, arguments.times)]
         if len(runs) > 1:
-            pictures.append(curves.gauges(runs))
+            pictures.append(save(curves.gauges(runs), runs[0], "comparison"))
     except run_files.UnreadableRun as error:
         print(f"tern: {error}", file=sys.stderr)
         return 2

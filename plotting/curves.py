@@ -29,8 +29,26 @@ def _panels(runs):
     return sorted(panels.values(), key=lambda panel: panel[3][0][1] not in referenced)  # stable: file order otherwise
 
 
+def _draw_panel(axis, runs, gauge, quantity, unit, curves):
+    """One quantity of all runs that have it, its references dashed."""
+    drawn = set()
+    for run, column, table in curves:
+        for label, t, value in run.references().get(column, []):
+            if label not in drawn:
+                axis.plot(t, value, label=style.plain(label), **style.REFERENCE)
+            drawn.add(label)
+    for run, column, table in curves:
+        axis.plot(table["t_s"], table[column], color=style.RUN_COLOURS[runs.index(run) % len(style.RUN_COLOURS)],
+                  label=style.plain(run.label()) if len(runs) > 1 else "tern")
+    axis.set_title(style.plain(f"{gauge}: {quantity}" if gauge != quantity else gauge), loc="left")
+    axis.set_ylabel(style.plain(f"{quantity} [{unit}]" if unit else quantity))
+    if drawn or len(runs) > 1:
+        axis.legend()
+    return drawn
+
+
 def gauges(runs):
-    """All gauges of one run with their references, or the gauges of several runs over each other."""
+    """Figure of all gauges of one run with their references, or of the gauges of several runs over each other; None without any."""
     panels = _panels(runs)
     if not panels:
         return None
@@ -38,31 +56,32 @@ def gauges(runs):
     rows = -(-len(panels) // columns)
     figure, axes = plt.subplots(rows, columns, figsize=(7.5 * columns, 2.9 * rows), squeeze=False, sharex=True,
                                 layout="constrained")
-    for axis, (gauge, quantity, unit, curves) in zip(axes.flat, panels):
-        drawn = set()
-        for run, column, table in curves:
-            for label, t, value in run.references().get(column, []):
-                if label not in drawn:
-                    axis.plot(t, value, label=label, **style.REFERENCE)
-                drawn.add(label)
-        for run, column, table in curves:
-            axis.plot(table["t_s"], table[column], color=style.RUN_COLOURS[runs.index(run) % len(style.RUN_COLOURS)],
-                      label=run.label() if len(runs) > 1 else "tern")
-        axis.set_title(f"{gauge}: {quantity}" if gauge != quantity else gauge, loc="left")
-        axis.set_ylabel(f"{quantity} [{unit}]" if unit else quantity)
-        if drawn or len(runs) > 1:
-            axis.legend()
+    for axis, panel in zip(axes.flat, panels):
+        _draw_panel(axis, runs, *panel)
     for axis in axes.flat[len(panels):]:
         axis.set_visible(False)
     for axis in axes.flat[max(0, len(panels) - columns):len(panels)]:
         axis.set_xlabel("t [s]")
         axis.tick_params(labelbottom=True)
-    figure.suptitle("Comparison of gauges" if len(runs) > 1 else f"{runs[0].title}: gauges")
-    return style.save(figure, runs[0], "comparison" if len(runs) > 1 else "gauges")
+    figure.suptitle("Comparison of gauges" if len(runs) > 1 else f"{style.plain(runs[0].title)}: gauges")
+    return figure
+
+
+def each_gauge(runs):
+    """The same as one figure per quantity: [(what it shows, figure)]."""
+    figures = []
+    for panel in _panels(runs):
+        figure, axis = plt.subplots(figsize=(6.5, 3.4), layout="constrained")
+        references = _draw_panel(axis, runs, *panel)
+        axis.set_xlabel("t [s]")
+        shown = " and ".join(run.label() for run, _, _ in panel[3]) if len(runs) > 1 else "this run"
+        against = f" against {', '.join(sorted(references))} (dashed)" if references else ""
+        figures.append((f"{panel[3][0][1]} over time, {shown}{against}", figure))
+    return figures
 
 
 def energies(run):
-    """Every column of energy.csv: each side by itself, since the structure has little beside the fluid, and the interface."""
+    """Figure of every column of energy.csv: each side by itself, since the structure has little beside the fluid, and the interface."""
     table = run.table("energy.csv")
     if len(table.get("t_s", [])) < 2:
         return None
@@ -84,8 +103,8 @@ def energies(run):
         axis.set_ylabel("energy [J]" if _dimension(run) == 3 else "energy [J/m]")
         axis.legend(ncols=2)
     axes[-1, 0].set_xlabel("t [s]")
-    figure.suptitle(f"{run.title}: energy account")
-    return style.save(figure, run, "energies")
+    figure.suptitle(f"{style.plain(run.title)}: energy account")
+    return figure
 
 
 def _dimension(run):
@@ -93,7 +112,7 @@ def _dimension(run):
 
 
 def steps(run):
-    """Step length and what limits it, pressure iterations, wall time per step."""
+    """Figure of step length and what limits it, pressure iterations, wall time per step."""
     table = run.table("steps.csv")
     if len(table.get("t_s", [])) < 2:
         return None
@@ -107,12 +126,12 @@ def steps(run):
             limits = table["limit"].astype(str)
             for limit in sorted(set(limits)):
                 chosen = limits == limit
-                axis.plot(table["t_s"][chosen], table[name][chosen], ".", markersize=2.5, label=limit)
+                axis.plot(table["t_s"][chosen], table[name][chosen], ".", markersize=2.5, label=limit, rasterized=True)
             axis.legend(title="limited by", markerscale=4, loc="lower right")
         else:
-            axis.plot(table["t_s"], table[name], ".", markersize=2)
+            axis.plot(table["t_s"], table[name], ".", markersize=2, rasterized=True)
         axis.set_ylim(bottom=0)
         axis.set_ylabel(titles[name])
     axes[-1, 0].set_xlabel("t [s]")
-    figure.suptitle(f"{run.title}: steps")
-    return style.save(figure, run, "steps")
+    figure.suptitle(f"{style.plain(run.title)}: steps")
+    return figure

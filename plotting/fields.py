@@ -1,4 +1,4 @@
-"""Fields at a time: fluid coloured by pressure, structure by Cauchy shear stress, the interface a black line.
+"""Fields at a time: fluid coloured by pressure, structure by Cauchy shear stress, or both by speed; the interface a black line.
 
 Particles are drawn as discs of their own spacing in metres, so a gap in the picture is a gap in the particles. In 3D
 the picture shows the particles within one spacing of the middle plane.
@@ -9,6 +9,12 @@ import numpy as np
 from matplotlib.collections import EllipseCollection, LineCollection
 
 from plotting import style
+
+# For each field a film can show: what colours the fluid, what the structure.
+PRESSURE = ("pressure p of the fluid [Pa]", "turbo", lambda side: side["pressure"])
+SHEAR = ("shear stress $\\sigma_{xy}$ of the structure [Pa]", "PuOr_r", lambda side: side["stress_xy"])
+SPEED = ("speed |u| [m/s]", "viridis", lambda side: np.linalg.norm(side["velocity"], axis=1))
+FIELDS = {"pressure": (PRESSURE, SHEAR), "speed": (SPEED, SPEED)}
 
 
 def choose_times(run, times):
@@ -50,9 +56,10 @@ def _middle(fields, spacing):
     return np.abs(depth - 0.5 * (depth.min() + depth.max())) <= spacing
 
 
-def _draw(axis, run, fluid, structure, limits):
+def _draw(axis, run, fluid, structure, limits, field):
     """Draws both sides; returns the mappable of each (None where absent)."""
     drawn = [None, None]
+    (_, fluid_colours, of_fluid), (_, structure_colours, of_structure) = FIELDS[field]
     for lower, upper, open_faces in run.wall_boxes():
         (x0, y0), (x1, y1) = lower[:2], upper[:2]
         sides = {"x_min": ((x0, y0), (x0, y1)), "x_max": ((x1, y0), (x1, y1)), "y_min": ((x0, y0), (x1, y0)),
@@ -61,12 +68,11 @@ def _draw(axis, run, fluid, structure, limits):
                                            colors="0.35", linewidths=1.5))
     if fluid is not None:
         shown = _middle(fluid, run.spacing("fluid"))
-        drawn[0] = _discs(axis, fluid["position"][shown], fluid["pressure"][shown], run.spacing("fluid"), "turbo",
-                          limits[0])
+        drawn[0] = _discs(axis, fluid["position"][shown], of_fluid(fluid)[shown], run.spacing("fluid"), fluid_colours, limits[0])
     if structure is not None:
         shown = _middle(structure, run.spacing("structure"))
-        drawn[1] = _discs(axis, structure["position"][shown], structure["stress_xy"][shown], run.spacing("structure"),
-                          "PuOr_r", limits[1])
+        drawn[1] = _discs(axis, structure["position"][shown], of_structure(structure)[shown], run.spacing("structure"),
+                          structure_colours, limits[1])
         if "surface_position" in structure and len(structure["surface_position"]):
             surface = structure["surface_position"]
             _outline(axis, surface[np.abs(surface[:, 2] - np.median(surface[:, 2])) <= run.spacing("structure")][:, :2])
@@ -83,7 +89,7 @@ def limits_of(fluid, structure):
     return (min(float(lowest), 0.0), max(float(highest), 1e-9)), (-max(float(shear), 1e-9), max(float(shear), 1e-9))
 
 
-def _foot(structure):
+def foot(structure):
     """(centre, half width) of the zoom: where the clamped part of the structure ends; None without a clamp."""
     clamped = structure.get("clamped", np.zeros(1)).astype(bool)
     if clamped.shape != structure["position"].shape[:1] or not clamped.any() or clamped.all():
@@ -101,39 +107,43 @@ def read(run, time):
     if frames["structure"] is not None:  # a foreign structure may know no stress
         structure = frames["structure"][1]
         structure.setdefault("stress_xy", np.zeros(len(structure["position"])))
+        structure.setdefault("velocity", np.zeros((len(structure["position"]), 3)))
     return exact, *(frame[1] if frame is not None else None for frame in frames.values())
 
 
-def picture(run, time):
-    """RUN/plots/field_<time>.png; returns its path."""
+def figure(run, time):
+    """Both sides at the frame nearest to `time`: (the time of the frame, the figure)."""
     exact, fluid, structure = read(run, time)
-    figure, axis = plt.subplots(figsize=(10, 6.5), layout="constrained")
+    whole, axis = plt.subplots(figsize=(10, 6.5), layout="constrained")
     drawn = panel(axis, run, fluid, structure, limits_of(fluid, structure))
     axis.set_ylabel("y [m]")
-    axis.set_title(f"{run.title}, t = {exact:.3f} s", loc="left")
-    colour_bars(figure, axis, drawn, shrink=0.75)
-    return style.save(figure, run, f"field_{exact:.3f}s")
+    axis.set_title(f"{style.plain(run.title)}, t = {exact:.3f} s", loc="left")
+    colour_bars(whole, axis, drawn, shrink=0.75)
+    return exact, whole
 
 
-def colour_bars(figure, axes, drawn, **options):
-    """One bar for each side that was drawn."""
-    for mappable, label in zip(drawn, ("pressure p of the fluid [Pa]", "shear stress $\\sigma_{xy}$ of the structure [Pa]")):
-        if mappable is not None:
-            bar = figure.colorbar(mappable, ax=axes, pad=0.02, label=label, **options)
-            bar.formatter.set_powerlimits((-3, 4))
+def colour_bars(whole, axes, drawn, field="pressure", **options):
+    """One bar for each side that was drawn; one for both where they share a scale."""
+    bars = {label: mappable for mappable, (label, _, _) in zip(drawn, FIELDS[field]) if mappable is not None}
+    for label, mappable in bars.items():
+        bar = whole.colorbar(mappable, ax=axes, pad=0.02, label=label, **options)
+        bar.formatter.set_powerlimits((-3, 4))
 
 
-def panel(axis, run, fluid, structure, limits):
-    """Both sides, with the foot of a clamped structure enlarged; returns the mappable of each (None where absent)."""
-    drawn = _draw(axis, run, fluid, structure, limits)
-    axis.autoscale_view()
-    _frame_view(axis, run, fluid, structure)
+def panel(axis, run, fluid, structure, limits, field="pressure", view=None, foot_half=None):
+    """Both sides, with the foot of a clamped structure enlarged; returns the mappable of each (None where absent).
+
+    `view` ((x, x), (y, y)) and `foot_half`, the half width of the enlargement, hold still over a film.
+    """
+    drawn = _draw(axis, run, fluid, structure, limits, field)
+    for set_limits, range_ in zip((axis.set_xlim, axis.set_ylim), view or view_of(run, fluid, structure)):
+        set_limits(*range_)
     axis.set_xlabel("x [m]")
-    foot = _foot(structure) if structure is not None and fluid is not None else None
-    if foot is not None:
-        (x, y), half = foot
+    place = foot(structure) if structure is not None and fluid is not None else None
+    if place is not None:
+        (x, y), half = place[0], foot_half or place[1]
         inset = axis.inset_axes([0.03, 0.52, 0.34, 0.45])
-        _draw(inset, run, fluid, structure, limits)
+        _draw(inset, run, fluid, structure, limits, field)
         inset.set_xlim(x - 1.2 * half, x + 1.2 * half)
         inset.set_ylim(y - 0.4 * half, y + 1.6 * half)
         inset.set_xticks([])
@@ -144,13 +154,13 @@ def panel(axis, run, fluid, structure, limits):
     return drawn
 
 
-def _frame_view(axis, run, fluid, structure):
-    """Axis limits: walls and structure wholly, the fluid but for single drops far away."""
-    parts = [np.percentile(fluid["position"][:, :2], (0.2, 99.8), axis=0)] if fluid is not None else []
+def view_of(run, fluid, structure):
+    """((x, x), (y, y)) [m]: walls and structure wholly, the fluid but for single drops far away."""
+    known = fluid is not None and len(fluid["position"]) > 0
+    parts = [np.percentile(fluid["position"][:, :2], (0.2, 99.8), axis=0)] if known else []
     if structure is not None:
         parts.append(structure["position"][:, :2])
     parts += [np.array([lower[:2], upper[:2]], dtype=float) for lower, upper, _ in run.wall_boxes()]
-    corners = np.concatenate(parts)
+    corners = np.concatenate(parts or [np.array([[0.0, 0.0], [1.0, 1.0]])])
     margin = 0.03 * np.ptp(corners, axis=0).max()
-    axis.set_xlim(corners[:, 0].min() - margin, corners[:, 0].max() + margin)
-    axis.set_ylim(corners[:, 1].min() - margin, corners[:, 1].max() + margin)
+    return tuple((float(low - margin), float(high + margin)) for low, high in zip(corners.min(axis=0), corners.max(axis=0)))

@@ -1,6 +1,7 @@
 """The results of one run as arrays: CSV tables, HDF5 frames, run.json, and the references its expected.toml names."""
 
 import csv
+import functools
 import json
 import tomllib
 from pathlib import Path
@@ -30,6 +31,14 @@ def read_table(path):
     return table
 
 
+def distinguish(runs):
+    """Gives runs whose directories are called alike their whole path as a label."""
+    names = [run.directory.resolve().name for run in runs]
+    for run, name in zip(runs, names):
+        if names.count(name) > 1:
+            run.legend = str(run.directory)
+
+
 class Run:
     """One results directory. Whatever is missing reads as empty: a fluid alone, a structure alone, a run cut short."""
 
@@ -41,14 +50,15 @@ class Run:
         path = self.directory / "run.json"
         self.contents = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
         self.name = self.contents.get("case", self.directory.name)
+        self.legend = self.directory.resolve().name
         self.title = self.contents.get("title") or self.name
         if not any((self.directory / name).exists() for name in ("gauges.csv", "fluid.h5", "structure.h5", "steps.csv")):
             raise UnreadableRun(f"{directory} holds no results (gauges.csv, steps.csv, fluid.h5, structure.h5): it is not "
                                 f"the directory of a run.")
 
     def label(self):
-        """How a legend calls this run: its directory."""
-        return self.directory.resolve().name
+        """How a legend calls this run: its directory, or what distinguish() made of it."""
+        return self.legend
 
     def table(self, name):
         path = self.directory / name
@@ -73,6 +83,7 @@ class Run:
             return nearest, {field: np.asarray(data) for field, data in file[name].items()
                              if isinstance(data, h5py.Dataset)}
 
+    @functools.cache
     def spacing(self, process):
         """Particle spacing [m], from the first frame: the median distance to the nearest neighbour."""
         times = self.frame_times(process)

@@ -15,6 +15,11 @@ def apply():
     })
 
 
+def plain(text):
+    """Text that comes from a file, as it stands: matplotlib takes what is between two dollar signs for a formula."""
+    return text.replace("$", r"\$")
+
+
 def save(figure, run, name):
     """Writes RUN/plots/<name>.png and returns its path."""
     directory = run.directory / "plots"

@@ -1,31 +1,17 @@
 #!/usr/bin/python3 -B
-"""./tern plot on small made-up results: coupled, one side alone, cut short, and a folder that is no run."""
+"""./tern plot on small made-up results: coupled, one side alone, cut short, and a folder that is no run; films."""
 
 import json
+import signal
 import subprocess
 import tempfile
 import unittest
 from pathlib import Path
 
-import h5py
-import numpy as np
+import fake_build
+import made_up_run
 
 ROOT = Path(__file__).resolve().parent.parent.parent
-
-
-def write_frames(path, position, **fields):
-    with h5py.File(path, "w") as file:
-        for number in range(3):
-            group = file.create_group(f"frame_{number:06d}")
-            group.attrs["time_s"], group.attrs["step"] = 0.1 * number, number
-            group["position"] = position
-            for name, values in fields.items():
-                group[name] = values
-
-
-def block(x, y, width, height, spacing):
-    grid = np.mgrid[x:x + width:spacing, y:y + height:spacing].reshape(2, -1).T + 0.5 * spacing
-    return np.column_stack([grid, np.zeros(len(grid))])
 
 
 class PlotTest(unittest.TestCase):
@@ -36,19 +22,9 @@ class PlotTest(unittest.TestCase):
         self.run_directory.mkdir()
 
     def write(self, fluid=True, structure=True, tables=True):
-        if fluid:
-            water = block(0, 0, 0.2, 0.1, 0.01)
-            write_frames(self.run_directory / "fluid.h5", water, pressure=9810 * (0.1 - water[:, 1]),
-                         velocity=0 * water)
-        if structure:
-            plate = block(0.3, -0.01, 0.008, 0.06, 0.002)
-            write_frames(self.run_directory / "structure.h5", plate, stress_xy=1e3 * plate[:, 1],
-                         clamped=(plate[:, 1] < 0).astype(np.int32), surface_position=block(0.299, 0, 0.001, 0.05, 0.002))
+        made_up_run.write_sides(self.run_directory, fluid, structure)
         if tables:
-            (self.run_directory / "gauges.csv").write_text("t_s,P.ux_m,front_m\n0,0,\n0.1,0.01,0.2\n0.2,0.02,0.3\n")
-            (self.run_directory / "energy.csv").write_text("t_s,fluid_kinetic_J,fluid_potential_J\n0,0,5\n0.1,1,4\n")
-            (self.run_directory / "steps.csv").write_text("t_s,dt_s,limit,pressure_iterations,wall_ms\n"
-                                                         "0.1,0.1,gravity,5,2\n0.2,0.1,velocity,,3\n")
+            made_up_run.write_tables(self.run_directory)
 
     def plot(self, *words):
         answer = subprocess.run([ROOT / "tern", "plot", self.run_directory, *words], capture_output=True, text=True,
@@ -69,7 +45,7 @@ class PlotTest(unittest.TestCase):
             self.assertTrue(content.startswith(b"\x89PNG") and len(content) > 5000, picture)
 
     def test_either_side_alone_and_a_run_without_run_json_can_be_drawn(self):
-        # Seen to fail: with _limits() and _foot() taking both sides for granted.
+        # Seen to fail: with limits_of() and foot() taking both sides for granted.
         for sides in ({"structure": False}, {"fluid": False, "tables": False}):
             for file in self.run_directory.glob("*.*"):
                 file.unlink()
@@ -103,6 +79,40 @@ class PlotTest(unittest.TestCase):
         code, pictures, errors = self.plot()
         self.assertEqual((code, pictures), (2, set()))
         self.assertIn("holds no results", errors)
+
+    def film(self, frames, *words):
+        made_up_run.write_sides(self.run_directory, frames=frames)
+        return subprocess.Popen([ROOT / "tern", "plot", self.run_directory, "--animate", *words], stdout=subprocess.PIPE,
+                                stderr=subprocess.PIPE, text=True, start_new_session=True)
+
+    def test_a_film_has_every_frame_and_plays_in_a_browser(self):
+        # Seen to fail: with the last frame left out, and with -pix_fmt yuv444p, which browsers do not show.
+        output, errors = self.film(6, "--fps", "4", "--field", "speed").communicate(timeout=120)
+        path = self.run_directory / "film_speed.mp4"
+        self.assertEqual(output.strip(), str(path), errors)
+        shown = subprocess.run(["ffprobe", "-v", "error", "-of", "json", "-show_streams", path], capture_output=True, text=True, check=True)
+        stream, = json.loads(shown.stdout)["streams"]
+        self.assertEqual([stream[key] for key in ("codec_name", "pix_fmt", "nb_frames", "width", "height")],
+                         ["h264", "yuv420p", "6", 1280, 832])
+        self.assertAlmostEqual(float(stream["duration"]), 1.5, delta=0.01)
+
+    def test_a_film_that_is_interrupted_leaves_nothing(self):
+        # Seen to fail: without the unlink() in animate().
+        process = self.film(60)
+        part = self.run_directory / "film.mp4.part"
+        self.assertTrue(fake_build.wait_until(lambda: part.exists() or process.poll() is not None, 60))
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=30)
+        self.assertEqual((process.returncode, sorted(path.name for path in self.run_directory.glob("film*"))), (130, []), errors)
+
+    def test_too_few_frames_are_refused_with_the_setting_that_gives_more(self):
+        # Seen to fail: without the check in _times().
+        made_up_run.write_case(self.run_directory)
+        process = self.film(2)
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 2)
+        self.assertIn("holds 2 frames", errors)
+        self.assertIn("--set output.frame_interval=0.002", errors)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,129 @@
+"""A film of a run from its frames, H.264 in MP4 through ffmpeg: one colour scale, one view, the time in the title."""
+
+import os
+import subprocess
+import sys
+import time as clock
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+from matplotlib.cm import ScalarMappable  # noqa: E402
+from matplotlib.colors import Normalize  # noqa: E402
+
+from plotting import fields, run_files, style  # noqa: E402
+
+FEWEST_FRAMES = 5
+USUAL_LENGTH = 8.0  # s, from 5 to 30 pictures a second
+
+
+def _times(run):
+    """The times of the frames, or why there are too few."""
+    times = [time for time, _ in run.frame_times("fluid") or run.frame_times("structure")]
+    if len(times) >= FEWEST_FRAMES:
+        return times
+    settings = run.contents.get("settings", {})
+    interval = settings.get("output", {}).get("frame_interval")
+    end = settings.get("end_time") or (times[-1] if times else 0) or 1.0
+    told = "" if interval is None else f" (output.frame_interval = {interval:g} s)"
+    raise run_files.UnreadableRun(
+        f"{run.directory} holds {len(times)} frames{told}, a film needs at least {FEWEST_FRAMES}: run the case again with "
+        f"--set output.frame_interval={end / 100:.2g}, which writes about 100.")
+
+
+def _still_parts(run, times, field):
+    """What must not move from picture to picture: (colour ranges of both sides, view, half width of the enlargement).
+
+    One pass over the frames, one frame in memory. A pressure that only a tenth of the frames reaches, an impact, does not
+    set the scale for all the others.
+    """
+    of_fluid, of_structure = (values for _, _, values in fields.FIELDS[field])
+    ranges, views, half = [], [], None
+    for time in times:
+        _, fluid, structure = fields.read(run, time)
+        if field == "speed":
+            fastest = max(np.percentile(values(side), 99.5) if side is not None and len(side["velocity"]) else 0.0
+                          for values, side in ((of_fluid, fluid), (of_structure, structure)))
+            ranges.append([(0.0, fastest), (0.0, fastest)])
+        else:
+            ranges.append(fields.limits_of(fluid, structure))
+        views.append(fields.view_of(run, fluid, structure))
+        place = fields.foot(structure) if structure is not None else None
+        half = half or (place and place[1])
+    ranges, views = np.array(ranges), np.array(views)
+    lowest, highest = np.percentile(ranges[:, :, 0], 10, axis=0), np.percentile(ranges[:, :, 1], 90, axis=0)
+    limits = [(float(low), max(float(high), float(low) + 1e-9)) for low, high in zip(lowest, highest)]
+    view = [(float(low), float(high)) for low, high in zip(views[:, :, 0].min(axis=0), views[:, :, 1].max(axis=0))]
+    return limits, view, half
+
+
+def _stage(run, limits, field):
+    """(figure, axis) with the colour bars in place: the axis is cleared for every picture, all else stays."""
+    figure, axis = plt.subplots(figsize=(10, 6.5), dpi=128)
+    _, fluid, structure = fields.read(run, 0.0)
+    shown = [side and ScalarMappable(Normalize(*range_), colours) for side, range_, (_, colours, _) in
+             zip((fluid, structure), limits, fields.FIELDS[field])]
+    bars = sum(mappable is not None for mappable in shown) if field != "speed" else 1
+    figure.subplots_adjust(left=0.07, right=0.99 if bars == 1 else 0.96, bottom=0.09, top=0.94)
+    fields.colour_bars(figure, axis, shown, field, shrink=0.75)
+    return figure, axis
+
+
+def _encoder(path, figure, rate):
+    """ffmpeg reading raw pictures from its standard input; in a session of its own, so that Ctrl-C is ours to answer."""
+    width, height = figure.canvas.get_width_height()
+    return subprocess.Popen(
+        ["ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{width}x{height}", "-r", f"{rate:g}",
+         "-i", "-", "-vf", "crop=trunc(iw/2)*2:trunc(ih/2)*2", "-c:v", "libx264", "-crf", "23", "-pix_fmt", "yuv420p",
+         "-movflags", "+faststart", "-f", "mp4", str(path)],
+        stdin=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
+
+
+def _progress(done, total, began):
+    if sys.stderr.isatty() or done == total:
+        left = (clock.monotonic() - began) * (total - done) / done
+        print(f"\rfilm: picture {done} of {total}, {left:.0f} s to go ", end="\n" if done == total else "", file=sys.stderr, flush=True)
+
+
+def animate(directory, rate=None, field="pressure"):
+    """Writes RUN/film.mp4 (film_FIELD.mp4 for another field than pressure), whole or not at all; returns its path.
+
+    `rate`: pictures per second; default: the film lasts about 8 s.
+    """
+    style.apply()
+    run = run_files.Run(directory)
+    times = _times(run)
+    limits, view, half = _still_parts(run, times, field)
+    figure, axis = _stage(run, limits, field)
+    path = Path(directory) / ("film.mp4" if field == "pressure" else f"film_{field}.mp4")
+    unfinished = path.with_name(path.name + ".part")
+    encoder = _encoder(unfinished, figure, rate or min(max(len(times) / USUAL_LENGTH, 5), 30))
+    began = clock.monotonic()
+    try:
+        for number, time in enumerate(times, 1):
+            exact, fluid, structure = fields.read(run, time)
+            axis.clear()
+            fields.panel(axis, run, fluid, structure, limits, field, view, half)
+            axis.set_ylabel("y [m]")
+            axis.set_title(f"{style.plain(run.title)}, t = {exact:.3f} s", loc="left")
+            figure.canvas.draw()
+            encoder.stdin.write(figure.canvas.buffer_rgba())
+            _progress(number, len(times), began)
+        encoder.stdin.close()
+        complaint = encoder.stderr.read().decode(errors="replace").strip()
+        if encoder.wait() != 0:
+            raise OSError(f"{path} could not be written: ffmpeg says: {complaint}")
+        os.replace(unfinished, path)
+    except BrokenPipeError:
+        raise OSError(f"{path} could not be written: ffmpeg says: {encoder.stderr.read().decode(errors='replace').strip()}") from None
+    finally:
+        plt.close(figure)
+        if encoder.poll() is None:
+            encoder.kill()
+            encoder.wait()
+        unfinished.unlink(missing_ok=True)
+    return path
