@@ -30,13 +30,15 @@ def _panels(runs):
 
 
 def _draw_panel(axis, runs, gauge, quantity, unit, curves):
-    """One quantity of all runs that have it, its references dashed."""
-    drawn = set()
+    """One quantity of all runs that have it, its references dashed, each once; returns their labels."""
+    drawn = {}
     for run, column, table in curves:
         for label, t, value in run.references().get(column, []):
-            if label not in drawn:
-                axis.plot(t, value, label=style.plain(label), **style.REFERENCE)
-            drawn.add(label)
+            if any(np.array_equal(value, known) for known in drawn.values()):
+                continue
+            label = f"{label} ({run.name})" if label in drawn else label  # two cases, two curves of one source
+            axis.plot(t, value, label=style.plain(label), **style.REFERENCE)
+            drawn[label] = value
     for run, column, table in curves:
         axis.plot(table["t_s"], table[column], color=style.RUN_COLOURS[runs.index(run) % len(style.RUN_COLOURS)],
                   label=style.plain(run.label()) if len(runs) > 1 else "tern")

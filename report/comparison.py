@@ -49,17 +49,15 @@ def costs(runs):
 
 
 def quantities(runs):
-    """Value and verdict of every quantity of every run."""
-    judged = [{row["name"]: row for row in one_run.judged(run)[0] or []} for run in runs]
-    firsts = {name: row for rows in reversed(judged) for name, row in rows.items()}
-    names = list(dict.fromkeys(name for rows in judged for name in rows))
-    if not names:
+    """Value and verdict of every quantity of every run; what two cases hold to different bands takes two rows."""
+    judged = [{(row["name"], row["reference"], *row["band"]): row for row in one_run.judged(run)[0] or []} for run in runs]
+    kinds = {kind: row for rows in judged for kind, row in rows.items()}
+    if not kinds:
         return '<p class="note">None of the cases has an expected.toml.</p>'
     lines = []
-    for name in names:
-        values = [rows.get(name) for rows in judged]
-        lines.append([text(name), text(firsts[name]["unit"]), text(verify.number(firsts[name]["reference"])),
-                      text(verify.band(firsts[name]["band"])),
+    for kind, any_row in sorted(kinds.items(), key=lambda item: [name for name, *_ in kinds].index(item[0][0])):
+        values = [rows.get(kind) for rows in judged]
+        lines.append([text(any_row["name"]), text(any_row["unit"]), text(verify.number(any_row["reference"])), text(verify.band(any_row["band"])),
                       *("" if row is None else f"{text(verify.number(row['value']) or 'none')} {one_run.verdict(row)}" for row in values)])
     return markup.table(["quantity", "unit", "reference", "band", *(text(run.label()) for run in runs)], lines)
 

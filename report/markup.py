@@ -66,8 +66,18 @@ def drawing(figure, alt, vector=True):
             figure.savefig(content, format="svg", dpi=110, bbox_inches="tight", metadata={"Date": None, "Creator": None})
     else:
         figure.savefig(content, format="png", dpi=110, bbox_inches="tight")
+        content = fewer_colours(content)
     plt.close(figure)
     return picture(inline("image/svg+xml" if vector else "image/png", content.getvalue()), alt)
+
+
+def fewer_colours(content):
+    """A PNG with the 256 colours that suit it best: a third of the size, and nobody sees it."""
+    from PIL import Image
+    smaller = io.BytesIO()
+    with Image.open(content) as image:
+        image.convert("RGB").quantize(256, dither=Image.Dither.NONE).save(smaller, "png", optimize=True)
+    return smaller
 
 
 def picture(source, alt, caption=None):
