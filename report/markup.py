@@ -30,7 +30,7 @@ def cell(value, heading=False):
     try:
         float(plain.split(" ")[0] if plain.endswith(" %)") else plain)
     except ValueError:
-        return f"<td>{value}</td>"
+        return f'<td class="long">{value}</td>' if len(plain) > 25 and "<" not in value else f"<td>{value}</td>"
     return f'<td class="number">{value}</td>'
 
 
