@@ -26,8 +26,8 @@ int found(const std::function<double(int, int)>& load) {
 
 double sign(int n) { return n % 2 ? -1 : 1; }
 
-// Seen to fail: with the cosine at -0.6 (noise), without the mean (small ripple), without the growth (ring that dies out), with -1.1
-// (nothing is found).
+// Seen to fail: with the cosine at -0.6 (noise), without the mean (small ripple), without the growth (ring that dies
+// out).
 TEST(LoadAlternation, IsFoundOnlyWhereTheLoadTurnsRoundAgainAndAgain) {
   EXPECT_EQ(found([](int n, int k) { return 1 + 0.01 * std::pow(1.5, n) * sign(n) * std::sin(0.1 * k + 0.2); }), 11);
   EXPECT_EQ(found([](int n, int) { return n > 20 ? 2 * sign(n) : 0; }), 25);

@@ -31,7 +31,6 @@ int windows_until_stopped(double multiple, std::string& message) {
   return 0;
 }
 
-// Seen to fail with the count of windows left out, and with the limit at 1000.
 TEST(Collapse, OfTheStepIsNamedWithTheParticleThatAsksForIt) {
   std::string message;
   EXPECT_EQ(windows_until_stopped(20, message), 0) << message;

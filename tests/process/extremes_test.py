@@ -45,8 +45,8 @@ EXPECTED = {
 
 
 class QuickMapTest(unittest.TestCase):
-    # Seen to fail with the check of the interface's energy taken out (first cell: stopped by the structure at 2 km/s), with the check of
-    # alternating loads taken out (third cell: wrong), and with a limit of 0.01 sqrt(gH) on the speed.
+    # Seen to fail before these checks were there: the first cell by the structure at 2 km/s, the cell of the floor at rest (particles fell
+    # through it), that of a structure four times as coarse as the fluid.
     def test_every_cell_has_the_class_it_should_have(self):
         self.assertEqual(set(EXPECTED), families.QUICK)
         with tempfile.TemporaryDirectory(prefix="tern-test-") as directory:
@@ -123,7 +123,7 @@ class VerdictTest(unittest.TestCase):
 
 
 class BisectionTest(unittest.TestCase):
-    # Seen to fail with the two halves exchanged.
+    # Seen to fail with a bounded middle taken for one beyond.
     def test_the_boundary_is_closed_in_on_from_both_sides(self):
         for low, high, limit in ((0.1, 10, 1.3), (10, 0.1, 1.3)):
             asked = []
@@ -138,7 +138,7 @@ class BisectionTest(unittest.TestCase):
 
 
 class ResumeTest(unittest.TestCase):
-    # Seen to fail with the fingerprint left out of known(), and with rows written at the end only.
+    # Seen to fail with the fingerprint left out of known().
     def test_what_has_been_run_is_not_run_again_unless_it_has_changed(self):
         with tempfile.TemporaryDirectory(prefix="tern-test-") as directory:
             path = Path(directory) / "extremes.csv"
@@ -153,7 +153,6 @@ class ResumeTest(unittest.TestCase):
             table.add(cell, {"class": "stopped"})
             self.assertEqual([row["class"] for row in Table(path).rows.values()], ["stopped"])
 
-    # Seen to fail with the interrupt swallowed by the cell.
     def test_ctrl_c_ends_the_map_at_once_and_keeps_its_rows(self):
         with FakeBuild() as fake:
             environment = os.environ | {"TERN_BUILD": str(fake.path / "build"), "FAKE_COUPLER": "wait", "FAKE_FLUID": "wait",
