@@ -87,8 +87,7 @@ double Fluid<D>::yielding(const DissipativeLoad<D>& load, int k, double weight) 
 template <int D>
 void Fluid<D>::prepare_pressure_solve() {
   solve_ = {};
-  if (constants_.numerics.preconditioner == Preconditioner::multigrid)
-    multigrid_.build(matrix_, predicted_position_, active_, neighbours_.beside_body, constants_.spacing, constants_.volume);
+  multigrid_.build(matrix_, predicted_position_, active_, neighbours_.beside_body, constants_.spacing, constants_.volume);
   find_sealed_pools<D>(neighbours_, active_, matrix_.constant(), pools_);
   if (pools_.any()) account_for_sealed_fluid();
 }
@@ -105,20 +104,16 @@ void Fluid<D>::solve_pressure_poisson() {
 
   const double tolerance = constants_.numerics.pressure_tolerance;
   const int before = solve_.iterations;  // of the trials before
-  if (constants_.numerics.preconditioner == Preconditioner::multigrid) {
-    const auto multigrid = [&](const std::vector<double>& r, std::vector<double>& z) {
-      multigrid_.apply(r, z);
-      if (pools_.any()) pools_.subtract_means(z);
-    };
-    solve_ = conjugate_gradient(matrix_, multigrid, source_, tolerance, multigrid_limit, pressure_, work_);
-  }
+  const auto multigrid = [&](const std::vector<double>& r, std::vector<double>& z) {
+    multigrid_.apply(r, z);
+    if (pools_.any()) pools_.subtract_means(z);
+  };
+  solve_ = conjugate_gradient(matrix_, multigrid, source_, tolerance, multigrid_limit, pressure_, work_);
   if (!solve_.converged) {
-    if (constants_.numerics.preconditioner == Preconditioner::multigrid) {
-      ++fallback_solves_;
-      spdlog::warn("The multigrid solve stopped after {} iterations at a residual of {:.1e}; this step is solved by "
-                   "Jacobi-preconditioned conjugate gradients.", solve_.iterations, solve_.residual);
-      std::fill(pressure_.begin(), pressure_.end(), 0.0);
-    }
+    ++fallback_solves_;
+    spdlog::warn("The multigrid solve stopped after {} iterations at a residual of {:.1e}; this step is solved by "
+                 "Jacobi-preconditioned conjugate gradients.", solve_.iterations, solve_.residual);
+    std::fill(pressure_.begin(), pressure_.end(), 0.0);
     const int wasted = solve_.iterations;
     const auto jacobi = [&](const std::vector<double>& r, std::vector<double>& z) {
       for (std::ptrdiff_t i = 0; i < n; ++i) z[i] = r[i] / matrix_.diagonal()[i];

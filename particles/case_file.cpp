@@ -225,8 +225,6 @@ FluidCase read_fluid(const Setting& setting, int dimension) {
   fluid.numerics.viscous_courant = number(numerics, "viscous_courant");
   fluid.numerics.contact_distance = number(numerics, "contact_distance");
   fluid.numerics.pressure_tolerance = number(numerics, "pressure_tolerance");
-  fluid.numerics.preconditioner =
-      text(numerics, "preconditioner") == "jacobi" ? Preconditioner::jacobi : Preconditioner::multigrid;
   return fluid;
 }
 

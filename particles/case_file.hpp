@@ -17,7 +17,6 @@
 namespace tern {
 
 enum class GradientForm { sum, blend };           ///< pairwise sum form, or corrected interior blended with it
-enum class Preconditioner { multigrid, jacobi };
 /// Explicit; predict-project-correct; the same, repeated until both sides agree; cm3 for light bodies, else cm2.
 enum class CouplingAlgorithm { cm0, cm2, cm3, automatic };
 enum class Acceleration { iqn_ils, aitken };      ///< of the repetitions of cm3
@@ -53,7 +52,6 @@ struct FluidNumerics {
   double viscous_courant = 0.125;        ///< h^2/nu fraction
   double contact_distance = 0.25;        ///< in dx; closer than this no particle approaches a face
   double pressure_tolerance = 1e-6;      ///< relative residual of the pressure solve
-  Preconditioner preconditioner = Preconditioner::multigrid;
 };
 
 struct FluidCase {

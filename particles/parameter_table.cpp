@@ -129,8 +129,6 @@ const std::vector<Parameter>& parameters() {
        "No particle approaches a face closer than this many spacings; 0 = off."},
       {"fluid.numerics", "pressure_tolerance", Type::number, "-", "1e-6", from_to(1e-12, 1e-2), {},
        "Relative residual at which the pressure solve ends."},
-      {"fluid.numerics", "preconditioner", Type::choice, "", "\"multigrid\"", any, {"multigrid", "jacobi"},
-       "Preconditioner of the conjugate gradients."},
 
       {"structure.body", "name", Type::text, "", "required", any, {},
        "Name of the body in gauges and messages; unique."},

@@ -35,7 +35,6 @@ KNOBS = (
     Knob("fluid.numerics.gravity_courant", "fluid", (2.0, 0.5), True, "", True),
     Knob("fluid.numerics.viscous_courant", "viscosity", (0.5, 0.25), True, "", True),
     Knob("fluid.numerics.pressure_tolerance", "fluid", (1e-4, 1e-8, 1e-3, 1e-2), refines=True),
-    Knob("fluid.numerics.preconditioner", "fluid", ("jacobi",)),
     Knob("fluid.numerics.smoothing_length_ratio", "fluid", (1.3, 1.8, 1.2)),
     Knob("fluid.numerics.gradient", "fluid", ("sum",)),
     Knob("fluid.numerics.blend_theta", "fluid", (0.0, 1.0)),

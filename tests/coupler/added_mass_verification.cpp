@@ -211,8 +211,11 @@ TEST(AddedMass, ExplicitCouplingHoldsForAHeavyPistonAndRunsAwayForALightOne) {
     EXPECT_NEAR(heavy.velocity.back() / push, 1 / 1.3, 0.03);
   }
   const auto light = pushed(2, CouplingAlgorithm::cm0, push);
-  EXPECT_GT(light.largest_velocity(), 1e3 * push);
-  for (std::size_t n = 2; n < 20; ++n) EXPECT_LT(jump(light, n) * jump(light, n - 1), 0) << "alternates, window " << n;
+  const std::size_t windows = light.velocity.size();  // until the load that turns round is noticed
+  ASSERT_GT(windows, 10u);
+  EXPECT_TRUE(light.failed);
+  EXPECT_GT(std::abs(jump(light, windows - 1)), 1e3 * push);
+  for (std::size_t n = 2; n < std::min<std::size_t>(windows, 20); ++n) EXPECT_LT(jump(light, n) * jump(light, n - 1), 0) << "alternates, window " << n;
 }
 
 // One particle of fluid is smeared over the face, so the threshold need not be M = 1 to the last per cent.

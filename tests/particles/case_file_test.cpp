@@ -124,7 +124,6 @@ TEST_F(CaseFile, HasTheDefaultsOfTheStructs) {
   EXPECT_EQ(g.viscous_courant, f.viscous_courant);
   EXPECT_EQ(g.contact_distance, f.contact_distance);
   EXPECT_EQ(g.pressure_tolerance, f.pressure_tolerance);
-  EXPECT_EQ(g.preconditioner, f.preconditioner);
   const StructureNumerics s;
   const StructureNumerics& t = c.structure->numerics;
   EXPECT_EQ(t.smoothing_length_ratio, s.smoothing_length_ratio);
