@@ -23,6 +23,11 @@ def build_directory():
     return directory
 
 
+def without_waits(errors):
+    """What was said on standard error but that somebody waited for somebody: on a busy machine a start takes more than 5 s."""
+    return "".join(line for line in errors.splitlines(keepends=True) if not re.search(r"warning: \w+ waits for ", line))
+
+
 def find_damage(out):
     """What cannot be read of the results in `out`: whole lines in every table, frames that open, an index that parses."""
     import xml.etree.ElementTree

@@ -9,7 +9,7 @@ import sys
 import unittest
 
 from fake_build import ROOT
-from real_run import SCENE, RealRunTest
+from real_run import RealRunTest, SCENE, without_waits
 
 PARTICIPANTS = ROOT / "proto" / "python" / "participants"
 PISTON = ROOT / "tests" / "process" / "cases" / "rigid_piston"
@@ -21,7 +21,7 @@ class RecordingTest(RealRunTest):
         self.out = self.path / name
         process = self.start("--quiet", *words, case=case)
         _, errors = process.communicate(timeout=120)
-        return process.returncode, errors
+        return process.returncode, without_waits(errors)
 
     def play(self, role, name, *words):
         return self.run_in(name, f"--{role}", f"{PARTICIPANTS}/recorded_{role}.py --from {self.path}/first", *words)
