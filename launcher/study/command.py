@@ -6,7 +6,7 @@ import subprocess
 from pathlib import Path
 
 from launcher import build, cases, summary
-from launcher.errors import BAD_INPUT, DONE, INTERRUPTED, LauncherError
+from launcher.errors import BAD_INPUT, DONE, INPUT_OUTPUT, INTERRUPTED, PEER_LOST, LauncherError
 from launcher.study import accuracy, front, knobs, report, rows, sweep
 from plotting import run_files
 
@@ -92,14 +92,15 @@ class Study:
     def keep(self, row):
         """Takes a finished point into the table, at once."""
         row.base, row.version = self.case["hash"], self.version
-        self.rows.append(row)
+        self.rows = [*(other for other in self.rows if (other.point, other.options) != (row.point, row.options)), row]
         rows.append(self.csv, row, self.columns())
         shown = f"error {report.percent(row.error)}, CPU {report.seconds(row.cpu_s)}" if row.done else f"{row.status}: {row.cause}"
         print(f"tern: {row.point}: {shown}", flush=True)
 
     def run(self):
         """Runs what is missing; returns (points left out for the budget, whether it was interrupted)."""
-        known = {(row.point, row.options) for row in self.rows}
+        # A process that was killed or a disk that was full says nothing about the settings: such a point is run again.
+        known = {(row.point, row.options) for row in self.rows if row.exit_code not in (PEER_LOST, INPUT_OUTPUT)}
         missing = [point for point in self.wanted if (point.name, shlex.join(point.options)) not in known]
         planned = sweep.plan(self.build, self.path, self.base_options, [knobs.STANDARD, *(point for point in missing if point != knobs.STANDARD)])
         standard = next(one for one in planned if one.point == knobs.STANDARD)
