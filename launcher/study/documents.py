@@ -25,6 +25,8 @@ Every knob is turned by itself around the case as it stands; runs are done one a
 * *Moves the curves by*: the same distance from the case as it stands, what the knob alone does.
 * CPU times are those of a shared machine with other work beside it; each scene says how far two runs of the same differ, and a speed-up of 0.8 to 1.2 may be noise. Steps and
   pressure iterations are free of that.
+
+A knob that these tables have and a case has no more (`fluid.numerics.preconditioner`) was taken out for what they say of it.
 """
 
 
