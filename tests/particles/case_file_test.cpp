@@ -223,6 +223,8 @@ TEST_F(CaseFile, DraftAndReferenceScaleTheSpacingsAndKeepTheOptionsOfTheCase) {
   EXPECT_EQ(read(with("spacing = 0.025", "spacing = 0.0125"), {{}, "draft"}).structure->bodies[0].spacing, 0.025);
   EXPECT_EQ(read(small_case, {{{"fluid.spacing", "0.05"}}, "draft"}).fluid->spacing, 0.05);
   EXPECT_EQ(draft.fluid->numerics.courant, 0.3);
+  EXPECT_EQ(draft.fluid->numerics.gravity_courant, 0.1) << "not beside a structure";
+  EXPECT_EQ(read_case(TERN_SOURCE_DIR "/cases/hydrostatic_tank", {{}, "draft"}).fluid->numerics.gravity_courant, 0.2);
   EXPECT_EQ(draft.structure->numerics.integrator, Integrator::automatic);
   EXPECT_EQ(draft.coupling.algorithm, CouplingAlgorithm::automatic);
   EXPECT_EQ(reference.coupling.algorithm, CouplingAlgorithm::cm3);
