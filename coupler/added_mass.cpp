@@ -72,10 +72,17 @@ FluidWeight weight_of_fluid(const Case& scene) {
       weight.volume += std::pow(scene.fluid->spacing, D);
       return true;
     });
+  // The largest of the run: it may begin with none.
+  constexpr int instants = 100;
   double gravity = 0;
-  for (int c = 0; c < D; ++c) gravity = std::hypot(gravity, scene.gravity[c](0));
+  Vector<D> largest = Vector<D>::Zero();
+  for (int n = 0; n <= instants; ++n) {
+    Vector<D> g;
+    for (int c = 0; c < D; ++c) g[c] = scene.gravity[c](scene.end_time * n / instants);
+    if (g.norm() > gravity) gravity = g.norm(), largest = g;
+  }
   if (gravity == 0 || weight.volume == 0) return weight;
-  for (int c = 0; c < D; ++c) weight.height += std::abs(scene.gravity[c](0)) / gravity * (water.max[c] - water.min[c]);
+  for (int c = 0; c < D; ++c) weight.height += std::abs(largest[c]) / gravity * (water.max[c] - water.min[c]);
   weight.pressure = 0.5 * scene.fluid->density * gravity * weight.height;
   return weight;
 }

@@ -58,6 +58,7 @@ class CouplingStep {
   /// Load on the structure over this window; valid after interface_force().
   const SurfaceLoad<D>& surface_load() const { return load_; }
   const WindowAudit& audit() const { return audit_; }
+  bool fluid_has_weight() const { return fluid_weight_.pressure > 0; }
   const Evaluations& evaluations() const { return evaluations_; }
   CouplingAlgorithm algorithm() const { return algorithm_; }
   /// CM3: how the trials of this window went.

@@ -144,7 +144,8 @@ void run(const CommandLine& command, const Case& scene, RunReport& report) {
       // The columns begin with kinetic and potential, kinetic and strain energy. Walls that move give the fluid what nobody counts, and a
       // foreign participant may not keep an account.
       const double present = fluid_energies[0] + structure_energies[0] + structure_energies[1];
-      if (walls_move || (now > 0 && (fluid_energies[0] == 0 || work == 0))) return;
+      const bool no_account = fluid_energies[0] == 0 || work == 0 || (step.fluid_has_weight() && fluid_energies[1] == 0);
+      if (walls_move || (now > 0 && no_account)) return;
       step.check_energy(seconds(now), fluid_energies[0] + fluid_energies[1] + work, present);
     };
     Ticks now = 0;

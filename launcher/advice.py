@@ -1,5 +1,7 @@
 """What ./tern explain says about another error or time: from the measured trade (docs/TRADE.md), of the scene itself or of its like."""
 
+from pathlib import Path
+
 from launcher.build import ROOT
 from launcher.study import front, knobs, rows
 
@@ -10,7 +12,7 @@ NOTICED = 0.001      # error removed that is
 
 def _tables(case):
     """({scene: rows}, are they of the scene itself): of the scenes with the same sides."""
-    own = [path for path in (ROOT / "runs" / f"study-{case['name']}" / "cost_accuracy.csv", ROOT / "docs" / "trade" / f"{case['name']}.csv")
+    own = [path for path in (Path("runs") / f"study-{case['name']}" / "cost_accuracy.csv", ROOT / "docs" / "trade" / f"{case['name']}.csv")
            if path.is_file()]
     if own:
         return {case["name"]: rows.read(own[0])}, True

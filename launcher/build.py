@@ -41,6 +41,12 @@ def ensure(preset="release", targets=EXECUTABLES):
     return directory
 
 
+def version(directory):
+    """Version and commit of the build in `directory`."""
+    answer = subprocess.run([directory / "tern-case", "--version"], stdout=subprocess.PIPE, text=True, check=False)
+    return answer.stdout.strip().removeprefix("tern-case ")
+
+
 def _quietly(command, activity):
     """Runs `command` in the clone; shows [done/all] while it works and its whole output only if it fails."""
     terminal = sys.stderr.isatty()

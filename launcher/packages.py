@@ -14,7 +14,7 @@ BUILD = (
     "libmuparser-dev nlohmann-json3-dev libgtest-dev libgmock-dev"
 ).split()
 TESTS = "iproute2 chromium".split()  # network namespaces; pages are looked at
-REPORT = ["python3-markdown"]
+REPORT = ["python3-markdown", "python3-pil"]
 FILM = ["ffmpeg"]
 FUZZ = "clang libclang-rt-dev libomp-dev".split()
 PYTHON = "python3-numpy python3-matplotlib python3-h5py python3-zmq python3-protobuf".split()

@@ -35,7 +35,7 @@ class Map:
     """Runs what the table does not hold yet."""
 
     def __init__(self, out, directory, progress):
-        self.table, self.out, self.directory, self.progress = Table(out / "extremes.csv"), out, directory, progress
+        self.table, self.out, self.directory, self.progress = Table(out / "extremes.csv", build.version(directory)), out, directory, progress
         self.rows = []
 
     def row(self, cell):
@@ -65,6 +65,9 @@ def _chosen(only, quick):
 def extremes(arguments):
     """The map or a part of it; DONE when nothing of it is wrong."""
     cells, boundaries = _chosen(arguments.only, arguments.quick)
+    if arguments.page:
+        page.check(Path(arguments.page))
+    packages.ensure(packages.PYTHON)
     directory = build.ensure(arguments.build)
     out = Path(arguments.out or "runs/extremes")
     out.mkdir(parents=True, exist_ok=True)
@@ -75,7 +78,6 @@ def extremes(arguments):
     found = [whole.boundary(boundary) for boundary in boundaries]
     text = page.text(whole.rows, found)
     (out / "extremes.md").write_text(text, encoding="utf-8")
-    packages.ensure(packages.PYTHON)
     from launcher.extremes import picture
     pictures = picture.draw(whole.rows, out)
     if arguments.page:

@@ -67,11 +67,20 @@ def text(rows, found):
     return "\n".join(lines) + "\n"
 
 
-def insert(path, section, pictures):
-    """Puts the section between the markers of a page, and the pictures into the folder `pictures` beside it."""
-    whole = path.read_text(encoding="utf-8")
+def check(path):
+    """The page with its markers; LauncherError where there is none."""
+    try:
+        whole = path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise LauncherError(BAD_INPUT, f"--page {path} cannot be read: {error.strerror}.") from error
     if whole.count(BEGIN) != 1 or whole.count(END) != 1 or whole.index(BEGIN) > whole.index(END):
         raise LauncherError(BAD_INPUT, f"--page {path}: the page needs the lines {BEGIN} and {END}, once each and in this order.")
+    return whole
+
+
+def insert(path, section, pictures):
+    """Puts the section between the markers of a page, and the pictures into the folder `pictures` beside it."""
+    whole = check(path)
     before, rest = whole.split(BEGIN)
     links = ""
     for picture in pictures:

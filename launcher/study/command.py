@@ -40,11 +40,6 @@ def parse_time(text):
     return value
 
 
-def _version(directory):
-    answer = subprocess.run([directory / "tern-case", "--version"], stdout=subprocess.PIPE, text=True, check=False)
-    return answer.stdout.strip().removeprefix("tern-case ")
-
-
 class Study:
     """One case and the directory its points are in."""
 
@@ -63,7 +58,7 @@ class Study:
         self.out = Path(arguments.out) if arguments.out else Path("runs") / f"study-{self.case['name']}"
         self.out.mkdir(parents=True, exist_ok=True)
         self.csv = self.out / "cost_accuracy.csv"
-        self.version, self.keep_versions = _version(self.build), arguments.keep
+        self.version, self.keep_versions = build.version(self.build), arguments.keep
         self.scene_knobs = [knob for knob in knobs.KNOBS if knobs.applies(knob, self.settings)]
         wanted = knobs.points(self.settings, self.chosen, arguments.levels)
         self.wanted = [knobs.STANDARD, *wanted, knobs.STANDARD_AGAIN]
@@ -148,7 +143,7 @@ class Study:
         except (OSError, ValueError):
             return {}
         same = contents.get("options") == [*self.base_options, *shlex.split(row.options)] and contents.get("git", "") in row.version
-        return table if same and abs(table["t_s"][-1] - row.end_time_s) <= 0.02 * row.end_time_s else {}
+        return table if same and len(table.get("t_s", ())) and abs(table["t_s"][-1] - row.end_time_s) <= 0.02 * row.end_time_s else {}
 
 
 def _left_out_sentence(left_out):

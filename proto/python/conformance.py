@@ -437,10 +437,10 @@ def passes_a_window(s):
     orders.window()
     if not orders.done.HasField("extent"):
         return
-    extent, farthest = orders.done.extent, orders.done.extent.largest_speed * orders.duration_s
+    extent, farthest = orders.done.extent, 0.5 * orders.done.extent.largest_speed * orders.duration_s
     band = numpy.array(orders.window()[0].position).reshape(-1, s.dimension)
-    outside = numpy.maximum(numpy.array(extent.low) - band, band - numpy.array(extent.high)).max()
-    if outside > farthest:
+    outside = numpy.maximum(numpy.array(extent.low) - band, band - numpy.array(extent.high)).max(initial=0)
+    if outside > 1.001 * farthest:
         raise Breach("4, WindowDone", f"a particle of the band is {outside:.3g} m outside extent, {farthest:.3g} m at most at its "
                                       "largest_speed")
     orders.begin()
