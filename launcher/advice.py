@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from launcher.build import ROOT
+from launcher.errors import LauncherError
 from launcher.study import front, knobs, rows
 
 QUICKER = 1.25       # speed-up from which a knob is worth a line
@@ -61,7 +62,10 @@ def _line(option, effects):
 
 def text(case):
     """The paragraph, or nothing where no like scene was measured. `case`: of cases.read()."""
-    tables, own = _tables(case)
+    try:
+        tables, own = _tables(case)
+    except LauncherError:  # a table of the user's own that cannot be read is the business of ./tern study
+        return ""
     tables = {name: table for name, table in tables.items() if front.find(table, "standard")}
     if not tables:
         return ""

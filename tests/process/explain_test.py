@@ -1,0 +1,80 @@
+#!/usr/bin/python3 -B
+"""./tern check and explain: costs measured on the machine, and what another error or time takes."""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent.parent))
+
+from fake_build import ROOT  # noqa: E402
+from launcher import advice, calibration  # noqa: E402
+from real_run import build_directory  # noqa: E402
+
+
+def tern(*words):
+    answer = subprocess.run([ROOT / "tern", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=200, check=False,
+                            env=os.environ | {"TERN_BUILD": str(build_directory())})
+    return answer.returncode, answer.stdout, answer.stderr
+
+
+class CostsTest(unittest.TestCase):
+    # Seen to fail: with the steps left out of window_s, and with one pass of the structure per window.
+    def test_costs_are_cpu_seconds_per_particle_and_step(self):
+        part = {f"compute.{name}": 1.0 + n for n, name in enumerate(calibration.PARTS)}
+        contents = {"steps": 100, "processes": {
+            "fluid": {"cpu_s": 4.0, "timing_s": part, "counts": {"particles": 2000}},
+            "structure": {"cpu_s": 2.0, "timing_s": {}, "counts": {"particles": 50, "sub_steps": 1000}},
+            "coupler": {"cpu_s": 0.5, "timing_s": {}, "counts": {}}}}
+        costs = calibration._costs(contents)
+        self.assertAlmostEqual(costs["fluid_s"], 2e-5)
+        self.assertAlmostEqual(costs["structure_s"], 2e-5)
+        self.assertAlmostEqual(costs["window_s"], 5e-3)
+        self.assertAlmostEqual(sum(costs["fluid_parts"].values()), 1)
+
+    # Seen to fail: with the file written anew at every call.
+    def test_they_are_measured_once_and_used(self):
+        path = build_directory() / "costs.json"
+        path.unlink(missing_ok=True)
+        code, output, errors = tern("check", "dam_break_plate")
+        self.assertEqual((code, errors), (0, "tern: measuring once what a step costs on this machine (some seconds)\n"))
+        self.assertIn("measured on this machine", output)
+        costs = json.loads(path.read_text())
+        for cost in ("fluid_s", "structure_s", "window_s"):
+            self.assertTrue(1e-9 < costs[cost] < 1e-1, costs)
+        code, output, errors = tern("explain", "dam_break_plate")
+        self.assertEqual((code, errors), (0, ""))
+        self.assertIn(f"measured on this machine on {costs['measured']}", output)
+        self.assertRegex(output, r"fluid +\d+ s +\d+ %  assembly \d+ %, boundary \d+ %")
+        self.assertIn("For another error or time", output)
+
+    def test_without_a_whole_build_typical_costs_have_to_do(self):
+        with tempfile.TemporaryDirectory(prefix="tern-test-") as directory:
+            self.assertIsNone(calibration.costs_file(Path(directory)))
+
+
+class AdviceTest(unittest.TestCase):
+    def case(self, name, *sides, **settings):
+        return {"name": name, "has_fluid": "fluid" in sides, "has_structure": "structure" in sides,
+                "settings": {side: {} for side in sides} | settings}
+
+    # Seen to fail: with all scenes taken for like ones; with the speed-up in place of the share of the time.
+    def test_it_comes_from_the_scene_itself_or_from_its_like(self):
+        own = advice.text(self.case("gray_cantilever", "structure"))
+        self.assertIn("measured in this scene", own)
+        self.assertRegex(own, r"--preset draft +0\.0\d+ times the CPU time, error \+0\.\d+ %")
+        like = advice.text(self.case("of_mine", "fluid", "structure"))
+        self.assertIn("measured in dam_break_plate, hydrostatic_plate;", like)
+        self.assertRegex(like, r"--preset reference +[\d.]+ to [\d.]+ times the CPU time")
+        self.assertIn("./tern study of_mine --error 1%", like)
+        fluid = advice.text(self.case("of_mine", "fluid"))
+        self.assertIn("measured in dam_break_front, hydrostatic_tank, standing_wave;", fluid)
+        self.assertNotIn("coupling.", fluid)
+
+
+if __name__ == "__main__":
+    unittest.main()
