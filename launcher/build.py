@@ -4,6 +4,7 @@ TERN_BUILD names a finished build directory to use as it is; TERN_WERROR=ON make
 """
 
 import fcntl
+import hashlib
 import os
 import re
 import subprocess
@@ -45,6 +46,14 @@ def version(directory):
     """Version and commit of the build in `directory`."""
     answer = subprocess.run([directory / "tern-case", "--version"], stdout=subprocess.PIPE, text=True, check=False)
     return answer.stdout.strip().removeprefix("tern-case ")
+
+
+def digest(directory):
+    """Changes with the executables in `directory`."""
+    whole = hashlib.sha256()
+    for name in EXECUTABLES:
+        whole.update((directory / name).read_bytes())
+    return whole.hexdigest()[:12]
 
 
 def _quietly(command, activity):

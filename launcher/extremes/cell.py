@@ -25,7 +25,7 @@ class Cell:
     column: str = ""
     theory: str = ""
 
-    def fingerprint(self, version):
-        """Changes with anything that changes the run or its verdict; `version` of the executables."""
-        parts = (version, self.case, self.options, self.until, self.allow_unstable, self.limits, self.speed, self.energy, self.load, self.mass)
+    def fingerprint(self, executables):
+        """Changes with anything that changes the run or its verdict; `executables`: of build.digest()."""
+        parts = (executables, self.case, self.options, self.until, self.allow_unstable, self.limits, self.speed, self.energy, self.load, self.mass)
         return hashlib.sha256(repr(parts).encode()).hexdigest()[:12]

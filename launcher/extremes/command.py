@@ -35,7 +35,7 @@ class Map:
     """Runs what the table does not hold yet."""
 
     def __init__(self, out, directory, progress):
-        self.table, self.out, self.directory, self.progress = Table(out / "extremes.csv", build.version(directory)), out, directory, progress
+        self.table, self.out, self.directory, self.progress = Table(out / "extremes.csv", build.digest(directory)), out, directory, progress
         self.rows = []
 
     def row(self, cell):

@@ -9,8 +9,8 @@ COLUMNS = ("family", "cell", "class", "speed", "energy", "volume", "unrest", "wi
 class Table:
     """The rows of a map by family and cell."""
 
-    def __init__(self, path, version=""):
-        self.path, self.version = path, version
+    def __init__(self, path, executables=""):
+        self.path, self.executables = path, executables
         self.rows = {}
         if path.is_file():
             with open(path, encoding="utf-8", newline="") as file:
@@ -30,12 +30,12 @@ class Table:
     def known(self, cell):
         """The row of this cell if it has been run as it is asked for now."""
         row = self.rows.get((cell.family, cell.name))
-        return row if row and row["fingerprint"] == cell.fingerprint(self.version) else None
+        return row if row and row["fingerprint"] == cell.fingerprint(self.executables) else None
 
     def add(self, cell, row):
         """Appends the row of a cell that has just been run."""
         whole = {name: str(row.get(name, "")) for name in COLUMNS}
-        whole |= {"family": cell.family, "cell": cell.name, "theory": cell.theory, "fingerprint": cell.fingerprint(self.version)}
+        whole |= {"family": cell.family, "cell": cell.name, "theory": cell.theory, "fingerprint": cell.fingerprint(self.executables)}
         replaced = (cell.family, cell.name) in self.rows
         self.rows[cell.family, cell.name] = whole
         if replaced:
