@@ -155,6 +155,8 @@ def run(arguments):
             raise LauncherError(INPUT_OUTPUT, f"The run could not be started: {error}.") from error
         group.supervise(interrupts, (out / "steps.csv").exists if "coupler" in roles else lambda: True)
         wall_s = time.monotonic() - began
+        for half_written in out.glob("*.tmp"):  # by a process that was killed while it wrote
+            half_written.unlink(missing_ok=True)
         reports = _reports(out, roles)
         cause = first_cause.find(group.processes, reports, interrupts.count > 0)
         contents = _merged(contents, group.processes, reports, cause, wall_s)

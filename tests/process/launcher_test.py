@@ -57,6 +57,16 @@ class LauncherTest(unittest.TestCase):
         self.assertEqual(list(self.contents("pond-2")["processes"]), ["structure"])
         self.assertNotIn("--endpoint", self.words("fluid"))
 
+    def test_nothing_half_written_is_left(self):
+        # Seen to fail: without the loop over *.tmp in run().
+        process = self.fake.start(fluid="wait", coupler="wait", structure="wait")
+        pid = self.pid("fluid")
+        left = self.fake.path / "runs" / "pond" / "fluid.xmf.tmp"
+        left.write_text("half a li")
+        os.kill(pid, signal.SIGKILL)
+        process.communicate(timeout=30)
+        self.assertFalse(left.exists())
+
     def test_reports_become_one_run_json(self):
         # Seen to fail: without the unlink of the reports; without "settings" in run().
         self.fake.run("--set", "end_time=2", "--until", "0.5", "--threads", "2")
