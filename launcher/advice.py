@@ -4,7 +4,7 @@ from pathlib import Path
 
 from launcher.build import ROOT
 from launcher.errors import LauncherError
-from launcher.study import front, knobs, rows
+from launcher.study import front, knobs, report, rows
 
 QUICKER = 1.25       # speed-up from which a knob is worth a line
 UNNOTICED = 0.0005   # error added that is not worth a word
@@ -25,11 +25,6 @@ def _tables(case):
         if standard and all(bool(standard.settings.get(column)) == case[f"has_{side}"] for side, column in sides.items()):
             found[path.stem] = table
     return found, False
-
-
-def _span(values, form):
-    low, high = form(min(values)), form(max(values))
-    return low if low == high else f"{low} to {high}"
 
 
 def _added(row, table):
@@ -55,8 +50,8 @@ def _effects(tables, point):
 
 
 def _line(option, effects):
-    speed = _span([1 / speed for speed, _ in effects], lambda x: f"{x:.2g}")
-    added = _span([added for _, added in effects], lambda x: f"{100 * x:+.2f} %")
+    speed = report.span([1 / speed for speed, _ in effects], lambda x: f"{x:.2g}", " to ")
+    added = report.span([added for _, added in effects], lambda x: f"{100 * x:+.2f} %", " to ")
     return f"  {option:<54} {speed} times the CPU time, error {added}"
 
 

@@ -89,15 +89,6 @@ def _value(row, standard):
     return row.value + (f" (with {', '.join(knob.with_)})" if knob and knob.with_ else "")
 
 
-def _span(values, form):
-    """`a .. b`, or one value; a dash for none."""
-    values = [value for value in values if value is not None]
-    if not values:
-        return "-"
-    low, high = form(min(values)), form(max(values))
-    return low if low == high else f"{low} .. {high}"
-
-
 def knob_summary(tables):
     """Every value of every knob over all scenes that have it."""
     entries = {}
@@ -114,8 +105,8 @@ def knob_summary(tables):
         done = [(row, cost, standard) for row, cost, standard in found if row.done]
         added = [row.error - standard.error for row, _, standard in done
                  if row.judged_by == "reference" and row.error is not None and standard.error is not None]
-        lines.append([f"`{knob}`", value, _span([cost / row.cpu_s for row, cost, _ in done], lambda x: f"{x:.2g}"),
-                      _span(added, report.points), _span([row.distance_to_standard for row, _, _ in done], lambda x: f"{100 * x:.2g} %"),
+        lines.append([f"`{knob}`", value, report.span([cost / row.cpu_s for row, cost, _ in done], lambda x: f"{x:.2g}"),
+                      report.span(added, report.points), report.span([row.distance_to_standard for row, _, _ in done], lambda x: f"{100 * x:.2g} %"),
                       f"{len(done)}" + (f", {len(found) - len(done)} did not end" if len(done) < len(found) else "")])
     return report.table(["knob", "value", "speed-up", "error added", "moves the curves by", "scenes"], lines)
 

@@ -17,6 +17,15 @@ def points(share):
     return "0" if text.strip("+-0. %") == "" else text
 
 
+def span(values, form, between=" .. "):
+    """The least and the largest with `between` between them, or one value where they read the same; a dash for none."""
+    values = [value for value in values if value is not None]
+    if not values:
+        return "-"
+    low, high = form(min(values)), form(max(values))
+    return low if low == high else f"{low}{between}{high}"
+
+
 def seconds(value):
     return "-" if value is None else f"{value:.3g} s"
 
