@@ -89,17 +89,21 @@ void take_part_as_structure(ParticipantChannel& channel, Solver& solver) {
 template <int D, class Solver>
 void take_part_as_fluid(ParticipantChannel& channel, Solver& solver) {
   channel.handshake(solver.hello());
+  const auto end_window = [&](const Window& window, wire::WindowDone done) {
+    wire::Message message;
+    *done.mutable_account() = solver.account();
+    *message.mutable_window_done() = std::move(done);
+    channel.send(std::move(message));
+    solver.end_window(window);
+  };
   while (const auto window = next_window(channel, solver)) {
     solver.begin_window(window->begin, window->duration);
     wire::Message message = channel.receive({Kind::kSurface});
-    wire::Message answer;
     if (message.surface().area().empty()) {  // out of reach
-      *answer.mutable_window_done() = solver.pass();
-      *answer.mutable_window_done()->mutable_account() = solver.account();
-      channel.send(std::move(answer));
-      solver.end_window(*window);
+      end_window(*window, solver.pass());
       continue;
     }
+    wire::Message answer;
     *answer.mutable_band() = to_wire<D>(solver.see_surface(from_wire<D>(message.surface())));
     channel.send(std::move(answer));
     for (message = channel.receive({Kind::kDissipativeLoad}); message.has_dissipative_load();
@@ -108,11 +112,7 @@ void take_part_as_fluid(ParticipantChannel& channel, Solver& solver) {
       *answer.mutable_band_pressure() = to_wire<D>(solver.solve_pressure(from_wire<D>(message.dissipative_load())));
       channel.send(std::move(answer));
     }
-    answer.Clear();
-    *answer.mutable_window_done() = solver.end(from_wire<D>(message.band_force()));
-    *answer.mutable_window_done()->mutable_account() = solver.account();
-    channel.send(std::move(answer));
-    solver.end_window(*window);
+    end_window(*window, solver.end(from_wire<D>(message.band_force())));
   }
 }
 
