@@ -76,7 +76,7 @@ void CouplingStep<D>::add_known_forces() {
   if (coupling_.vem_coefficient) add_velocity_divergence_mitigation();
   set_robin_condition();
   audit_.band = static_cast<int>(band_->id.size());
-  audit_.pairs = static_cast<int>(pairs_.pairs().size());
+  audit_.pairs = static_cast<int>(pairs_.all_pairs().size());
 }
 
 template <int D>
@@ -224,22 +224,27 @@ void CouplingStep<D>::set_robin_condition() {
 
 template <int D>
 void CouplingStep<D>::add_pressure(const BandPressure<D>& pressure) {
-  evaluations_.pressure += static_cast<long>(pairs_.pairs().size());
+  evaluations_.pressure += static_cast<long>(pairs_.all_pairs().size());
   const Vector<D> gravity = [&] {
     Vector<D> g;
     for (int c = 0; c < D; ++c) g[c] = gravity_[c](begin_);
     return g;
   }();
-  // Pressure of every particle, carried to the surface by the weight of the fluid between.
-  std::vector<double> carried;
-  for (const auto& pair : pairs_.pairs()) {
+  // Pressure of every particle, carried to the surface by the weight of the fluid between. Behind a wall it goes on as before
+  // it: an image carries what its particle does.
+  carried_.clear();
+  for (const auto& pair : pairs_.all_pairs()) {
     const Vector<D> d = surface_.position[pair.point] - band_->position[pair.particle];
-    carried.push_back(pressure.pressure[pair.particle] + density_ * gravity.dot(d));
+    carried_.push_back(pressure.pressure[pair.particle] + density_ * gravity.dot(d));
   }
   if (coupling_.scheme != InterfaceScheme::riemann)
-    integrate_over_faces<D>(kernel_, pairs_.pairs(), surface_, *band_, coupling_.scheme, carried);
-  for (std::size_t m = 0; m < carried.size(); ++m)
-    add_pair_force(band_force_.force, pairs_.pairs()[m], Vector<D>(carried[m] * pairs_.pairs()[m].b));
+    integrate_over_faces<D>(kernel_, pairs_.all_pairs(), surface_, *band_, coupling_.scheme, carried_);
+  const std::size_t particle_pairs = pairs_.pairs().size();
+  for (std::size_t m = 0; m < particle_pairs; ++m)
+    add_pair_force(band_force_.force, pairs_.pairs()[m], Vector<D>(carried_[m] * pairs_.pairs()[m].b));
+  // What images take back, the fluid has from the mirror that its walls are.
+  for (std::size_t m = particle_pairs; m < carried_.size(); ++m)
+    load_.force[pairs_.all_pairs()[m].point] += carried_[m] * pairs_.all_pairs()[m].b;
 }
 
 template <int D>
@@ -278,6 +283,10 @@ void CouplingStep<D>::check_balance() {
   };
   for (std::size_t i = 0; i < band_->id.size(); ++i) {
     add(band_->position[i], band_force_.force[i] + dissipative_.force[i]);
+  }
+  for (std::size_t m = pairs_.pairs().size(); m < carried_.size(); ++m) {
+    const InterfacePair<D>& pair = pairs_.all_pairs()[m];
+    add(surface_.position[pair.point] + pair.offset, Vector<D>(-carried_[m] * pair.b));
   }
   for (std::size_t k = 0; k < load_.force.size(); ++k) {
     if (!load_.force[k].allFinite())

@@ -35,11 +35,8 @@ Vector<D> corrected_gradient(const FaceSums<D>& sums) {
 }  // namespace
 
 template <int D>
-void integrate_over_faces(const Kernel<D>& kernel, const std::vector<InterfacePair<D>>& pairs, const Surface<D>& surface,
+void integrate_over_faces(const Kernel<D>& kernel, std::span<const InterfacePair<D>> pairs, const Surface<D>& surface,
                           const Band<D>& band, InterfaceScheme scheme, std::vector<double>& carried) {
-  const auto between = [&](const InterfacePair<D>& pair) {
-    return Vector<D>(band.position[pair.particle] - surface.position[pair.point]);
-  };
   std::vector<FaceSums<D>> sums(surface.position.size());
   for (std::size_t m = 0; m < pairs.size(); ++m) {
     FaceSums<D>& at = sums[pairs[m].point];
@@ -47,7 +44,7 @@ void integrate_over_faces(const Kernel<D>& kernel, const std::vector<InterfacePa
     at.area += b;
     at.pressure += b * q;
     if (scheme != InterfaceScheme::fsa) continue;
-    const Vector<D> d = between(pairs[m]);
+    const Vector<D>& d = pairs[m].offset;
     const Vector<D> gradient = band.volume[pairs[m].particle] * kernel.gradient_weight(d.norm()) * d;
     at.offset += b * d;
     at.gradient += gradient;
@@ -63,12 +60,12 @@ void integrate_over_faces(const Kernel<D>& kernel, const std::vector<InterfacePa
     if (scheme == InterfaceScheme::fsa) gradient[k] = corrected_gradient<D>(sums[k]);
   }
   for (std::size_t m = 0; m < pairs.size(); ++m)
-    carried[m] = share[pairs[m].point] * (carried[m] - gradient[pairs[m].point].dot(between(pairs[m])));
+    carried[m] = share[pairs[m].point] * (carried[m] - gradient[pairs[m].point].dot(pairs[m].offset));
 }
 
-template void integrate_over_faces<2>(const Kernel<2>&, const std::vector<InterfacePair<2>>&, const Surface<2>&, const Band<2>&,
+template void integrate_over_faces<2>(const Kernel<2>&, std::span<const InterfacePair<2>>, const Surface<2>&, const Band<2>&,
                                       InterfaceScheme, std::vector<double>&);
-template void integrate_over_faces<3>(const Kernel<3>&, const std::vector<InterfacePair<3>>&, const Surface<3>&, const Band<3>&,
+template void integrate_over_faces<3>(const Kernel<3>&, std::span<const InterfacePair<3>>, const Surface<3>&, const Band<3>&,
                                       InterfaceScheme, std::vector<double>&);
 
 }  // namespace tern::coupler

@@ -11,6 +11,7 @@
 // Every particle gets back what it has contributed, so that momentum is exact. Published, eq. 5 has no reaction: the
 // fluid's pressure gradient at the structure is a sum of its own.
 
+#include <span>
 #include <vector>
 
 #include "coupler/interface_pairs.hpp"
@@ -20,7 +21,7 @@ namespace tern::coupler {
 
 /// Replaces the carried pressures q_i [Pa] of all pairs by those which, times b_ik, are the pair forces of the scheme.
 template <int D>
-void integrate_over_faces(const Kernel<D>& kernel, const std::vector<InterfacePair<D>>& pairs, const Surface<D>& surface,
+void integrate_over_faces(const Kernel<D>& kernel, std::span<const InterfacePair<D>> pairs, const Surface<D>& surface,
                           const Band<D>& band, InterfaceScheme scheme, std::vector<double>& carried);
 
 }  // namespace tern::coupler

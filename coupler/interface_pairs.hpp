@@ -4,7 +4,10 @@
 // div_i takes (1/V_i) b_ik . (u_k - u_i), a pressure p puts the force +p b_ik on k and -p b_ik on i. One vector for both is
 // what makes the exchange conserve momentum exactly and its power equal p div u. Thin bodies need no special care, because
 // the hidden half space is replaced by its surface (Gauss' theorem).
+// Where a face meets a wall, part of the half space before its points lies beyond the wall. The fluid is mirrored there, and
+// the images of particles have pairs too: with them the face has its whole load.
 
+#include <span>
 #include <vector>
 
 #include "particles/face_kernel.hpp"
@@ -16,7 +19,8 @@ namespace tern::coupler {
 template <int D>
 struct InterfacePair {
   int particle, point;
-  Vector<D> b;         ///< [m^(D-1)]
+  Vector<D> b;       ///< [m^(D-1)]
+  Vector<D> offset;  ///< from the point to the particle, or to its image [m]
 };
 
 template <int D>
@@ -28,7 +32,12 @@ class InterfacePairs {
   /// Finds all pairs of the window, particle by particle.
   void find(const Band<D>& band, const Surface<D>& surface);
 
-  const std::vector<InterfacePair<D>>& pairs() const { return pairs_; }
+  /// Of the particles themselves.
+  std::span<const InterfacePair<D>> pairs() const { return {pairs_.data(), particle_pairs_}; }
+  /// Of their images behind walls: `particle` is the one that is mirrored, everything else is that of the image.
+  std::span<const InterfacePair<D>> image_pairs() const { return std::span(pairs_).subspan(particle_pairs_); }
+  /// Those of the particles, then those of the images.
+  std::span<const InterfacePair<D>> all_pairs() const { return pairs_; }
 
  private:
   FaceKernel<D> kernel_;
@@ -36,6 +45,8 @@ class InterfacePairs {
   Faces<D> faces_;
   std::vector<int> seen_;
   std::vector<InterfacePair<D>> pairs_;
+  std::size_t particle_pairs_ = 0;
+  std::vector<std::size_t> first_;  ///< pair of each particle, then the number of them all
 };
 
 }  // namespace tern::coupler

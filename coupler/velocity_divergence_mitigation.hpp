@@ -29,11 +29,11 @@ inline MitigationPressure mitigation_pressure(VemForm form, double fluid, double
 /// Velocity divergence at the surface points, sum V_i (u_i - u_k) . grad w_ki over the fluid they see [1/s]. The section
 /// behind a point moves with it and adds nothing.
 template <int D>
-std::vector<double> divergence_at_surface(const Kernel<D>& kernel, const std::vector<InterfacePair<D>>& pairs,
+std::vector<double> divergence_at_surface(const Kernel<D>& kernel, std::span<const InterfacePair<D>> pairs,
                                           const Surface<D>& surface, const Band<D>& band) {
   std::vector<double> divergence(surface.position.size(), 0);
   for (const auto& pair : pairs) {
-    const Vector<D> d = band.position[pair.particle] - surface.position[pair.point];
+    const Vector<D>& d = pair.offset;
     divergence[pair.point] += band.volume[pair.particle] * kernel.gradient_weight(d.norm()) *
                               d.dot(band.velocity[pair.particle] - surface.velocity[pair.point]);
   }

@@ -65,6 +65,7 @@ Fluid<D>::Fluid(const Case& scene)
   }
   reference_speed_ = std::max(2 * speed_floor_, fastest);
   set_state(std::move(state));
+  seen_walls_.reset(walls_.faces());
   wall_finder_.fill(walls_.faces(), constants_.faces.support());
   space_before_walls_.assign(walls_.faces().size(), -1);
 }

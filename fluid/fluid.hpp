@@ -14,6 +14,7 @@
 #include "fluid/period.hpp"
 #include "fluid/sealed.hpp"
 #include "fluid/state.hpp"
+#include "fluid/wall_clipping.hpp"
 #include "fluid/walls.hpp"
 #include "particles/interface.hpp"
 #include "particles/step_control.hpp"
@@ -94,7 +95,7 @@ class Fluid {
   const Period<D>& period() const { return period_; }
   /// Faces of walls and of the structure as of the last window, each with its finder.
   std::array<std::pair<const Faces<D>*, const FaceFinder<D>*>, 2> faces() const {
-    return {{{&walls_.faces(), &wall_finder_}, {&surface_, &surface_finder_}}};
+    return {{{&seen_walls_.faces(), &wall_finder_}, {&surface_, &surface_finder_}}};
   }
   Vector<D> gravity_at(double t, const Vector<D>& x) const;  ///< [m/s^2]
   int fallback_solves() const { return fallback_solves_; }
@@ -130,6 +131,7 @@ class Fluid {
   void settle_wall_contacts();                         // wall_contact.cpp
   void shift_particles();                              // shifting.cpp
   void hide_walls_behind_structure();
+  void add_images(Band<D>& band);
   void count_leaks(const Faces<D>& faces, const FaceRows& rows);
   void remove_escaped();
   void check_speed();                                  // speed_limit.cpp
@@ -145,6 +147,7 @@ class Fluid {
   double reference_speed_ = 0;   ///< of the scene; 0: not known [m/s]
   int windows_of_collapse_ = 0;  ///< with a step far shorter than the reference speed asks for
   Walls<D> walls_;
+  ClippedWalls<D> seen_walls_;
   FaceFinder<D> wall_finder_, surface_finder_;
   std::vector<double> space_before_walls_;  ///< per patch, negative: not known; see boundary.hpp
   Faces<D> surface_;
@@ -185,6 +188,7 @@ class Fluid {
   SealedPools pools_;
   ConjugateGradientWork work_;
   std::vector<int> band_;                  ///< particle of each band entry
+  std::vector<Vector<D>> images_;          ///< of one particle in its walls
   // Scratch of the sorting.
   std::vector<Vector<D>> sorted_vectors_;
   std::vector<double> sorted_numbers_;

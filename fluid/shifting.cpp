@@ -49,7 +49,7 @@ void Fluid<D>::shift_particles() {
   if (!surface_.position.empty() && contact > 0)
     for (int i : band_) {
       Vector<D> way = off_structure<D>(surface_, surface_rows_, i, predicted_position_[i], contact);
-      keep_off_faces<D>(walls_.faces(), wall_rows_, i, predicted_position_[i], contact, way);
+      keep_off_faces<D>(seen_walls_.faces(), wall_rows_, i, predicted_position_[i], contact, way);
       state_.position[i] += way;
     }
   const double coefficient = constants_.numerics.shifting * constants_.kernel.smoothing_length() * bulk_speed_ * duration_s_;
@@ -70,7 +70,7 @@ void Fluid<D>::shift_particles() {
     const double limit = (at_structure ? largest_shift_at_structure : largest_shift) * constants_.spacing;
     const double size = shift.norm();
     if (size > limit) shift *= limit / size;
-    keep_off_faces<D>(walls_.faces(), wall_rows_, i, predicted_position_[i], 0.5 * constants_.spacing, shift);
+    keep_off_faces<D>(seen_walls_.faces(), wall_rows_, i, predicted_position_[i], 0.5 * constants_.spacing, shift);
     if (at_structure) keep_off_faces<D>(surface_, surface_rows_, i, predicted_position_[i], 0.5 * constants_.spacing, shift);
     state_.position[i] += shift;
   }

@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "fluid/fluid.hpp"
+#include "fluid/mirror_images.hpp"
 #include "particles/error.hpp"
 #include "particles/parallel.hpp"
 #include "particles/timing.hpp"
@@ -41,6 +42,7 @@ Band<D> Fluid<D>::see_surface(const Surface<D>& surface) {
     walls_.move_over(begin_s_, duration_s_);
     wall_finder_.fill(walls_.faces(), constants_.faces.support());
     space_before_walls_.assign(walls_.faces().size(), -1);
+    seen_walls_.reset(walls_.faces());
   }
   surface_.position = surface.position;
   surface_.velocity = surface.velocity;
@@ -50,18 +52,20 @@ Band<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   surface_.two_sided.assign(surface.position.size(), 1);
   surface_finder_.fill(surface_, constants_.faces.support());
   evaluations_.structure_surface += static_cast<long>(surface.position.size());
+  seen_walls_.clip(walls_.faces(), wall_finder_, surface_);
+  for (int k : seen_walls_.changed()) space_before_walls_[k] = -1;
 
-  see_faces<D>(predicted_position_, walls_.faces(), wall_finder_, wall_rows_);
+  see_faces<D>(predicted_position_, seen_walls_.faces(), wall_finder_, wall_rows_);
   see_faces<D>(predicted_position_, surface_, surface_finder_, surface_rows_);
   if (!surface_rows_.face.empty()) {
     hide_walls_behind_structure();
     cut_pairs_through_faces<D>(constants_, period_, predicted_position_, surface_, surface_rows_, neighbours_);
   }
   if (walls_.any_two_sided())
-    cut_pairs_through_faces<D>(constants_, period_, predicted_position_, walls_.faces(), wall_rows_, neighbours_);
-  leave_out_dry_walls<D>(constants_, predicted_position_, walls_.faces(), wall_finder_, space_before_walls_, surface_,
+    cut_pairs_through_faces<D>(constants_, period_, predicted_position_, seen_walls_.faces(), wall_rows_, neighbours_);
+  leave_out_dry_walls<D>(constants_, predicted_position_, seen_walls_.faces(), wall_finder_, space_before_walls_, surface_,
                          surface_finder_, wall_rows_);
-  set_wall_sums<D>(constants_, predicted_position_, gravity_, walls_.faces(), wall_rows_, boundary_);
+  set_wall_sums<D>(constants_, predicted_position_, gravity_, seen_walls_.faces(), wall_rows_, boundary_);
   add_surface_sums<D>(constants_, predicted_position_, surface_, surface_rows_, boundary_);
   correct_moments();
   mark_free_surface();
@@ -80,8 +84,24 @@ Band<D> Fluid<D>::see_surface(const Surface<D>& surface) {
     band.mass.push_back(constants_.mass);
     band.volume.push_back(constants_.volume);
     if (reports_divergence_) band.divergence.push_back(divergence_[i]);
+    if (wall_rows_.count[i] > 0) add_images(band);
   }
   return band;
+}
+
+template <int D>
+void Fluid<D>::add_images(Band<D>& band) {
+  const int i = band_.back();
+  mirror_in_walls<D>(seen_walls_.faces(), wall_rows_, i, predicted_position_[i], 0.25 * constants_.spacing, images_);
+  const double support = constants_.faces.support();
+  for (const Vector<D>& image : images_) {
+    bool near = false;
+    for (int entry = surface_rows_.begin[i]; !near && entry < surface_rows_.begin[i] + surface_rows_.count[i]; ++entry)
+      near = (image - surface_.position[surface_rows_.face[entry]]).squaredNorm() < support * support;
+    if (!near) continue;
+    band.image_of.push_back(static_cast<std::uint32_t>(band.id.size() - 1));
+    band.image_position.push_back(image);
+  }
 }
 
 template <int D>
@@ -140,7 +160,7 @@ void Fluid<D>::end_window(const BandForce<D>& force) {
     state_.position[i] = predicted_position_[i] + 0.5 * duration_s_ * predicted_velocity_[i];
   }
   shift_particles();
-  count_leaks(walls_.faces(), wall_rows_);
+  count_leaks(seen_walls_.faces(), wall_rows_);
   count_leaks(surface_, surface_rows_);
   remove_escaped();
   state_.time += to_ticks(duration_s_);
@@ -234,7 +254,7 @@ void Fluid<D>::hide_walls_behind_structure() {
     if (surface_rows_.count[i] == 0 || wall_rows_.count[i] == 0) continue;
     int kept = 0;
     for (int entry = wall_rows_.begin[i]; entry < wall_rows_.begin[i] + wall_rows_.count[i]; ++entry) {
-      const Vector<D>& wall = walls_.faces().position[wall_rows_.face[entry]];
+      const Vector<D>& wall = seen_walls_.faces().position[wall_rows_.face[entry]];
       bool hidden = false;
       for (int s = surface_rows_.begin[i]; !hidden && s < surface_rows_.begin[i] + surface_rows_.count[i]; ++s)
         hidden = patch_separates(surface_, surface_rows_.face[s], predicted_position_[i], wall);
@@ -329,6 +349,7 @@ StepProposal Fluid<D>::propose_step() const {
   template void Fluid<D>::pass_window();                                         \
   template StepProposal Fluid<D>::propose_step() const;                          \
   template std::optional<FluidExtent<D>> Fluid<D>::extent() const;               \
+  template void Fluid<D>::add_images(Band<D>&);                                   \
   template void Fluid<D>::predict();                                             \
   template void Fluid<D>::wrap_into_period();                                    \
   template void Fluid<D>::sort_by_cell();                                        \

@@ -21,7 +21,7 @@ void Fluid<D>::apply_viscosity() {
   evaluations_.viscosity += n;
   const double scale = 2 * duration_s_ * constants_.viscosity;
   const double least = least_height * constants_.kernel.smoothing_length();
-  const Faces<D>& faces = walls_.faces();
+  const Faces<D>& faces = seen_walls_.faces();
   const Vector<D>* velocity = state_.velocity.data();
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (std::ptrdiff_t i = 0; i < n; ++i) {

@@ -9,7 +9,7 @@ namespace tern::fluid {
 
 template <int D>
 void Fluid<D>::settle_wall_contacts() {
-  const Faces<D>& faces = walls_.faces();
+  const Faces<D>& faces = seen_walls_.faces();
   const double distance = constants_.numerics.contact_distance * constants_.spacing;
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)

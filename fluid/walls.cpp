@@ -49,11 +49,6 @@ Walls<D>::Walls(const Case& scene, double fluid_spacing, double support) {
     Wall<D> entry{wall, faces_.size(), 0, {}};
     for (std::size_t k = 0; k < points.position.size(); ++k) {
       if (wall.container && wall.shape.kind == Shape::Kind::box && is_open(wall, box_face<D>(points.normal[k]))) continue;
-      const bool inside_body = scene.structure && std::any_of(scene.structure->bodies.begin(), scene.structure->bodies.end(),
-                                                              [&](const StructureBody& body) {
-                                                                return contains<D>(body.shape, points.position[k]);
-                                                              });
-      if (inside_body) continue;
       const int original = static_cast<int>(faces_.size());
       add_with_images<D>(scene, wall.shape, points.position[k], points.normal[k], 0.01 * fluid_spacing, support, [&](const Vector<D>& x) {
         faces_.position.push_back(x);

@@ -20,8 +20,8 @@ struct Wall {
 template <int D>
 class Walls {
  public:
-  /// Patches of half a fluid spacing. Those inside an elastic body are left out: there the body is the boundary. In a
-  /// periodic direction the patches nearer to the end of the period than `support` have images beyond it.
+  /// Patches of half a fluid spacing. Those that an elastic body covers are patches too: it may leave. In a periodic direction the
+  /// patches nearer to the end of the period than `support` have images beyond it.
   Walls(const Case& scene, double fluid_spacing, double support);
 
   const Faces<D>& faces() const { return faces_; }

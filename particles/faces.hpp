@@ -78,6 +78,17 @@ class FaceFinder {
     }
   }
 
+  /// Calls visit(k) for all faces that may be within the support of x, in whatever direction they look.
+  template <class Visit>
+  void for_each_around(const Vector<D>& x, Visit&& visit) const {
+    if (contents_.order.empty()) return;
+    for (int c = 0; c < D; ++c)
+      if (x[c] < min_[c] || x[c] > max_[c]) return;
+    grid_.for_rows_around(x, [&](int low, int high) {
+      for (int m = contents_.start[low]; m < contents_.start[high + 1]; ++m) visit(contents_.order[m]);
+    });
+  }
+
   /// Appends to `seen` the faces that x sees.
   void see(const Faces<D>& faces, const Vector<D>& x, std::vector<int>& seen) const {
     if (faces.size() == 0) return;

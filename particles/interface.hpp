@@ -36,6 +36,11 @@ struct Band {
   std::vector<double> mass;         ///< [kg/m^(3-D)]
   std::vector<double> volume;       ///< [m^D]
   std::vector<double> divergence;   ///< div u* over all phases [1/s], for the velocity-divergence-error-mitigating term; empty without it
+
+  /// Mirror images of band particles behind the walls they stand at, where a face of the structure sees them: the fluid
+  /// beyond a wall that a face meets, which loads that face as well. Both of one length, which is not that of the others.
+  std::vector<std::uint32_t> image_of;    ///< index of the band particle
+  std::vector<Vector<D>> image_position;  ///< [m]
 };
 
 /// What the fluid is told before its pressure solve: forces that are already known, and how the surface moves and yields.

@@ -73,6 +73,8 @@ wire::Band to_wire(const Band<D>& band) {
   put(message.mutable_mass(), band.mass);
   put(message.mutable_volume(), band.volume);
   put(message.mutable_divergence(), band.divergence);
+  message.mutable_image_of()->Assign(band.image_of.begin(), band.image_of.end());
+  put<D>(message.mutable_image_position(), band.image_position);
   return message;
 }
 
@@ -83,7 +85,9 @@ Band<D> from_wire(const wire::Band& message) {
           get_vectors<D>(message.velocity()),
           get(message.mass()),
           get(message.volume()),
-          get(message.divergence())};
+          get(message.divergence()),
+          get(message.image_of()),
+          get_vectors<D>(message.image_position())};
 }
 
 template <int D>

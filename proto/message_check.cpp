@@ -179,12 +179,18 @@ void check_band(Check& check, const wire::Band& band, const Agreement& agreement
   check.length("mass", band.mass_size(), particles, "one per id");
   check.length("volume", band.volume_size(), particles, "one per id");
   check.length("divergence", band.divergence_size(), band.divergence_size() == 0 ? 0 : particles, "one per id, or none without VEM");
+  check.length("image_position", band.image_position_size(), D * static_cast<std::size_t>(band.image_of_size()),
+               "dimension times image_of entries");
   check.distinct("id", band.id());
   check.finite("position", band.position());
   check.finite("velocity", band.velocity());
   check.positive("mass", band.mass());
   check.positive("volume", band.volume());
   check.finite("divergence", band.divergence());
+  check.finite("image_position", band.image_position());
+  for (int m = 0; check.fault.empty() && m < band.image_of_size(); ++m)
+    if (band.image_of(m) >= particles)
+      check.fault = fmt::format("image_of[{}] is {}, but the band has {} particles", m, band.image_of(m), particles);
 }
 
 void check_extent(Check& check, const wire::Extent& extent, const Agreement& agreement) {

@@ -40,6 +40,8 @@ class Band:
     mass: numpy.ndarray
     volume: numpy.ndarray
     divergence: numpy.ndarray
+    image_of: numpy.ndarray = ()  # rows of which walls have an image before the surface, and the places of the images
+    image_position: numpy.ndarray = ()
 
 
 def _obey(run, make_solver):
@@ -93,7 +95,9 @@ def _obey(run, make_solver):
                                               numpy.array(surface.area)))
         run.send(band=wire.Band(id=[int(label) for label in band.id], position=flat("position", band.position),
                                 velocity=flat("velocity", band.velocity), mass=flat("mass", band.mass),
-                                volume=flat("volume", band.volume), divergence=flat("divergence", band.divergence)))
+                                volume=flat("volume", band.volume), divergence=flat("divergence", band.divergence),
+                                image_of=[int(row) for row in band.image_of],
+                                image_position=flat("image_position", band.image_position)))
         message = run.receive("dissipative_load")
         while message.WhichOneof("body") == "dissipative_load":
             with run.timed("compute"):

@@ -89,6 +89,11 @@ def check_from_participant(message, role, dimension, surface_points, band_partic
             _positive(field, getattr(body, field))
         _length("divergence", body.divergence, particles if body.divergence else 0)
         _numbers("divergence", body.divergence)
+        _length("image_position", body.image_position, dimension * len(body.image_of))
+        _numbers("image_position", body.image_position)
+        for entry, particle in enumerate(body.image_of):
+            if particle >= particles:
+                raise BadMessage(f"image_of[{entry}] is {particle}, but the band has {particles} particles")
     elif kind == "band_pressure":
         _length("pressure", body.pressure, band_particles)
         _numbers("pressure", body.pressure)

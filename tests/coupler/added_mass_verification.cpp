@@ -168,21 +168,6 @@ double range(const std::vector<double>& values, std::size_t first, std::size_t c
   return *high - *low;
 }
 
-/// Length of face that a corner between piston and wall loses [dx]: the pairs of the points near the corner with the fluid
-/// that would stand behind the wall. 2 Int w r^2 dr = 0.318 dx for a continuum, 0.278 dx with the lattice calibration.
-double corner_loss() {
-  Surface<2> surface;
-  for (int k = 0; k < 20; ++k) add_point<2>(surface, {(k + 0.5) * 0.5 * dx, 0.0}, {0.0, 1.0}, 0.5 * dx);
-  Band<2> behind_wall;
-  for (int i = 1; i <= 6; ++i)
-    for (int j = 0; j < 4; ++j) add_particle<2>(behind_wall, {(0.5 - i) * dx, (j + 0.5) * dx}, dx);
-  InterfacePairs<2> pairs(1.5 * dx, dx);
-  pairs.find(behind_wall, surface);
-  double lost = 0;
-  for (const auto& pair : pairs.pairs()) lost -= pair.b[1];
-  return lost / dx;
-}
-
 /// A column without gravity whose piston is pushed upwards once.
 History pushed(double mass_ratio, CouplingAlgorithm algorithm, double push, double robin_mass_factor = 1,
                InterfaceScheme scheme = InterfaceScheme::riemann) {
@@ -241,16 +226,9 @@ TEST(AddedMass, APushedPistonAndItsWaterMoveOnTogetherAtTheSharedMomentum) {
       ASSERT_FALSE(history.failed) << "M " << m;
       EXPECT_LE(history.largest_velocity(), push) << "M " << m;
       const double shared = push / (1 + m), piston = mean(history.velocity, 80), water = mean(history.water_velocity, 80);
-      // Of the impulse on the water the piston bears all but what its two corners lose to the walls.
-      const double expected = push / (1 + (1 - 2 * corner_loss() / column.across) * m);
-      // pi and fsa give back a part of that, where more than half of a face is wet.
-      const double least = scheme == InterfaceScheme::riemann ? expected : shared;
-      for (double velocity : {piston, water}) {
-        EXPECT_GT(velocity, 0.98 * least) << "M " << m;
-        EXPECT_LT(velocity, 1.02 * expected) << "M " << m;
-      }
-      std::printf("[ M %5.1f: piston %.4f, water %.4f, expected %.4f of the shared velocity ]\n", m, piston / shared, water / shared,
-                  expected / shared);
+      EXPECT_NEAR(piston / shared, 1, 0.02) << "M " << m;
+      EXPECT_NEAR(water / shared, 1, 0.02) << "M " << m;
+      std::printf("[ M %5.1f: piston %.4f, water %.4f of the shared velocity ]\n", m, piston / shared, water / shared);
     }
 }
 
@@ -276,13 +254,17 @@ TEST(AddedMass, RepeatedWindowsHoldAPistonOfAnyLightnessToTheSharedMomentum) {
   for (double m : {0.5, 20.0, 1000.0}) {
     const auto h = pushed(m, CouplingAlgorithm::cm3, push);
     ASSERT_FALSE(h.failed) << "M " << m;
-    const double expected = push / (1 + (1 - 2 * corner_loss() / 10) * m);
+    const double expected = push / (1 + m);
+    // Of a piston of a thousandth of the mass of its water the tolerance of the load is a fifth of the velocity in single windows.
     for (std::size_t n : {std::size_t{5}, std::size_t{99}}) {
-      EXPECT_NEAR(h.velocity[n] / expected, 1, 0.03) << "M " << m << ", window " << n;
+      EXPECT_NEAR(h.velocity[n] / expected, 1, m > 100 ? 0.25 : 0.03) << "M " << m << ", window " << n;
       EXPECT_NEAR(h.water_velocity[n] / expected, 1, 0.03) << "M " << m << ", window " << n;
     }
-    std::printf("[ M %6.1f: piston %.4f, water %.4f of the expected velocity after six windows ]\n", m, h.velocity[5] / expected,
-                h.water_velocity[5] / expected);
+    std::vector<double> sorted(h.velocity.begin() + 5, h.velocity.end());
+    std::nth_element(sorted.begin(), sorted.begin() + 47, sorted.end());
+    EXPECT_NEAR(sorted[47] / expected, 1, 0.02) << "M " << m << ", median";
+    std::printf("[ M %6.1f: piston %.4f, water %.4f of the expected velocity after six windows, piston in the median %.4f ]\n", m,
+                h.velocity[5] / expected, h.water_velocity[5] / expected, sorted[47] / expected);
   }
 }
 
@@ -296,19 +278,20 @@ double static_load(int across) {
   return history.failed ? 0 : mean(history.pressure, 300) / (9.81 * column.added_mass());
 }
 
-// Corners lose load to the walls beside them; more is not lost. Measured: 0.272 and 0.279 dx per corner.
-// Seen to fail: with the weight between particle and face subtracted from the pressure instead of added.
-TEST(AddedMass, TheLoadAtRestIsTheWeightOfTheWaterLessTheCorners) {
-  EXPECT_NEAR(corner_loss(), 0.278, 1e-3);
+// Without the images of the fluid behind the walls each corner loses 0.278 dx of its face: 0.945 and 0.972 of the weight.
+// Measured: 0.997 and 0.999.
+// Seen to fail: without images; with the weight between particle and face subtracted from the pressure instead of added.
+TEST(AddedMass, TheLoadAtRestIsTheWeightOfTheWaterUpToTheCorners) {
   for (int across : {10, 20}) {
     const double load = static_load(across);
-    EXPECT_NEAR(load, 1 - 2 * corner_loss() / across, 5e-3) << across << " dx wide";
-    std::printf("[ %d dx: load %.4f of the weight, %.3f dx lost per corner ]\n", across, load, 0.5 * (1 - load) * across);
+    EXPECT_NEAR(load, 1, 5e-3) << across << " dx wide";
+    std::printf("[ %d dx: load %.4f of the weight ]\n", across, load);
   }
 }
 
-// What the walls bear of the load at rest they may bear of the added mass too: the exact period and the one without the
-// corners' share are the bounds, each with 1 %. Measured: 0.988 to 0.998 of the exact period.
+// Measured: 0.9989 to 1.0012 of the exact period. With patches of the walls that vanish and appear whole where the piston passes
+// them: 1.015 to 1.054, and a third to two thirds of the swing left after three periods. Without images: 0.978 to 0.993.
+// Seen to fail: with walls that are not clipped; without images.
 TEST(AddedMass, ShowsInThePeriodOfAPistonOnASpring) {
   struct Sample { int across; double mass_ratio; };
   for (const auto& [across, m] : {Sample{10, 0.5}, {10, 5}, {10, 20}, {20, 5}}) {
@@ -317,27 +300,25 @@ TEST(AddedMass, ShowsInThePeriodOfAPistonOnASpring) {
     column.mass_ratio = m;
     column.gravity = 9.81;
     constexpr double exact = 0.25, omega = 2 * std::numbers::pi / exact;
-    constexpr int per_period = 250;
-    const double added = column.added_mass(), total = column.piston_mass() + added;
-    column.stiffness = omega * omega * total;
+    constexpr int per_period = 250, periods = 6;
+    column.stiffness = omega * omega * (column.piston_mass() + column.added_mass());
     column.piston_velocity = column.water_velocity = 0.05;
-    const auto h = run(column, 4 * per_period);
+    const auto h = run(column, periods * per_period);
     ASSERT_FALSE(h.failed);
     const double middle = mean(h.height, 0);
     std::vector<double> crossings;  // upwards through the mean height
     for (std::size_t n = 1; n < h.height.size(); ++n)
       if (h.height[n - 1] < middle && h.height[n] >= middle)
         crossings.push_back(static_cast<double>(n) - (h.height[n] - middle) / (h.height[n] - h.height[n - 1]));
-    ASSERT_GE(crossings.size(), 3u);
+    ASSERT_GE(crossings.size(), 5u);
     const double period = (crossings.back() - crossings.front()) / static_cast<double>(crossings.size() - 1) * column.step;
-    const double without_corners = exact * std::sqrt((total - added * 2 * corner_loss() / across) / total);
-    EXPECT_LT(period, 1.01 * exact) << across << " dx wide, M " << m;
-    EXPECT_GT(period, 0.99 * without_corners) << across << " dx wide, M " << m;
-    const double first = range(h.height, 0, per_period), last = range(h.height, 3 * per_period, per_period);
-    EXPECT_LT(last, first) << "no swing grows";
-    EXPECT_GT(last, 0.5 * first) << "staggering damps, at 250 steps a period a few per cent each";
-    std::printf("[ %d dx, M %4.1f: period %.4f of the exact one, swing %.2f after 3 periods ]\n", across, m, period / exact,
-                last / first);
+    EXPECT_NEAR(period / exact, 1, 5e-3) << across << " dx wide, M " << m;
+    // A spring without any loss, and the lag of one pass: at M 20 and 250 windows a period the swing grows by 1.5 % a period, with
+    // 500 it falls. (The structure proper gives the fluid another velocity, coupled_structure.hpp.)
+    const double second = range(h.height, per_period, per_period), last = range(h.height, (periods - 1) * per_period, per_period);
+    EXPECT_NEAR(last / second, 1, m > 10 ? 0.15 : 0.05) << across << " dx wide, M " << m;
+    std::printf("[ %d dx, M %4.1f: period %.4f of the exact one, swing %.2f of that of the second in the sixth ]\n", across, m,
+                period / exact, last / second);
   }
 }
 

@@ -20,13 +20,15 @@ def coupler_messages():
     """One message of every kind of the coupler, 2D, two surface points, one band particle; each after its length."""
     from google.protobuf.internal.encoder import _VarintBytes
 
+    from participant import PROTOCOL_VERSION
     from schema import wire
     bodies = [
         {"hello": wire.Hello(dimension=2)},  # so that the check knows the dimension
         {"welcome": wire.Welcome(surface_points=2)},
         {"begin_window": wire.BeginWindow(begin_ticks=0, duration_ticks=1 << 22)},
         {"surface": wire.Surface(position=[0, 0, 0, 1], velocity=[0] * 4, normal=[1, 0, 1, 0], area=[1, 1])},
-        {"band": wire.Band(id=[7], position=[1, 1], velocity=[0, 0], mass=[1], volume=[1], divergence=[0])},
+        {"band": wire.Band(id=[7], position=[1, 1], velocity=[0, 0], mass=[1], volume=[1], divergence=[0], image_of=[0],
+                           image_position=[-1, 1])},
         {"window_done": wire.WindowDone(proposed_step_s=1e-3, limit="gravity",
                                         extent=wire.Extent(low=[0, 0], high=[1, 1], largest_speed=1, reach=0.1))},
         {"surface": wire.Surface()},
@@ -36,7 +38,7 @@ def coupler_messages():
         {"finish": wire.Finish()},
         {"abort": wire.Abort(exit_code=3, sentence="stop")},
     ]
-    messages = [wire.Message(protocol_version=3, sender=wire.COUPLER, sequence=n + 1, step=1, **body).SerializeToString()
+    messages = [wire.Message(protocol_version=PROTOCOL_VERSION, sender=wire.COUPLER, sequence=n + 1, step=1, **body).SerializeToString()
                 for n, body in enumerate(bodies)]
     return b"".join(_VarintBytes(len(message)) + message for message in messages)
 

@@ -138,6 +138,20 @@ const BodyFault body_faults[] = {
      [](auto& m) { m.mutable_band()->set_velocity(0, -infinity); }, "velocity[0] is -inf"},
     {"Band divergence not finite", Kind::kBand, wire::FLUID, [](auto& m) { m.mutable_band()->set_divergence(2, nan); },
      "divergence[2] is nan"},
+    {"Band image of no particle", Kind::kBand, wire::FLUID,
+     [](auto& m) {
+       m.mutable_band()->add_image_of(3);
+       for (int c = 0; c < 2; ++c) m.mutable_band()->add_image_position(0);
+     },
+     "image_of[0] is 3, but the band has 3 particles"},
+    {"Band image position length", Kind::kBand, wire::FLUID, [](auto& m) { m.mutable_band()->add_image_of(0); },
+     "image_position has 0"},
+    {"Band image position not finite", Kind::kBand, wire::FLUID,
+     [](auto& m) {
+       m.mutable_band()->add_image_of(0);
+       for (int c = 0; c < 2; ++c) m.mutable_band()->add_image_position(nan);
+     },
+     "image_position[0] is nan"},
     {"DissipativeLoad force length", Kind::kDissipativeLoad, wire::COUPLER,
      [](auto& m) { m.mutable_dissipative_load()->add_force(1); }, "force has 7 entries; it must have 6"},
     {"DissipativeLoad pressure length", Kind::kDissipativeLoad, wire::COUPLER,
@@ -291,14 +305,14 @@ TEST(MessageCheck, EveryEnvelopeFaultIsFoundAndNamed) {
     return find_envelope_fault(message, envelope, {Kind::kBand, Kind::kBandPressure});
   };
   EXPECT_EQ(fault([](auto&) {}), "");
-  EXPECT_EQ(fault([](auto& m) { m.set_protocol_version(7); }), "protocol_version is 7; this program speaks version 3");
+  EXPECT_EQ(fault([](auto& m) { m.set_protocol_version(7); }), "protocol_version is 7; this program speaks version 4");
   EXPECT_EQ(fault([](auto& m) { m.set_sender(wire::STRUCTURE); }), "sender is structure; it must be fluid");
   EXPECT_EQ(fault([](auto& m) { m.set_sender(static_cast<wire::Role>(9)); }), "sender is role 9; it must be fluid");
   EXPECT_NE(fault([](auto& m) { m.set_sequence(4); }).find("sequence is 4; it must be 5"), std::string::npos);
   EXPECT_NE(fault([](auto& m) { m.set_sequence(6); }).find("sequence is 6; it must be 5"), std::string::npos);
   EXPECT_EQ(fault([](auto& m) { m.set_step(16); }), "step is 16; it must be 17");
   EXPECT_EQ(fault([](auto& m) { m.mutable_finish(); }), "body is Finish; it must be Band or BandPressure now");
-  EXPECT_EQ(fault([](auto& m) { m.clear_body(); }), "body is of no kind that protocol version 3 knows");
+  EXPECT_EQ(fault([](auto& m) { m.clear_body(); }), "body is of no kind that protocol version 4 knows");
   EXPECT_EQ(fault([](auto& m) { m.mutable_begin_window(); }), "step is 17; it must be 18");  // always the next window
   EXPECT_EQ(fault([](auto& m) {
               m.mutable_abort();
