@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <malloc.h>
 #include <poll.h>
+#include <sched.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -63,10 +64,9 @@ int descriptor(void* socket) {
   return result;
 }
 
-/// Length of the turns that Linux (6.12 and later) gives this thread, and every thread it starts, before another may have the core
-/// [ns]; 0: as usual. Returns that of before. Its share of a core stays what it was, but whoever asks for short turns gets them sooner:
-/// it does not wait until one that computes for milliseconds has had a long one. An older kernel does not know this and says so
-/// or not; either way all goes on as before.
+/// Length of the turns [ns] that Linux (6.12 and later) gives this thread, and every thread it starts, before another may have the
+/// core; 0: as usual. Returns that of before. The share of a core stays what it was, but who asks for short turns and wakes up does
+/// not wait until one that computes has had a long one. Where the kernel does not know this, or there is no permission, nothing changes.
 std::uint64_t set_turns(std::uint64_t nanoseconds) {
   struct {  // sched_attr of the kernel, which this C library does not have and newer ones do
     std::uint32_t size, policy;
@@ -75,7 +75,7 @@ std::uint64_t set_turns(std::uint64_t nanoseconds) {
     std::uint32_t priority;
     std::uint64_t runtime, deadline, period;
   } attributes{};
-  if (::syscall(SYS_sched_getattr, 0, &attributes, sizeof(attributes), 0) != 0) return 0;
+  if (::syscall(SYS_sched_getattr, 0, &attributes, sizeof(attributes), 0) != 0 || attributes.policy != SCHED_OTHER) return 0;
   const std::uint64_t before = attributes.runtime;
   attributes.runtime = nanoseconds;
   ::syscall(SYS_sched_setattr, 0, &attributes, 0);
