@@ -1,19 +1,23 @@
 // What one exchange between the coupler and a participant costs: conversion, checks on both ends, supervision of the peer and
-// transport, against a bare ZeroMQ round trip of the same bytes over sockets of the same types. Table of docs/SPEED.md:
+// transport, against a bare ZeroMQ round trip of the same bytes over sockets of the same types; the same where both ends ask again
+// and again instead of going to sleep; and a round trip over a socket of the system without ZeroMQ. Table of docs/SPEED.md:
 //   build/release/bench/bench-exchange [points ...]
 // Every answer comes from a process of its own through ipc. 2D, as many band particles as surface points. Exchanges:
 //   surface:   Surface there (position, velocity, normal, area), Band back (label, position, velocity, mass, volume,
 //              divergence): the least the protocol has with two vectors each way
 //   pressure:  DissipativeLoad there (a vector, two scalars: the bytes of two vectors), BandPressure back (a vector, a scalar)
 // Blocks of both in turn and blocks of the bare round trips alternate, so that all see the same machine. Microseconds per
-// exchange: the fastest block and the median of the blocks.
+// exchange: the fastest block / the median of the blocks.
 
 #include <fmt/format.h>
+#include <sched.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <zmq.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <cstring>
@@ -145,10 +149,15 @@ void require(bool done) {
   if (!done) throw std::runtime_error(fmt::format("ZeroMQ: {}", zmq_strerror(zmq_errno())));
 }
 
+/// How long an end asks for a message, giving others the core in between, before it goes to sleep. Longer than any round trip
+/// here, and no longer: an end whose turn it is not must leave the machine to those that are measured.
+constexpr std::chrono::milliseconds awake{2}, asleep{0};
+
 /// A ZeroMQ socket with nothing around it, in a process that keeps its memory as the others do.
 class BareSocket {
  public:
-  explicit BareSocket(int type) : context_(zmq_ctx_new()), socket_(zmq_socket(context_, type)) {
+  BareSocket(int type, std::chrono::milliseconds patience)
+      : patience_(patience), context_(zmq_ctx_new()), socket_(zmq_socket(context_, type)) {
     require(socket_ != nullptr);
     proto::keep_freed_memory();
   }
@@ -168,20 +177,26 @@ class BareSocket {
   void receive(std::vector<std::byte>& bytes) {
     zmq_msg_t frame;
     zmq_msg_init(&frame);
-    require(zmq_msg_recv(&frame, socket_, 0) >= 0);
+    bool there = false;
+    for (const auto until = std::chrono::steady_clock::now() + patience_; !there && std::chrono::steady_clock::now() < until;) {
+      there = zmq_msg_recv(&frame, socket_, ZMQ_DONTWAIT) >= 0;
+      if (!there) ::sched_yield();
+    }
+    if (!there) require(zmq_msg_recv(&frame, socket_, 0) >= 0);
     const auto* begin = static_cast<const std::byte*>(zmq_msg_data(&frame));
     bytes.assign(begin, begin + zmq_msg_size(&frame));
     zmq_msg_close(&frame);
   }
 
  private:
+  std::chrono::milliseconds patience_;
   void* context_;
   void* socket_;
 };
 
 /// Answers a message whose first bytes are a number by as many bytes, until an empty one comes.
-void answer_bare(const std::string& endpoint) {
-  BareSocket socket(ZMQ_DEALER);
+void answer_bare(const std::string& endpoint, std::chrono::milliseconds patience) {
+  BareSocket socket(ZMQ_DEALER, patience);
   socket.connect(endpoint);
   std::vector<std::byte> order(1), answer;
   socket.send(order);  // the other end learns the routing id
@@ -201,7 +216,7 @@ struct Sizes {
 
 class BareCoupler {
  public:
-  explicit BareCoupler(const std::string& endpoint) : socket_(ZMQ_ROUTER) {
+  BareCoupler(const std::string& endpoint, std::chrono::milliseconds patience) : socket_(ZMQ_ROUTER, patience) {
     socket_.bind(endpoint);
     socket_.receive(peer_);
     socket_.receive(answer_);
@@ -225,6 +240,54 @@ class BareCoupler {
   }
   BareSocket socket_;
   std::vector<std::byte> peer_, order_, answer_;
+};
+
+/// A pair of connected sockets of the system, one end of which a process of its own answers: two wake-ups per round trip.
+class SystemSockets {
+ public:
+  SystemSockets() : ends_(connected()), echo_([this] { answer(); }) { ::close(ends_[1]); }
+  ~SystemSockets() { ::close(ends_[0]); }
+  SystemSockets(const SystemSockets&) = delete;
+  SystemSockets& operator=(const SystemSockets&) = delete;
+
+  void exchange(const Sizes& sizes) {
+    bytes_.resize(std::max(sizes.there, sizes.back));
+    pass(ends_[0], reinterpret_cast<const std::byte*>(&sizes), sizeof(sizes));
+    pass(ends_[0], bytes_.data(), sizes.there);
+    if (!take(ends_[0], bytes_.data(), sizes.back)) throw std::runtime_error("the answering process has gone");
+  }
+
+ private:
+  static std::array<int, 2> connected() {
+    std::array<int, 2> ends;
+    if (::socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()) != 0) throw std::runtime_error("no sockets can be had");
+    return ends;
+  }
+  void answer() {
+    ::close(ends_[0]);
+    for (Sizes sizes{}; take(ends_[1], reinterpret_cast<std::byte*>(&sizes), sizeof(sizes));) {
+      bytes_.resize(std::max(sizes.there, sizes.back));
+      take(ends_[1], bytes_.data(), sizes.there);
+      pass(ends_[1], bytes_.data(), sizes.back);
+    }
+  }
+  static void pass(int end, const std::byte* bytes, std::size_t size) {
+    for (ssize_t sent = 0; size > 0; bytes += sent, size -= static_cast<std::size_t>(sent)) {
+      sent = ::send(end, bytes, size, MSG_NOSIGNAL);
+      if (sent <= 0) throw std::runtime_error("the other process has gone");
+    }
+  }
+  static bool take(int end, std::byte* bytes, std::size_t size) {
+    for (ssize_t got = 0; size > 0; bytes += got, size -= static_cast<std::size_t>(got)) {
+      got = ::recv(end, bytes, size, 0);
+      if (got <= 0) return false;
+    }
+    return true;
+  }
+
+  std::vector<std::byte> bytes_;
+  std::array<int, 2> ends_;
+  Answerer echo_;
 };
 
 /// Microseconds of one call, block by block.
@@ -257,8 +320,10 @@ void measure(const ScratchDirectory& directory, std::size_t points) {
   const std::vector<std::string> names{"surface", "pressure"};
   const std::string endpoint = fmt::format("ipc://{}/{}", directory.path(), points);
   const Answerer participant([&] { answer_coupler(endpoint, points); });  // before this process has threads
-  const Answerer echo([&] { answer_bare(endpoint + "-bare"); });
-  BareCoupler bare(endpoint + "-bare");
+  const Answerer echo([&] { answer_bare(endpoint + "-bare", asleep); });
+  const Answerer awake_echo([&] { answer_bare(endpoint + "-awake", awake); });
+  SystemSockets system;
+  BareCoupler bare(endpoint + "-bare", asleep), bare_awake(endpoint + "-awake", awake);
   Coupler coupler(endpoint, points);
   const Calls exchanges{[&] { coupler.exchange_surface(); }, [&] { coupler.exchange_pressure(); }};
 
@@ -268,28 +333,35 @@ void measure(const ScratchDirectory& directory, std::size_t points) {
     exchange();
     sizes.push_back({coupler.bytes_sent() - before.there, coupler.bytes_received() - before.back});
   }
-  Calls round_trips;
-  for (const Sizes& size : sizes) round_trips.push_back([&] { bare.exchange(size); });
+  Calls round_trips, awake_round_trips, system_round_trips;
+  for (const Sizes& size : sizes) {
+    round_trips.push_back([&] { bare.exchange(size); });
+    awake_round_trips.push_back([&] { bare_awake.exchange(size); });
+    system_round_trips.push_back([&] { system.exchange(size); });
+  }
 
   const int rounds = static_cast<int>(std::clamp<std::size_t>(200000 / points, 20, 200));
-  std::vector<Series> full(names.size()), transport(names.size());
+  std::vector<Series> full(names.size()), transport(names.size()), transport_awake(names.size()), without(names.size());
   for (int block = 0; block < blocks; ++block) {
     add_block(rounds, exchanges, full);
     add_block(rounds, round_trips, transport);
+    add_block(rounds, awake_round_trips, transport_awake);
+    add_block(rounds, system_round_trips, without);
   }
   for (std::size_t k = 0; k < names.size(); ++k)
-    fmt::print("| {} | {} | {} / {} | {:.0f} / {:.0f} | {:.0f} / {:.0f} | {:.0f} | {:.2f} |\n", points, names[k],
-               sizes[k].there, sizes[k].back, full[k].least(), full[k].median(), transport[k].least(), transport[k].median(),
-               full[k].median() - transport[k].median(), full[k].median() / transport[k].median());
+    fmt::print("| {} | {} | {} / {} | {:.0f} / {:.0f} | {:.0f} / {:.0f} | {:.0f} / {:.0f} | {:.0f} / {:.0f} | {:.0f} | {:.2f} |\n", points,
+               names[k], sizes[k].there, sizes[k].back, full[k].least(), full[k].median(), transport[k].least(),
+               transport[k].median(), transport_awake[k].least(), transport_awake[k].median(), without[k].least(),
+               without[k].median(), full[k].least() - transport[k].least(), full[k].least() / transport[k].least());
   std::fflush(stdout);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  fmt::print("| points | exchange | bytes there / back | tern, least / median [us] | bare ZeroMQ, least / median [us] | "
-             "difference of medians | ratio |\n"
-             "|---|---|---|---|---|---|---|\n");
+  fmt::print("| points | exchange | bytes there / back | tern | bare ZeroMQ | bare ZeroMQ, awake | system's sockets | tern less bare, "
+             "least | ratio |\n"
+             "|---|---|---|---|---|---|---|---|---|\n");
   std::fflush(stdout);
   const ScratchDirectory directory;
   std::vector<std::size_t> sizes{100, 1000, 10000};

@@ -38,6 +38,12 @@ struct FaceRows {
   std::vector<std::vector<std::int64_t>> filled;  ///< by thread, per face
 };
 
+/// Square of half a patch, 10 % larger so that no ray slips between two patches of a bent surface [m^2].
+template <int D>
+double patch_reach2(double area) {
+  return D == 2 ? 0.3025 * area * area : 0.605 * area;
+}
+
 /// True when the segment from a (in front of the patch) to b (behind it) passes through the patch. `depth`: b must be
 /// farther behind than this [m].
 template <int D>
@@ -48,9 +54,7 @@ bool patch_separates(const Faces<D>& faces, int k, const Vector<D>& a, const Vec
   const double front = (a - faces.position[k]).dot(n);
   if (front <= 0) return false;
   const Vector<D> offset = a + (b - a) * (front / (front - behind)) - faces.position[k];
-  // Half a patch, 10 % larger so that no ray slips between two patches of a bent surface.
-  const double reach2 = D == 2 ? 0.3025 * faces.area[k] * faces.area[k] : 0.605 * faces.area[k];
-  return offset.squaredNorm() < reach2;
+  return offset.squaredNorm() < patch_reach2<D>(faces.area[k]);
 }
 
 /// A cell list over faces that finds what a particle sees: patches that face it within the support and that no two-sided
@@ -120,19 +124,51 @@ class FaceFinder {
   void remove_hidden(const Faces<D>& faces, const Vector<D>& x, std::vector<int>& seen, std::size_t first) const {
     // A hidden patch may not be dropped before all have been asked: it may be the one that hides another. Until then it is
     // marked by its complement.
-    const auto patch = [&](std::size_t m) { return seen[m] < 0 ? ~seen[m] : seen[m]; };
-    // A patch hidden by another of the same surface lies clearly behind it: a tenth of a patch tells it from a neighbour.
-    const auto hidden = [&](int k) {
-      for (std::size_t m = first; m < seen.size(); ++m) {
-        const int other = patch(m);
-        if (other == k || !faces.two_sided[other]) continue;
-        const double size = D == 2 ? faces.area[other] : std::sqrt(faces.area[other]);
-        if (patch_separates(faces, other, x, faces.position[k], 0.1 * size)) return true;
+    // Each is held against each, and few hide one: a first look at all of them, patch_separates without branch and division and a
+    // shade less strict, so that its rounding decides nothing, leaves those to the exact question.
+    using Lanes = std::array<double, candidates>;
+    std::array<Lanes, D> position, normal, from;
+    Lanes front, depth, reach2;
+    std::array<int, candidates> cutter;
+    for (auto next = first; next < seen.size();) {
+      int cutters = 0;
+      for (; next < seen.size() && cutters < candidates; ++next) {
+        const int k = seen[next] < 0 ? ~seen[next] : seen[next];
+        if (!faces.two_sided[k]) continue;
+        const Vector<D> d = x - faces.position[k];
+        for (int c = 0; c < D; ++c) {
+          position[c][cutters] = faces.position[k][c];
+          normal[c][cutters] = faces.normal[k][c];
+          from[c][cutters] = d[c];
+        }
+        front[cutters] = d.dot(faces.normal[k]);
+        // A patch hidden by another of the same surface lies clearly behind it: a tenth of a patch tells it from a neighbour.
+        depth[cutters] = 0.1 * (D == 2 ? faces.area[k] : std::sqrt(faces.area[k]));
+        reach2[cutters] = 1.001 * patch_reach2<D>(faces.area[k]);
+        cutter[cutters++] = k;
       }
-      return false;
-    };
-    for (std::size_t m = first; m < seen.size(); ++m)
-      if (hidden(seen[m])) seen[m] = ~seen[m];
+      for (auto m = first; m < seen.size(); ++m) {
+        const int k = seen[m];
+        if (k < 0) continue;
+        const Vector<D>& place = faces.position[k];
+        std::int64_t perhaps = 0;  // as wide as the numbers
+        for (int o = 0; o < cutters; ++o) {
+          double behind = 0, offset2 = 0;
+          for (int c = 0; c < D; ++c) behind += (place[c] - position[c][o]) * normal[c][o];
+          for (int c = 0; c < D; ++c) {
+            const double offset = (place[c] - position[c][o]) * front[o] - from[c][o] * behind;  // times the height between the ends
+            offset2 += offset * offset;
+          }
+          const double height = front[o] - behind;
+          perhaps += (behind < -0.999 * depth[o]) & (offset2 < reach2[o] * height * height);
+        }
+        for (int o = 0; perhaps > 0 && o < cutters; ++o)
+          if (cutter[o] != k && patch_separates(faces, cutter[o], x, place, depth[o])) {
+            seen[m] = ~k;
+            break;
+          }
+      }
+    }
     seen.erase(std::remove_if(seen.begin() + static_cast<std::ptrdiff_t>(first), seen.end(), [](int k) { return k < 0; }),
                seen.end());
   }

@@ -64,6 +64,7 @@ class Socket {
   /// Calls `handle` with one message if there is one. Returns whether there was.
   bool receive(const std::function<void(const Received&)>& handle);
 
+  /// What has happened to connections until the last wait().
   std::optional<SocketEvent> next_event();
 
   /// Queues one message of `size` bytes written by `write`; `peer` is the routing id (router only). Never blocks.
@@ -76,6 +77,7 @@ class Socket {
   void* monitor_ = nullptr;
   std::optional<Doorkeeper> doorkeeper_;  ///< router with keys only
   std::array<int, 3> descriptors_{};      ///< of the three, to wait for
+  bool events_may_wait_ = true;           ///< false: monitor and doorkeeper had nothing, and their descriptors have been still since
   SocketKind kind_;
 };
 
