@@ -115,6 +115,8 @@ class FaceFinder {
       for (std::size_t m = first; m < seen.size(); ++m) {
         const int other = patch(m);
         if (other == k || !faces.two_sided[other]) continue;
+        // What hides a patch stands in front of it: neighbours on a convex surface lie behind each other and hide nothing.
+        if ((faces.position[other] - faces.position[k]).dot(faces.normal[k]) <= 0) continue;
         const double size = D == 2 ? faces.area[other] : std::sqrt(faces.area[other]);
         if (patch_separates(faces, other, x, faces.position[k], 0.1 * size)) return true;
       }
