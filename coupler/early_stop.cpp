@@ -39,10 +39,10 @@ void CouplingStep<D>::check_alternation() {
     std::string place;
     for (int c = 0; c < D; ++c) place += fmt::format("{}{:.5g}", c ? ", " : "", surface_.position[point[worst]][c]);
     throw NumericalFailure(fmt::format(
-        "The load on body '{}' turns round from window to window at t = {:.6g} s: by {:.3g} N/m^{} (norm over its surface points) "
+        "The load on body '{}' turns round from window to window at t = {:.6g} s: by {:.3g} {} (norm over its surface points) "
         "about a mean of {:.3g}, most near ({}) m, and without dying out; the limit is the mean, or a tenth of it when it grows by half every "
         "{} windows. The coupling makes this load: {}.",
-        body_name_[b], begin_ + duration_, alternation.amplitude(), 3 - D, alternation.mean(), place, LoadAlternation::reversals, remedy()));
+        body_name_[b], begin_ + duration_, alternation.amplitude(), D == 2 ? "N/m" : "N", alternation.mean(), place, LoadAlternation::reversals, remedy()));
   }
 }
 
@@ -65,9 +65,9 @@ void CouplingStep<D>::check_energy(double time, double total, double present) {
   const double of_scene = fluid_weight_.energy(area) + *energy_at_start_, speed = duration_ > 0 ? courant_ * spacing_ / duration_ : 0;
   if (!energy_.add(total, present, of_scene > 0 ? least_energy * of_scene : 0.5 * density_ * spacing_ * area * speed * speed)) return;
   throw NumericalFailure(fmt::format(
-      "The interface has made {:.3g} J/m^{} in the last {} windows up to t = {:.6g} s, of {:.3g} that are present as motion and strain; "
+      "The interface has made {:.3g} {} in the last {} windows up to t = {:.6g} s, of {:.3g} that are present as motion and strain; "
       "the limit is {:g} of it. The fluid sees another motion of the bodies' surface than they make: {}.",
-      energy_.made(), 3 - D, InterfaceEnergy::windows, time, present, InterfaceEnergy::share, remedy()));
+      energy_.made(), D == 2 ? "J/m" : "J", InterfaceEnergy::windows, time, present, InterfaceEnergy::share, remedy()));
 }
 
 template void CouplingStep<2>::check_alternation();

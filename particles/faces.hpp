@@ -163,7 +163,8 @@ class FaceFinder {
           perhaps += (behind < -0.999 * depth[o]) & (offset2 < reach2[o] * height * height);
         }
         for (int o = 0; perhaps > 0 && o < cutters; ++o)
-          if (cutter[o] != k && patch_separates(faces, cutter[o], x, place, depth[o])) {
+          // What hides a patch stands in front of it: neighbours on a convex surface lie behind each other and hide nothing.
+          if ((faces.position[cutter[o]] - place).dot(faces.normal[k]) > 0 && patch_separates(faces, cutter[o], x, place, depth[o])) {
             seen[m] = ~k;
             break;
           }

@@ -14,10 +14,10 @@ class Cell:
     name: str
     case: str                      # text of a case.toml
     speed: float                   # sqrt(g H), or what takes its place [m/s]
-    energy: float                  # rho g H^2 L / 2, or what takes its place [J/m]
+    energy: float                  # rho g H^2 L / 2, or what takes its place [J/m; in 3D J]
     options: tuple = ()            # KEY=VALUE of --set
-    mass: float = 0.0              # of the elastic bodies [kg/m]
-    load: float = 0.0              # rho g H times the plate's length [N/m]; 0: no plate, its unrest is not looked at
+    mass: float = 0.0              # of the elastic bodies [kg/m; in 3D kg]
+    load: float = 0.0              # rho g H times the plate's length [N/m], in 3D its area [N]; 0: no plate, its unrest is not looked at
     until: float = 0.1             # of this the figures are made [s]; the run goes on a little
     allow_unstable: bool = False
     limits: tuple = (2.0, 0.05, 0.05)  # of speed, energy gained and volume lost, in the scales; see verdict.py

@@ -144,8 +144,24 @@ def pairs():
                             row="weightless, light, loose"), "fluid.numerics.pressure_tolerance=1e-2")
 
 
+def three_dimensions():
+    """Plates with water above them, and on both faces and around three edges; a cube with water all around."""
+    for faces, place in ((1, "floor"), (2, "standing plate")):
+        for ratio in RATIOS:
+            yield scenes.plate_3d("three_dimensions", f"{place} in 3D, density ratio {ratio:g}", ratio=ratio, faces=faces, row=place, column=f"{ratio:g}")
+        yield scenes.plate_3d("three_dimensions", f"{place} in 3D, density ratio 0.1, E 1e5 Pa", ratio=0.1, modulus=1e5, faces=faces,
+                              row=f"{place}, soft", column="0.1")
+        yield scenes.plate_3d("three_dimensions", f"{place} in 3D, density ratio 0.1, 2 across", ratio=0.1, layers=2, faces=faces,
+                              row=f"{place}, thin", column="0.1")
+        for ratio, algorithm in ((0.1, "CM2"), (1, "CM3")):
+            yield _set(scenes.plate_3d("three_dimensions", f"{place} in 3D, density ratio {ratio:g}, {algorithm}", ratio=ratio, faces=faces,
+                                       row=f"{place}, {algorithm}", column=f"{ratio:g}"), f"coupling.algorithm={algorithm}")
+    for ratio in RATIOS:
+        yield scenes.block_3d("three_dimensions", f"free cube in 3D, density ratio {ratio:g}", ratio=ratio, row="free cube", column=f"{ratio:g}")
+
+
 FAMILIES = {"plates": plates, "poisson": poisson, "thickness": thickness, "spacing": spacing, "steps": steps, "tolerance": tolerance,
-            "sealed": sealed, "spray": spray, "compression": compression, "rest": rest, "weightless": weightless, "pairs": pairs}
+            "sealed": sealed, "spray": spray, "compression": compression, "rest": rest, "weightless": weightless, "pairs": pairs, "three_dimensions": three_dimensions}
 
 # Seconds all together; one of each kind of outcome and of most families, and the worst of each that is bounded.
 QUICK = {
@@ -155,7 +171,8 @@ QUICK = {
     "column that breaks, courant 0.6", "plate, pressure solved to 1e-2", "full tank with a plate in it, density ratio 1",
     "drop at 10 m/s on a pool", "neo_hookean squeezed to 0.5 of its height", "st_venant_kirchhoff squeezed to 0.1 of its height",
     "water at rest without gravity", "floor under water at rest for 20 sqrt(H/g)", "structure over fluid 4, four across, one face wet",
-    "light and loosely solved: density ratio 0.1, tolerance 1e-2",
+    "light and loosely solved: density ratio 0.1, tolerance 1e-2", "standing plate in 3D, density ratio 1",
+    "standing plate in 3D, density ratio 0.1, CM2",
 }
 
 

@@ -1,4 +1,6 @@
-"""The scenes of the map. Cases as text; all in 2D, of water, some hundred particles each."""
+"""The scenes of the map. Cases as text; of water, in 2D of some hundred particles each, in 3D of some thousand."""
+
+import math
 
 from launcher.extremes.cell import GRAVITY, WATER, Cell
 
@@ -6,13 +8,20 @@ DEPTH, WIDTH, FLUID_SPACING, PLATE_SPACING = 0.16, 0.24, 0.01, 0.005
 SLOSH = (0.98, -GRAVITY)  # a tank tilted by a tenth of gravity at t = 0
 
 
-def _box(x0, y0, x1, y1):
-    return f"{{ box = {{ min = [{x0:.9g}, {y0:.9g}], max = [{x1:.9g}, {y1:.9g}] }} }}"
+def _numbers(values):
+    return "[" + ", ".join(f"{value:.9g}" for value in values) + "]"
+
+
+def _box(*corners):
+    """The lower corner, then the upper one."""
+    half = len(corners) // 2
+    return f"{{ box = {{ min = {_numbers(corners[:half])}, max = {_numbers(corners[half:])} }} }}"
 
 
 def _head(title, end_time, gravity, domain):
-    return (f'title = "{title}"\ndimension = 2\nend_time = {end_time:.9g}\ngravity = [{gravity[0]!r}, {gravity[1]!r}]\n'
-            f"[domain]\nmin = [{domain[0]}, {domain[1]}]\nmax = [{domain[2]}, {domain[3]}]\n")
+    dimension = len(gravity)
+    return (f'title = "{title}"\ndimension = {dimension}\nend_time = {end_time:.9g}\ngravity = {_numbers(gravity)}\n'
+            f"[domain]\nmin = {_numbers(domain[:dimension])}\nmax = {_numbers(domain[dimension:])}\n")
 
 
 def _tank(box, open_faces=("y_max",)):
@@ -61,6 +70,43 @@ def plate(family, name, *, ratio=1.0, layers=4, modulus=1e7, faces=2, nu=0.3, sp
     length = WIDTH if faces == 1 else DEPTH
     return Cell(family, name, case, (GRAVITY * DEPTH) ** 0.5, WATER * GRAVITY * DEPTH**2 * WIDTH / 2, mass=mass,
                 load=WATER * GRAVITY * DEPTH * length, until=until, **more)
+
+
+def plate_3d(family, name, *, ratio=1.0, layers=4, modulus=1e7, faces=2, until=0.08, tail=0.02, **more):
+    """The tank in three dimensions: 0.16 m long, 0.08 m wide, 0.12 m of water, tilted both ways. One wet face: the plate is its floor, clamped at
+    both ends. Two: it stands in the middle, 0.06 m high and half as wide as the tank, so that water passes it above and at both sides."""
+    long, wide, deep, spacing = 0.16, 0.08, 0.12, 0.01
+    thickness = layers * spacing
+    if faces == 1:
+        held = 2 * spacing
+        tank = _tank(_box(0, -0.1, 0, long, 2 * deep, wide), ("y_max", "y_min"))
+        water = [_box(0, 0, 0, long, deep, wide)]
+        shape = (-held, -thickness, 0, long + held, 0, wide)
+        clamps = [_box(-1, -1, -1, 0, 1, 1), _box(long, -1, -1, 1, 1, 1)]
+    else:
+        begin, top, side = long / 2 - thickness / 2, deep / 2, wide / 4
+        tank = _tank(_box(0, 0, 0, long, 2 * deep, wide))
+        shape = (begin, -2 * spacing, side, begin + thickness, top, wide - side)
+        water = [f"{{ difference = [{_box(0, 0, 0, long, deep, wide)}, {_box(*shape)}] }}"]
+        clamps = [_box(-1, -1, -1, 1, 0, 1)]
+    case = (_head("Plate in a tank that is tilted, 3D", until + tail, (*SLOSH, 0.5), (-1, -1, -1, 1, 1, 1)) + tank + _water(water, FLUID_SPACING)
+            + _body(_box(*shape), spacing, ratio * WATER, modulus, 0.3, clamps) + _LOAD + _EVERY_WINDOW)
+    volume = math.prod(shape[c + 3] - shape[c] for c in range(3))
+    area = long * wide if faces == 1 else shape[4] * (shape[5] - shape[2])
+    return Cell(family, name, case, (GRAVITY * deep) ** 0.5, WATER * GRAVITY * deep**2 * long * wide / 2, mass=ratio * WATER * volume,
+                load=WATER * GRAVITY * deep * area, until=until, **more)
+
+
+def block_3d(family, name, *, ratio, modulus=1e7, until=0.08, tail=0.02, **more):
+    """A free cube of 0.06 m let go in the middle of a tank of 0.16 m: its faces, edges and corners are wet all around."""
+    wide, deep, side, spacing = 0.16, 0.16, 0.06, 0.01
+    low, high = (wide - side) / 2, (wide + side) / 2
+    cube = _box(low, low, low, high, high, high)
+    case = (_head("Free cube under water", until + tail, (0.0, -GRAVITY, 0.0), (-1, -1, -1, 1, 1, 1)) + _tank(_box(0, 0, 0, wide, 2 * deep, wide))
+            + _water([f"{{ difference = [{_box(0, 0, 0, wide, deep, wide)}, {cube}] }}"], FLUID_SPACING)
+            + _body(cube, spacing, ratio * WATER, modulus, 0.3, []) + _LOAD + _EVERY_WINDOW)
+    return Cell(family, name, case, (GRAVITY * deep) ** 0.5, WATER * GRAVITY * deep**2 * wide**2 / 2, mass=ratio * WATER * side**3,
+                load=WATER * GRAVITY * deep * side**2, until=until, **more)
 
 
 def tank(family, name, *, gravity=SLOSH, until=0.5, sealed=False, velocity=None, spacing=FLUID_SPACING, **more):

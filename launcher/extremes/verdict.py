@@ -20,6 +20,7 @@ from launcher.errors import BAD_INPUT, DONE, NUMERICAL_FAILURE
 FIGURES = ("speed", "energy", "volume", "unrest")
 KEY = re.compile(r"\b(fluid|structure|coupling|domain)(\.\w+)+|\[(fluid|structure|domain)\]|\bspacing\b")
 LEAST_UNREST, GROWTH = 0.1, 1.5
+LOADS = ("load.Fx_N_per_m", "load.Fy_N_per_m", "load.Fx_N", "load.Fy_N", "load.Fz_N")  # per metre in 2D
 # What makes the total of the energy account, with its sign.
 ACCOUNT = {"fluid_kinetic_J": 1, "fluid_potential_J": 1, "structure_kinetic_J": 1, "structure_strain_J": 1, "structure_potential_J": 1,
            "structure_diffusion_J": 1, "structure_penalty_J": 1, "structure_damping_J": 1, "riemann_dissipation_J": 1,
@@ -89,7 +90,9 @@ def figures(cell, directory, contents):
         values["volume"] = abs(drift)
         values["leaked"] = leaked / max(particles, 1)
     if cell.load:
-        loads = _columns(directory / "gauges.csv", ("load.Fx_N_per_m", "load.Fy_N_per_m"))
+        loads = _columns(directory / "gauges.csv", LOADS)
+        if not loads:
+            raise series.ReductionError("gauges.csv has no load of the plate")
         halves = unrest(list(loads.values()), cell.until)
         if halves:
             values["unrest_before"], values["unrest"] = (value / cell.load for value in halves)

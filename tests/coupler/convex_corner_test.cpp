@@ -5,6 +5,7 @@
 #include <map>
 
 #include "fluid/fluid.hpp"
+#include "particles/geometry.hpp"
 #include "structure/structure.hpp"
 #include "tests/coupler/scenes.hpp"
 
@@ -116,6 +117,48 @@ TEST(ConvexCorner, LacksTheRayThroughTheCorner) {
   EXPECT_GT(ray, 0.05);
   EXPECT_NEAR(found / ray, 1, 0.2);
   EXPECT_LT(elsewhere, 0.01);
+}
+
+/// Loads of the pressure of water at rest on the cube's upper and lower face, over pressure times area, with patches of `patch` dx.
+std::pair<double, double> loads_of_a_cube(InterfaceScheme scheme, double patch) {
+  constexpr double side = high - low;
+  Case c = scene(3, dx);
+  c.gravity = constant(0, -g);
+  c.coupling.scheme = scheme;
+  const Shape cube = box({low, low, low}, {high, high, high});
+  FluidBody water;
+  water.velocity = constant(0);
+  water.shape.kind = Shape::Kind::difference;
+  water.shape.parts = {box({0, 0, 0}, {width, width, width}), cube};
+  c.fluid->bodies = {water};
+  Surface<3> surface;
+  const auto points = sample_surface<3>(cube, patch * dx);
+  for (std::size_t k = 0; k < points.position.size(); ++k) add_point<3>(surface, points.position[k], points.normal[k], points.area[k]);
+  fluid::Fluid<3> fluid(c);
+  fluid.begin_window(0, to_ticks(1e-6));
+  const Band<3> band = fluid.see_surface(surface);
+  CouplingStep<3> step(c, properties(surface.position.size()));
+  step.dissipative_load(0, 1e-6, surface, band);
+  step.interface_force(pressure_field<3>(band, [](const Vector<3>& x) { return rho * g * (width - x[1]); }));
+  EXPECT_LT(step.audit().force_error, 1e-13);
+  double up = 0, down = 0;
+  for (std::size_t k = 0; k < surface.position.size(); ++k) (surface.normal[k][1] < -0.5 ? up : down) += step.surface_load().force[k][1];
+  return {down / (-rho * g * (width - high) * side * side), up / (rho * g * (width - low) * side * side)};
+}
+
+// The same of a cube with its edges and corners: its faces carry pressure times area.
+// Seen to fail with patches that hide their neighbours across an edge (riemann: 0.956 and 0.996 with patches of dx and dx/2).
+TEST(ConvexCorner, LeavesTheLoadsOfACubeExact) {
+  for (const auto& [name, scheme] : {std::pair{"fsa", InterfaceScheme::fsa}, {"pi", InterfaceScheme::pi},
+                                     {"riemann", InterfaceScheme::riemann}})
+    for (double patch : {1.0, 0.5}) {
+      const auto [top, bottom] = loads_of_a_cube(scheme, patch);
+      std::printf("[ %-7s patches of %.1f dx: top %.5f, bottom %.5f of p A ]\n", name, patch, top, bottom);
+      // A patch of dx is too coarse for the corners of the kernel by 0.5 %.
+      const double band = scheme == InterfaceScheme::riemann && patch == 1 ? 0.006 : 1e-3;
+      EXPECT_NEAR(top, 1, band) << name;
+      EXPECT_NEAR(bottom, 1, band) << name;
+    }
 }
 
 }  // namespace

@@ -41,6 +41,7 @@ EXPECTED = {
     "floor under water at rest for 20 sqrt(H/g)": ("bounded", ""),
     "structure over fluid 4, four across, one face wet": ("bounded", ""),
     "light and loosely solved: density ratio 0.1, tolerance 1e-2": ("stopped", "do not agree on the load"),
+    "standing plate in 3D, density ratio 1": ("bounded", ""), "standing plate in 3D, density ratio 0.1, CM2": ("stopped", " J in the last 5 windows"),
 }
 
 
@@ -63,15 +64,16 @@ class QuickMapTest(unittest.TestCase):
         self.assertEqual(answer.stderr, "")
 
 
-def results(directory, *, fluid=(0, 0, 0), staggering=0.0, loads=None, drift=0.001, speed=1.0):
+def results(directory, *, fluid=(0, 0, 0), staggering=0.0, loads=None, drift=0.001, speed=1.0,
+            load_columns="load.Fx_N_per_m,load.Fy_N_per_m"):
     """A run that ended, by its files: three rows of the account, a load per window, the measures."""
     directory.mkdir(exist_ok=True)
     (directory / "run.json").write_text(json.dumps({"steps": 40, "first_cause": "", "processes": {"fluid": {
         "measures": {"largest_speed_of_run_m_per_s": speed, "volume_drift_largest": drift}, "counts": {"particles": 100, "particles_leaked": 0}}}}))
     (directory / "energy.csv").write_text("t_s,fluid_kinetic_J,fluid_potential_J,interface_staggering_J\n"
                                           + "".join(f"{0.01 * n},{value},0,{staggering}\n" for n, value in enumerate(fluid)))
-    (directory / "gauges.csv").write_text("t_s,load.Fx_N_per_m,load.Fy_N_per_m\n"
-                                          + "".join(f"{0.001 * (n + 1)},{value},0\n" for n, value in enumerate(loads or [0] * 40)))
+    (directory / "gauges.csv").write_text(f"t_s,{load_columns}\n"
+                                          + "".join(f"{0.001 * (n + 1)},{'0,' * load_columns.count(',')}{value}\n" for n, value in enumerate(loads or [0] * 40)))
 
 
 class VerdictTest(unittest.TestCase):
@@ -93,6 +95,12 @@ class VerdictTest(unittest.TestCase):
             row = self.judged(**contents)
             self.assertEqual((row["class"], word in row["message"]), ("wrong", True), row)
         self.assertEqual(self.judged(loads=[0, 1] * 10 + [0] * 20)["class"], "bounded")  # it dies out
+
+    # Seen to fail with the columns of 2D alone.
+    def test_the_load_of_three_dimensions_is_judged_like_that_of_two(self):
+        ringing = [0] * 20 + [0, 1] * 10
+        self.assertIn("unrest", self.judged(loads=ringing, load_columns="load.Fx_N,load.Fy_N,load.Fz_N")["message"])
+        self.assertIn("no load", self.judged(loads=ringing, load_columns="other.Fx_N,other.Fy_N")["message"])
 
     def test_what_is_not_finite_is_wrong(self):
         self.assertEqual(self.judged(fluid=(0, float("nan"), 0))["class"], "wrong")

@@ -1,0 +1,122 @@
+// A slice in three dimensions of a scene that does not change along its width: the same history as in two dimensions. Poisson's
+// ratio is 0, for the sides of the plate are free where those of two dimensions are held.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "coupler/window.hpp"
+#include "fluid/fluid.hpp"
+#include "structure/coupled_structure.hpp"
+#include "tests/coupler/scenes.hpp"
+
+namespace tern::coupler::testing {
+namespace {
+
+constexpr double water_spacing = 0.01, plate_spacing = 0.01, length = 0.16, depth = 0.08, thickness = 0.04, window = 5e-4;
+
+struct Slice {
+  std::vector<double> deflection;  ///< of the middle of the plate's upper face, by window [m]
+  std::vector<double> load;        ///< of the water on the plate, per width and weight of the water above it
+  double across = 0;               ///< largest force along the width over the weight of the water
+  double imbalance = 0;            ///< largest sum of the forces on both sides, over the sum of their magnitudes
+};
+
+/// Water on an elastic floor that is clamped at both ends; its weight sets in at once. `width`: of the slice, in spacings; in 2D not used.
+template <int D>
+Slice run(int width, double until) {
+  const double wide = D == 2 ? 1 : width * water_spacing;
+  Case c = scene(D, water_spacing);
+  c.end_time = until;
+  c.gravity = constant(0, -9.81);
+  c.coupling.riemann_limiter = 3;
+  c.coupling.algorithm = CouplingAlgorithm::cm2;
+  WallCase tank;
+  tank.name = "tank";
+  tank.container = true;
+  tank.open = {"y_max", "y_min"};
+  tank.shape = box({0, -0.1, 0}, {length, 2 * depth, wide});
+  c.walls.push_back(tank);
+  FluidBody water;
+  water.velocity = constant(0);
+  water.shape = box({0, 0, 0}, {length, depth, wide});
+  c.fluid->bodies = {water};
+  StructureBody& plate = c.structure->bodies[0];
+  const double held = 2 * plate_spacing;
+  plate.shape = box({-held, -thickness, 0}, {length + held, 0, wide});
+  plate.spacing = plate_spacing;
+  plate.density = 2000;
+  plate.young_modulus = 2e6;
+  plate.poisson_ratio = 0;
+  plate.velocity = constant(0);
+  plate.clamps = {box({-1, -1, -1}, {0, 1, 2}), box({length, -1, -1}, {1, 1, 2})};
+
+  fluid::Fluid<D> fluid(c);
+  structure::Structure<D> structure(c);
+  structure::CoupledStructure<D> coupled(structure, c.coupling.algorithm);
+  CouplingStep<D> step(c, structure.surface_properties());
+  // The points of the upper face in the middle of the length.
+  const auto start = structure.surface();
+  std::vector<std::size_t> middle;
+  for (std::size_t k = 0; k < start.position.size(); ++k)
+    if (start.normal[k][1] > 0.5 && std::abs(start.position[k][0] - 0.5 * length) < 0.6 * plate_spacing) middle.push_back(k);
+
+  Slice slice;
+  const double weight = 1000 * 9.81 * depth * length * wide;
+  const Ticks duration = to_ticks(window);
+  for (Ticks now = 0; now < to_ticks(until); now += duration) {
+    run_window<D>(fluid, coupled, step, now, duration);
+    const auto surface = structure.surface();
+    double sum = 0;
+    for (std::size_t k : middle) sum += surface.position[k][1];
+    slice.deflection.push_back(sum / static_cast<double>(middle.size()));
+    const Vector<D> load = step.total_load(0);
+    slice.load.push_back(-load[1] / weight);
+    if constexpr (D == 3) slice.across = std::max(slice.across, std::abs(load[2]) / weight);
+    slice.imbalance = std::max(slice.imbalance, step.audit().force_error);
+  }
+  return slice;
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+/// Largest distance of two histories over the largest value of the second.
+double apart(const std::vector<double>& a, const std::vector<double>& b) {
+  double distance = 0, largest = 0;
+  for (std::size_t n = 0; n < b.size(); ++n) {
+    distance = std::max(distance, std::abs(a[n] - b[n]));
+    largest = std::max(largest, std::abs(b[n]));
+  }
+  return distance / largest;
+}
+
+// Of the load, what lies within a part of a spacing of either side wall is lost (docs/THEORY.md, section 4): a part that falls with one over
+// the width, as everything does that comes from the sides. What is left of two widths when this is taken out is the slice itself.
+// Seen to fail, in 3D alone: with 1.5 for the factor 2 of b_ik (0.096); with half the flux through faces in the divergence (0.151).
+TEST(ThreeDimensions, AreTheTwoOfASliceThatDoesNotChangeAlongItsWidth) {
+  constexpr double until = 0.05;
+  const Slice plane = run<2>(0, until), narrow = run<3>(6, until), wide = run<3>(12, until);
+  std::vector<double> deflection, load;
+  for (std::size_t n = 0; n < plane.deflection.size(); ++n) {
+    deflection.push_back(2 * wide.deflection[n] - narrow.deflection[n]);
+    load.push_back(2 * wide.load[n] - narrow.load[n]);
+  }
+  std::printf("[ deflection apart from that in 2D by %.4f (6 wide), %.4f (12 wide), %.4f (without sides) of the largest, "
+              "load %.4f, %.4f, %.4f of it ]\n", apart(narrow.deflection, plane.deflection), apart(wide.deflection, plane.deflection),
+              apart(deflection, plane.deflection), mean(narrow.load) / mean(plane.load), mean(wide.load) / mean(plane.load),
+              mean(load) / mean(plane.load));
+  EXPECT_LT(apart(deflection, plane.deflection), 0.02);
+  EXPECT_NEAR(mean(load) / mean(plane.load), 1, 0.01);
+  for (const Slice& slice : {narrow, wide}) {
+    EXPECT_LT(slice.across, 1e-3);
+    EXPECT_LT(slice.imbalance, 1e-13);
+  }
+}
+
+}  // namespace
+}  // namespace tern::coupler::testing
