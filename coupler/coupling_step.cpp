@@ -264,9 +264,9 @@ void CouplingStep<D>::settle_contacts(const BandPressure<D>& pressure) {
       expected += duration_ / behind * (load_.force[k] - trial_load_.force[k]).dot(n);
     }
     if (expected <= 0) continue;
-    const double impulse = expected / (1 / band_->mass[i] + 1 / behind);
-    add_pair_force(band_force_.force, pair, Vector<D>(-(impulse / duration_) * n));
-    audit_.contact_dissipation += 0.5 * impulse * approach;
+    const double mass = band_->mass[i] * behind / (band_->mass[i] + behind);
+    add_pair_force(band_force_.force, pair, Vector<D>(-(mass * expected / duration_) * n));
+    audit_.contact_dissipation += 0.5 * mass * expected * approach;
     ++audit_.contacts;
   }
 }
