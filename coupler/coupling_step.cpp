@@ -258,8 +258,8 @@ void CouplingStep<D>::settle_contacts(const BandPressure<D>& pressure) {
     // The face gives way, as the mass does that lies behind the particle.
     double behind = responding_mass(k) * std::pow(band_->volume[i], (D - 1.0) / D), expected = approach;
     if (algorithm_ == CouplingAlgorithm::cm3) {
-      // As the pressure equation has it, to what exceeds the load of the trial. When both sides agree nothing does, and the particle has the
-      // velocity of the face, be that held by its stiffness or free.
+      // As the pressure equation has it, to what exceeds the load of the trial. When both sides agree nothing does, and the
+      // particle has the velocity of the face, be that held by its stiffness or free.
       behind = robin_mass(k) * surface_.area[k];
       expected += duration_ / behind * (load_.force[k] - trial_load_.force[k]).dot(n);
     }

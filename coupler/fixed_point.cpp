@@ -20,8 +20,8 @@ constexpr double least_load = 0.01;  ///< that counts, over the largest of the r
 constexpr double largest_residual = 0.05;  ///< with which a window may end after the last trial
 /// A change that is but for this much of it a combination of newer ones says nothing new.
 constexpr double least_new_part = 1e-3;
-/// The same for a change of a window before: H changes from window to window, by a half of a per cent where nothing happens and by a tenth or
-/// a quarter where a particle comes in touch. What is left of an old change after the newer ones has all of that error.
+/// The same for a change of a window before. Since then H has become another, by some tenths where a particle came in touch; what
+/// is left of an old change when the newer ones have been taken out of it has the error of all of it.
 constexpr double least_new_part_of_old = 0.3;
 /// Residual of the first trial above which most of the answer is error: the load of the last window is no place to learn from.
 constexpr double mostly_error = 0.5;
@@ -62,7 +62,7 @@ bool FixedPoint::add(const Eigen::VectorXd& trial, const Eigen::VectorXd& answer
     if (unknown_ > 0) gain_ = std::clamp((answer - expected_).norm() / unknown_, 1.0, largest_gain_);
   }
   last_ = {residual, answer};
-  // A trial that is worse than its base tells of H, but is no better place to go on from; two in a row are, or trials would go in circles.
+  // A trial that is worse than its base tells of H, but is no place to go on from; two in a row are, or trials go in circles.
   refused_ = trials_ > 1 && !refused_ && residual.norm() >= base_.residual.norm();
   if (!refused_) base_ = last_;
   // Where there is next to no load, agreement on what is left of it would be asked of the pressure solver's last digits.

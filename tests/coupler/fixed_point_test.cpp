@@ -66,7 +66,8 @@ TEST(FixedPoint, LearnsFromTheWindowsBefore) {
   }
 }
 
-/// Explicit coupling of a light body: five motions give an error back 3 to 300 times, all others 0.3 times; `turn` makes other motions of the five.
+/// Explicit coupling of a light body: five motions give an error back 3 to 300 times, all others 0.3 times; `turn` makes other
+/// motions of the five.
 Map light_body(int n, double turn) {
   return [=](const Eigen::VectorXd& x) {
     const Eigen::VectorXd error = Eigen::VectorXd::Ones(n) - x;
@@ -80,8 +81,8 @@ Map light_body(int n, double turn) {
   };
 }
 
-// In every fifth window H is another, as where a particle comes in touch. What is left of a change of an earlier window after the newer ones has
-// all of its error. Seen to fail, with 247 trials: with whatever is new by 1e-3 taken from earlier windows, as within one.
+// In every fifth window H is another, as where a particle comes in touch. What is left of a change of an earlier window after the
+// newer ones has all of its error. Seen to fail, with 247 trials: with whatever is new by 1e-3 taken, as within a window.
 TEST(FixedPoint, TakesFromEarlierWindowsOnlyWhatIsMostlyNew) {
   FixedPoint iteration(Acceleration::iqn_ils, 1e-4);
   int trials = 0;

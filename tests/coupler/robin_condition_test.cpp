@@ -133,10 +133,10 @@ TEST(Contact, LeavesAParticleAndALightFaceTheirCommonVelocity) {
   EXPECT_NEAR(audit.contact_dissipation, 0.5 * mass * behind / (mass + behind), 1e-12);
 }
 
-// What a light face does under a contact, the trials of CM3 find out. Held by its stiffness it does not give way, though no mass is behind it:
-// with the mass in place of that, the particle goes on at 0.995 of its approach, and through. Free, with the mass m_s of the patch, it goes on
-// with the particle, at the velocity that keeps the momentum of both.
-// Seen to fail: with the mass behind the particle as in CM2; with no contacts in the answers to the trials; with the sign of the excess turned.
+// What a light face does under a contact, the trials of CM3 find out. Held by its stiffness it does not give way, though no mass
+// is behind it: with that mass alone the particle goes on at 0.995 of its approach, and through. Free, with the mass of the
+// patch, it goes on with the particle, at the velocity that keeps the momentum of both.
+// Seen to fail: with the mass behind the face as in CM2; with no contacts in the answers to the trials; with the excess subtracted.
 TEST(Contact, OfALightFaceIsAsHeldOrAsFreeAsTheTrialsShow) {
   constexpr double window = 1e-3, behind = 0.05, mass = 1000 * dx * dx, area = 0.5 * dx;
   for (const bool held : {true, false}) {
