@@ -83,8 +83,11 @@ template <int D>
 const SurfaceLoad<D>* CouplingStep<D>::next_trial(const BandPressure<D>& pressure) {
   if (algorithm_ != CouplingAlgorithm::cm3) return nullptr;
   const SurfaceLoad<D> known = load_;
+  const WindowAudit audit = audit_;
   band_force_.force.assign(band_->id.size(), Vector<D>::Zero());
   add_pressure(pressure);
+  settle_contacts(pressure);
+  audit_ = audit;
   const SurfaceLoad<D> answer = std::exchange(load_, known);
   if (fixed_point_.add(flat(trial_load_), flat(answer))) return nullptr;
   ++evaluations_.repeated_trials;
@@ -257,12 +260,18 @@ void CouplingStep<D>::settle_contacts(const BandPressure<D>& pressure) {
     if (!touches<D>(surface_.position[k], n, surface_.area[k], band_->position[i], contact_distance_)) continue;
     const Vector<D> velocity = pressure.velocity[i] + (duration_ / band_->mass[i]) * band_force_.force[i];
     const double approach = (surface_.velocity[k] - velocity).dot(n);
-    if (approach <= 0) continue;
     // The face gives way, as the mass does that lies behind the particle.
-    const double behind = responding_mass(k) * std::pow(band_->volume[i], (D - 1.0) / D);
+    double behind = responding_mass(k) * std::pow(band_->volume[i], (D - 1.0) / D), expected = approach;
+    if (algorithm_ == CouplingAlgorithm::cm3) {
+      // As the pressure equation has it, to what exceeds the load of the trial. When both sides agree nothing does, and the
+      // particle has the velocity of the face, be that held by its stiffness or free.
+      behind = robin_mass(k) * surface_.area[k];
+      expected += duration_ / behind * (load_.force[k] - trial_load_.force[k]).dot(n);
+    }
+    if (expected <= 0) continue;
     const double mass = band_->mass[i] * behind / (band_->mass[i] + behind);
-    add_pair_force(band_force_.force, pair, Vector<D>(-(mass * approach / duration_) * n));
-    audit_.contact_dissipation += 0.5 * mass * approach * approach;
+    add_pair_force(band_force_.force, pair, Vector<D>(-(mass * expected / duration_) * n));
+    audit_.contact_dissipation += 0.5 * mass * expected * approach;
     ++audit_.contacts;
   }
 }

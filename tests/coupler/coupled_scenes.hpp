@@ -149,4 +149,23 @@ inline CoupledOutcome run(const CoupledScene& s, double until) {
   return outcome;
 }
 
+/// Particles of water that stand a quarter of a fluid spacing or more within a stiff plate under water after `until`.
+inline int inside_plate(const CoupledScene& s, double until) {
+  const Case c = case_of(s);
+  fluid::Fluid<2> fluid(c);
+  structure::Structure<2> structure(c);
+  structure::CoupledStructure<2> coupled(structure, c.coupling.algorithm);
+  CouplingStep<2> step(c, structure.surface_properties());
+  StepControl control;
+  for (Ticks now = 0, end = to_ticks(until); now < end;) {
+    const Ticks duration = control.next(fluid.propose_step().seconds, now, 10 * end);
+    run_window<2>(fluid, coupled, step, now, duration);
+    now += duration;
+  }
+  const double margin = 0.25 * water_spacing, left = 0.5 * tank_width + margin, right = 0.5 * tank_width + s.layers * plate_spacing - margin;
+  int inside = 0;
+  for (const auto& x : fluid.state().position) inside += x[0] > left && x[0] < right && x[1] < 0.5 * water_depth - margin;
+  return inside;
+}
+
 }  // namespace tern::coupler::testing

@@ -66,6 +66,35 @@ TEST(FixedPoint, LearnsFromTheWindowsBefore) {
   }
 }
 
+/// Explicit coupling of a light body: five motions give an error back 3 to 300 times, all others 0.3 times; `turn` makes other
+/// motions of the five.
+Map light_body(int n, double turn) {
+  return [=](const Eigen::VectorXd& x) {
+    const Eigen::VectorXd error = Eigen::VectorXd::Ones(n) - x;
+    Eigen::VectorXd answer = Eigen::VectorXd::Ones(n) + 0.3 * error;
+    for (int k = 0; k < 5; ++k) {
+      Eigen::VectorXd motion(n);
+      for (int i = 0; i < n; ++i) motion[i] = std::cos((k + 0.5 + turn * std::sin(1.0 + k)) * M_PI * (i + 0.5) / n);
+      answer += 300 * std::pow(0.32, k) * motion.dot(error) / motion.squaredNorm() * motion;
+    }
+    return answer;
+  };
+}
+
+// In every fifth window H is another, as where a particle comes in touch. What is left of a change of an earlier window after the
+// newer ones has all of its error. Seen to fail, with 247 trials: with whatever is new by 1e-3 taken, as within a window.
+TEST(FixedPoint, TakesFromEarlierWindowsOnlyWhatIsMostlyNew) {
+  FixedPoint iteration(Acceleration::iqn_ils, 1e-4);
+  int trials = 0;
+  for (int window = 0; window < 20; ++window) {
+    Eigen::VectorXd x = Eigen::VectorXd::Constant(40, 0.9);
+    for (int i = 0; i < 40; ++i) x[i] += 0.05 * std::sin(1.0 * i * (window + 1));
+    trials += trials_to_agree(iteration, light_body(40, window % 5 == 4 ? 0.4 : 0), x, 1000);
+  }
+  std::printf("[ 20 windows: %d trials ]\n", trials);
+  EXPECT_LE(trials, 225);
+}
+
 // A light body answers an error of the load with a thousand times as much: the first trials must not.
 // Seen to fail: with the rest of the residual taken in full.
 TEST(FixedPoint, KeepsItsTrialsNearWhatIsKnownWhereAnErrorComesBackAThousandfold) {
