@@ -95,23 +95,18 @@ double apart(const std::vector<double>& a, const std::vector<double>& b) {
   return distance / largest;
 }
 
-// Of the load, what lies within a part of a spacing of either side wall is lost (docs/THEORY.md, section 4): a part that falls with one over
-// the width, as everything does that comes from the sides. What is left of two widths when this is taken out is the slice itself.
-// Seen to fail, in 3D alone: with 1.5 for the factor 2 of b_ik (0.096); with half the flux through faces in the divergence (0.151).
+// The side walls, which the plate meets with its long edges, take nothing of the load: images of the water behind them (coupler/interface_pairs.hpp).
+// Measured: deflection within 2.1 and 1.3 % of the largest, load 1.0078 and 1.0040 of that in 2D. Without images in 3D the load is 0.904 and 0.936 of it.
+// Seen to fail, in 3D alone: with 1.9 for the factor 2 of b_ik; without images; with half the flux through faces in the divergence.
 TEST(ThreeDimensions, AreTheTwoOfASliceThatDoesNotChangeAlongItsWidth) {
   constexpr double until = 0.05;
   const Slice plane = run<2>(0, until), narrow = run<3>(6, until), wide = run<3>(12, until);
-  std::vector<double> deflection, load;
-  for (std::size_t n = 0; n < plane.deflection.size(); ++n) {
-    deflection.push_back(2 * wide.deflection[n] - narrow.deflection[n]);
-    load.push_back(2 * wide.load[n] - narrow.load[n]);
+  for (const auto& [slice, width] : {std::pair{&narrow, 6}, {&wide, 12}}) {
+    const double deflection = apart(slice->deflection, plane.deflection), load = mean(slice->load) / mean(plane.load);
+    std::printf("[ %d spacings wide: deflection apart from that in 2D by %.4f of the largest, load %.4f of it ]\n", width, deflection, load);
+    EXPECT_LT(deflection, 0.025) << width << " spacings wide";
+    EXPECT_NEAR(load, 1, 0.015) << width << " spacings wide";
   }
-  std::printf("[ deflection apart from that in 2D by %.4f (6 wide), %.4f (12 wide), %.4f (without sides) of the largest, "
-              "load %.4f, %.4f, %.4f of it ]\n", apart(narrow.deflection, plane.deflection), apart(wide.deflection, plane.deflection),
-              apart(deflection, plane.deflection), mean(narrow.load) / mean(plane.load), mean(wide.load) / mean(plane.load),
-              mean(load) / mean(plane.load));
-  EXPECT_LT(apart(deflection, plane.deflection), 0.02);
-  EXPECT_NEAR(mean(load) / mean(plane.load), 1, 0.01);
   for (const Slice& slice : {narrow, wide}) {
     EXPECT_LT(slice.across, 1e-3);
     EXPECT_LT(slice.imbalance, 1e-13);
