@@ -166,7 +166,8 @@ FAMILIES = {"plates": plates, "poisson": poisson, "thickness": thickness, "spaci
 # Seconds all together; one of each kind of outcome and of most families, and the worst of each that is bounded.
 QUICK = {
     "density ratio 0.1, 4 across, E 1e+07 Pa, one face wet, CM0", "density ratio 0.1, 4 across, E 1e+07 Pa, one face wet, CM3",
-    "density ratio 0.01, 4 across, E 1e+09 Pa, both faces wet, CM3", "density ratio 1, 4 across, E 1e+07 Pa, both faces wet, CM2",
+    "density ratio 0.01, 4 across, E 1e+09 Pa, both faces wet, CM3", "density ratio 0.01, 8 across, E 1e+09 Pa, both faces wet, CM0",
+    "density ratio 1, 4 across, E 1e+07 Pa, both faces wet, CM2",
     "plate under water, Poisson's ratio 0.49999", "plate of 20 mm, 1 across, both faces wet", "structure over fluid 0.25, 20 mm, both faces wet",
     "column that breaks, courant 0.6", "plate, pressure solved to 1e-2", "full tank with a plate in it, density ratio 1",
     "drop at 10 m/s on a pool", "neo_hookean squeezed to 0.5 of its height", "st_venant_kirchhoff squeezed to 0.1 of its height",
