@@ -33,6 +33,7 @@ void CouplingStep<D>::pass(double begin, double duration, const Surface<D>& surf
   duration_ = duration;
   load_.force.assign(surface.position.size(), Vector<D>::Zero());
   if (algorithm_ == CouplingAlgorithm::cm3) fixed_point_.begin_window(largest_gain(), begin);
+  contact_.clear();
   for (LoadAlternation& alternation : alternation_) alternation = {};
   audit_ = {};
   ++evaluations_.windows_without_exchange;
@@ -219,8 +220,9 @@ void CouplingStep<D>::set_robin_condition() {
   if (algorithm_ == CouplingAlgorithm::cm0) return;
   for (std::size_t k = 0; k < points; ++k) {
     dissipative_.robin_mass[k] = robin_mass(k);
-    // What the trial carries, less what is known of its answer.
-    const Vector<D> carried = trial_load_.force[k] - load_.force[k];
+    // What the trial carries, less what is known of its answer; contacts, which CM3's trials have found, are not the pressure's.
+    Vector<D> carried = trial_load_.force[k] - load_.force[k];
+    if (contact_.size() == points) carried -= contact_[k];
     dissipative_.reference_pressure[k] = -carried.dot(surface_.normal[k]) / surface_.area[k];
   }
 }
@@ -242,16 +244,15 @@ void CouplingStep<D>::add_pressure(const BandPressure<D>& pressure) {
   }
   if (coupling_.scheme != InterfaceScheme::riemann)
     integrate_over_faces<D>(kernel_, pairs_.all_pairs(), surface_, *band_, coupling_.scheme, carried_);
-  const std::size_t particle_pairs = pairs_.pairs().size();
-  for (std::size_t m = 0; m < particle_pairs; ++m)
-    add_pair_force(band_force_.force, pairs_.pairs()[m], Vector<D>(carried_[m] * pairs_.pairs()[m].b));
+  std::size_t m = 0;
+  for (const auto& pair : pairs_.pairs()) add_pair_force(band_force_.force, pair, Vector<D>(carried_[m++] * pair.b));
   // What images take back, the fluid has from the mirror that its walls are.
-  for (std::size_t m = particle_pairs; m < carried_.size(); ++m)
-    load_.force[pairs_.all_pairs()[m].point] += carried_[m] * pairs_.all_pairs()[m].b;
+  for (const auto& pair : pairs_.image_pairs()) load_.force[pair.point] += carried_[m++] * pair.b;
 }
 
 template <int D>
 void CouplingStep<D>::settle_contacts(const BandPressure<D>& pressure) {
+  if (algorithm_ == CouplingAlgorithm::cm3) contact_.assign(load_.force.size(), Vector<D>::Zero());
   // Inelastic: a particle nearer to a face than the contact distance goes on with the face; the impulse is part of the load.
   // Thin sheets and spray feel too little pressure to be stopped otherwise.
   for (const auto& pair : pairs_.pairs()) {
@@ -270,7 +271,9 @@ void CouplingStep<D>::settle_contacts(const BandPressure<D>& pressure) {
     }
     if (expected <= 0) continue;
     const double mass = band_->mass[i] * behind / (band_->mass[i] + behind);
-    add_pair_force(band_force_.force, pair, Vector<D>(-(mass * expected / duration_) * n));
+    const Vector<D> force = -(mass * expected / duration_) * n;
+    add_pair_force(band_force_.force, pair, force);
+    if (algorithm_ == CouplingAlgorithm::cm3) contact_[k] += force;
     audit_.contact_dissipation += 0.5 * mass * expected * approach;
     ++audit_.contacts;
   }
@@ -293,10 +296,9 @@ void CouplingStep<D>::check_balance() {
   for (std::size_t i = 0; i < band_->id.size(); ++i) {
     add(band_->position[i], band_force_.force[i] + dissipative_.force[i]);
   }
-  for (std::size_t m = pairs_.pairs().size(); m < carried_.size(); ++m) {
-    const InterfacePair<D>& pair = pairs_.all_pairs()[m];
-    add(surface_.position[pair.point] + pair.offset, Vector<D>(-carried_[m] * pair.b));
-  }
+  std::size_t m = pairs_.pairs().size();
+  for (const auto& pair : pairs_.image_pairs())  // theirs is what walls give the fluid
+    add(surface_.position[pair.point] + pair.offset, Vector<D>(-carried_[m++] * pair.b));
   for (std::size_t k = 0; k < load_.force.size(); ++k) {
     if (!load_.force[k].allFinite())
       throw NumericalFailure(fmt::format("The load on surface point {} is not finite at t = {:.6g} s; a pressure or a velocity "

@@ -113,6 +113,7 @@ class CouplingStep {
   DissipativeLoad<D> dissipative_;
   std::vector<double> carried_;    ///< pressure of every pair, times b_ik its force [Pa]
   BandForce<D> band_force_;
+  std::vector<Vector<D>> contact_;  ///< CM3: contacts in the last answer, by surface point [N/m^(3-D)]
   WindowAudit audit_;
   Evaluations evaluations_;
   InterfaceEnergy energy_;

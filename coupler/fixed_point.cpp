@@ -80,7 +80,7 @@ Eigen::VectorXd FixedPoint::aitken() const { return last_.answer + (factor_ - 1)
 
 Eigen::VectorXd FixedPoint::quasi_newton() {
   unknown_ = 0;
-  if (trials_ == 1 && residual_ > mostly_error && first_trial_before_.size() == first_trial_.size())
+  if (trials_ == 1 && residual_ > mostly_error && first_trial_before_.size() == first_trial_.size() && first_trial_before_ != first_trial_)
     return 2 * first_trial_ - first_trial_before_;  // as the load went on before
   // Least squares for the combination of changes that takes the residual away, by Gram-Schmidt, the newest change first. The
   // changes of the answers are combined alike, so that no triangular system is left to be solved.
@@ -106,7 +106,7 @@ Eigen::VectorXd FixedPoint::quasi_newton() {
       basis.push_back(std::move(part));
     }
   // The rest of the residual is where nothing is known of H: it comes back up to `gain` times.
-  const double rest = residual.norm(), most = largest_surprise * base_.answer.norm() / gain_;
+  const double rest = residual.norm(), most = largest_surprise * std::max(base_.answer.norm(), least_load * largest_answer_) / gain_;
   unknown_ = std::min(rest, most);
   expected_ = answer;
   return rest > most ? Eigen::VectorXd(answer + (most / rest - 1) * residual) : answer;

@@ -206,7 +206,7 @@ void see_faces(const std::vector<Vector<D>>& position, const Faces<D>& faces, co
 
 template <int D>
 void leave_out_dry_walls(const Constants<D>& constants, const std::vector<Vector<D>>& position, const Faces<D>& walls,
-                         const FaceFinder<D>& wall_finder, std::vector<double>& space, const Faces<D>& structure,
+                         const Faces<D>& whole_walls, const FaceFinder<D>& wall_finder, std::vector<double>& space, const Faces<D>& structure,
                          const FaceFinder<D>& structure_finder, FaceRows& wall_rows) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size()), count = static_cast<std::ptrdiff_t>(walls.size());
   const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
@@ -232,7 +232,9 @@ void leave_out_dry_walls(const Constants<D>& constants, const std::vector<Vector
       if (sum == 0) continue;
       const Vector<D> x = just_before(constants, walls, k);
       std::vector<int>& seen = wall_rows.seen[omp_get_thread_num()];
-      if (space[k] < 0) space[k] = std::max(0.0, constants.lattice.density - hidden_density(constants, walls, wall_finder, x, seen));
+      if (space[k] < 0)
+        space[k] = std::max(0.0, constants.lattice.density -
+                                     hidden_density(constants, whole_walls, wall_finder, just_before(constants, whole_walls, k), seen));
       const double hidden = hidden_density(constants, structure, structure_finder, x, seen);
       wall_rows.wet[k] = wet_share(filled_unit * static_cast<double>(sum) / std::max(space[k] - hidden, 0.02));
     }
@@ -283,7 +285,7 @@ void add_surface_sums(const Constants<D>& constants, const std::vector<Vector<D>
   template double hidden_density<D>(const Constants<D>&, const Faces<D>&, const FaceFinder<D>&, const Vector<D>&,      \
                                     std::vector<int>&);                                                                \
   template void leave_out_dry_walls<D>(const Constants<D>&, const std::vector<Vector<D>>&, const Faces<D>&,             \
-                                       const FaceFinder<D>&, std::vector<double>&, const Faces<D>&,                     \
+                                       const Faces<D>&, const FaceFinder<D>&, std::vector<double>&, const Faces<D>&,                     \
                                        const FaceFinder<D>&, FaceRows&);                                                \
   template void set_wall_sums<D>(const Constants<D>&, const std::vector<Vector<D>>&, const std::vector<Vector<D>>&,     \
                                  const Faces<D>&, FaceRows&, BoundarySums<D>&);                                         \

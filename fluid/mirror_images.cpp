@@ -9,6 +9,8 @@ namespace {
 /// Cosine of the angle between two planes up to which they are taken to be at right angles: the images of an image then do not
 /// depend on the order of the mirrors.
 constexpr double right_angle = 0.05;
+/// Of one particle; the first that are seen. Three at right angles have seven images, as many as the protocol takes.
+constexpr int most_planes = 3;
 
 }  // namespace
 
@@ -16,26 +18,31 @@ template <int D>
 void mirror_in_walls(const Faces<D>& walls, const FaceRows& rows, int i, const Vector<D>& x, double close,
                      std::vector<Vector<D>>& images) {
   images.clear();
-  std::array<Vector<D>, D> normals;  // of the planes so far, as long as each is at right angles to all before
+  const auto mirrored = [&](const Vector<D>& place, int k) {
+    return Vector<D>(place + 2 * (walls.position[k] - place).dot(walls.normal[k]) * walls.normal[k]);
+  };
+  std::array<int, most_planes> plane;  // a patch of each
   int planes = 0;
-  bool right_angles = true;
-  for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry) {
+  for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i] && planes < most_planes; ++entry) {
     const int k = rows.face[entry];
-    const Vector<D>& n = walls.normal[k];
-    const auto mirrored = [&](const Vector<D>& place) { return Vector<D>(place + 2 * (walls.position[k] - place).dot(n) * n); };
-    const Vector<D> image = mirrored(x);
+    const Vector<D> image = mirrored(x, k);
     // The wall is a mirror where it is: its patch has to lie at the foot of the perpendicular.
     if (!patch_separates(walls, k, x, image)) continue;
     bool known = false;
     for (const auto& other : images) known = known || (other - image).squaredNorm() < close * close;
     if (known) continue;
-    for (int p = 0; p < planes; ++p) right_angles = right_angles && std::abs(n.dot(normals[p])) < right_angle;
-    const std::size_t before = images.size();
     images.push_back(image);
-    if (!right_angles || planes == D) continue;
-    for (std::size_t m = 0; m < before; ++m) images.push_back(mirrored(images[m]));
-    normals[planes++] = n;
+    plane[planes++] = k;
   }
+  const auto at_right_angles = [&](int a, int b) { return std::abs(walls.normal[plane[a]].dot(walls.normal[plane[b]])) < right_angle; };
+  for (int a = 0; a < planes; ++a)
+    for (int b = a + 1; b < planes; ++b) {
+      if (!at_right_angles(a, b)) continue;
+      const Vector<D> image = mirrored(images[a], plane[b]);
+      images.push_back(image);
+      for (int c = b + 1; D == 3 && c < planes; ++c)
+        if (at_right_angles(a, c) && at_right_angles(b, c)) images.push_back(mirrored(image, plane[c]));
+    }
 }
 
 template void mirror_in_walls<2>(const Faces<2>&, const FaceRows&, int, const Vector<2>&, double, std::vector<Vector<2>>&);

@@ -167,6 +167,18 @@ double Probe<D>::flux(const Vector<D>& from, const Vector<D>& to) const {
   return sum;
 }
 
+template <int D>
+bool Probe<D>::covered(const Vector<D>& x) const {
+  const auto [faces, finder] = fluid_.faces()[1];
+  int nearest = -1;
+  double least = 0;
+  finder->for_each_around(x, [&, &faces = *faces](int k) {
+    const double distance = (x - faces.position[k]).squaredNorm();
+    if (nearest < 0 || distance < least) nearest = k, least = distance;
+  });
+  return nearest >= 0 && (x - faces->position[nearest]).dot(faces->normal[nearest]) < 0;
+}
+
 // Mean of what the wall mirrors of each particle before it, p = p_i + rho (g - a_w) . (x - x_i): the pressure that the
 // pressure gradient of the step uses behind walls (boundary.cpp).
 template <int D>
@@ -175,6 +187,7 @@ double Probe<D>::wall_pressure(const Vector<D>& x, const Vector<D>& normal, doub
   const Vector<D> eye = x + off_wall * constants.spacing * normal;
   for (const Wall<D>& wall : fluid_.walls().all())  // another wall may stand on this one
     if (!wall.scene.container && contains<D>(wall.scene.shape, wall.place.reference(eye))) return 0;
+  if (covered(eye)) return 0;
   std::vector<std::pair<const Faces<D>*, int>> screens;
   for (const auto& [faces, finder] : fluid_.faces()) {
     std::vector<int> seen;
@@ -222,7 +235,7 @@ double Probe<D>::sensor(const Wall<D>& wall, const Vector<D>& at, double diamete
 
 template <int D>
 WallForce<D> Probe<D>::force(const Wall<D>& wall, const Vector<D>& at) const {
-  const Faces<D>& faces = fluid_.walls().faces();
+  const Faces<D>& faces = *fluid_.faces()[0].first;  // as bodies leave them
   const Vector<D> about = wall.place(at);
   WallForce<D> total;
   for (std::size_t k = wall.first; k < wall.last; ++k) {

@@ -45,6 +45,8 @@ class Probe {
   void for_particles_around(const Vector<D>& x, Visit&& visit) const;
   double hidden(const Vector<D>& x) const;
   double wall_pressure(const Vector<D>& x, const Vector<D>& normal, double normal_acceleration) const;
+  /// A body of the structure stands at x, as far as its faces near there tell.
+  bool covered(const Vector<D>& x) const;
 
   const Fluid<D>& fluid_;
   Vector<D> low_, high_;  ///< corners of the box around all particles

@@ -53,7 +53,6 @@ Band<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   surface_finder_.fill(surface_, constants_.faces.support());
   evaluations_.structure_surface += static_cast<long>(surface.position.size());
   seen_walls_.clip(walls_.faces(), wall_finder_, surface_);
-  for (int k : seen_walls_.changed()) space_before_walls_[k] = -1;
 
   see_faces<D>(predicted_position_, seen_walls_.faces(), wall_finder_, wall_rows_);
   see_faces<D>(predicted_position_, surface_, surface_finder_, surface_rows_);
@@ -63,7 +62,7 @@ Band<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   }
   if (walls_.any_two_sided())
     cut_pairs_through_faces<D>(constants_, period_, predicted_position_, seen_walls_.faces(), wall_rows_, neighbours_);
-  leave_out_dry_walls<D>(constants_, predicted_position_, seen_walls_.faces(), wall_finder_, space_before_walls_, surface_,
+  leave_out_dry_walls<D>(constants_, predicted_position_, seen_walls_.faces(), walls_.faces(), wall_finder_, space_before_walls_, surface_,
                          surface_finder_, wall_rows_);
   set_wall_sums<D>(constants_, predicted_position_, gravity_, seen_walls_.faces(), wall_rows_, boundary_);
   add_surface_sums<D>(constants_, predicted_position_, surface_, surface_rows_, boundary_);

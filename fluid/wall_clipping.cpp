@@ -17,17 +17,15 @@ double half_length(const Faces<D>& faces, int k) {
 
 template <int D>
 void ClippedWalls<D>::clip(const Faces<D>& walls, const FaceFinder<D>& finder, const Faces<D>& structure) {
-  changed_.swap(clipped_);
-  clipped_.clear();
-  for (int wall : changed_) {
+  for (int wall : clipped_) {
     faces_.position[wall] = walls.position[wall];
     faces_.area[wall] = walls.area[wall];
   }
+  clipped_.clear();
   for (int k = 0; k < static_cast<int>(structure.size()); ++k)
     finder.for_each_around(structure.position[k], [&](int wall) {
       if (faces_.area[wall] == walls.area[wall]) cut(wall, structure, k);  // what is cut already is no longer a square
     });
-  changed_.insert(changed_.end(), clipped_.begin(), clipped_.end());
 }
 
 template <int D>
@@ -44,8 +42,7 @@ void ClippedWalls<D>::cut(int wall, const Faces<D>& structure, int k) {
   const double place = -from_face.dot(n) / sine;
   if (std::abs(place) >= half) return;
   const Vector<D> along = out / sine;
-  const double off_centre2 = (from_face + place * along).squaredNorm();
-  if (off_centre2 >= (D == 2 ? 0.3025 * structure.area[k] * structure.area[k] : 0.605 * structure.area[k])) return;  // as patch_separates()
+  if ((from_face + place * along).squaredNorm() >= patch_reach2<D>(structure.area[k])) return;
   faces_.position[wall] += 0.5 * (place + half) * along;
   faces_.area[wall] *= (half - place) / (2 * half);
   clipped_.push_back(wall);

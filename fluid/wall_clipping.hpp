@@ -19,17 +19,15 @@ class ClippedWalls {
     faces_ = walls;
     clipped_.clear();
   }
-  /// Leaves of every patch of `walls` what lies before the faces of the structure that cut it. `finder`: of the walls.
+  /// Leaves of every patch of `walls` what lies before the first face of the structure that cuts it; in 3D as if that were a square
+  /// again. `finder`: of the walls, which it may hold as they were before: a patch moves by half its length at most.
   void clip(const Faces<D>& walls, const FaceFinder<D>& finder, const Faces<D>& structure);
-
-  /// Patches that are not as they stand in `walls`, or were not before the last clip().
-  const std::vector<int>& changed() const { return changed_; }
 
  private:
   void cut(int wall, const Faces<D>& structure, int k);
 
   Faces<D> faces_;
-  std::vector<int> clipped_, changed_;
+  std::vector<int> clipped_;
 };
 
 }  // namespace tern::fluid

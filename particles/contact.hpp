@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "particles/faces.hpp"
 #include "particles/vector.hpp"
 
 namespace tern {
@@ -13,8 +14,7 @@ bool touches(const Vector<D>& centre, const Vector<D>& normal, double area, cons
   const Vector<D> d = x - centre;
   const double height = d.dot(normal);
   if (height >= distance) return false;
-  const double reach2 = D == 2 ? 0.3025 * area * area : 0.605 * area;
-  return d.squaredNorm() - height * height < reach2;
+  return d.squaredNorm() - height * height < patch_reach2<D>(area);
 }
 
 }  // namespace tern

@@ -179,6 +179,8 @@ void check_band(Check& check, const wire::Band& band, const Agreement& agreement
   check.length("mass", band.mass_size(), particles, "one per id");
   check.length("volume", band.volume_size(), particles, "one per id");
   check.length("divergence", band.divergence_size(), band.divergence_size() == 0 ? 0 : particles, "one per id, or none without VEM");
+  if (!check.require(static_cast<std::size_t>(band.image_of_size()) <= max_images * particles))
+    check.fault = fmt::format("image_of has {} entries; the limit is {} per particle", band.image_of_size(), max_images);
   check.length("image_position", band.image_position_size(), D * static_cast<std::size_t>(band.image_of_size()),
                "dimension times image_of entries");
   check.distinct("id", band.id());

@@ -3,6 +3,7 @@
 import numpy
 
 MAX_MESSAGE_BYTES = 256 << 20
+MAX_IMAGES = 7  # of a band particle in walls
 
 
 class BadMessage(Exception):
@@ -89,6 +90,8 @@ def check_from_participant(message, role, dimension, surface_points, band_partic
             _positive(field, getattr(body, field))
         _length("divergence", body.divergence, particles if body.divergence else 0)
         _numbers("divergence", body.divergence)
+        if len(body.image_of) > MAX_IMAGES * particles:
+            raise BadMessage(f"image_of has {len(body.image_of)} entries; the limit is {MAX_IMAGES} per particle")
         _length("image_position", body.image_position, dimension * len(body.image_of))
         _numbers("image_position", body.image_position)
         for entry, particle in enumerate(body.image_of):

@@ -110,6 +110,28 @@ TEST(WallForce, OfASubmergedBlockIsItsBuoyancyIn3D) {
   EXPECT_NEAR(total.moment[2], 0, 1e-6 * buoyancy);
 }
 
+// A body of the structure stands on the floor: the floor below it is dry, also where water stands beside. Seen to fail without
+// looking for the body: 1.25 spacings of floor on either side of its foot count as wet.
+TEST(WallForce, IsNoneBelowABodyOfTheStructure) {
+  constexpr double dx = 0.02, depth = 0.3, low = 0.4, high = 0.6, top = 0.2;
+  const Case c = scene(2, dx, {box({0, 0, 0}, {low, depth, 0}), box({high, 0, 0}, {1, depth, 0}), box({low, top, 0}, {high, depth, 0})},
+                       {tank({0, 0, 0}, {1, 0.6, 0})});
+  Fluid<2> fluid(c);
+  Surface<2> block;
+  const auto add = [&](const Vector<2>& x, const Vector<2>& n) {
+    block.position.push_back(x), block.normal.push_back(n), block.area.push_back(0.5 * dx), block.velocity.push_back({0, 0});
+  };
+  for (double s = 0.25 * dx; s < top; s += 0.5 * dx) add({low, s}, {-1, 0}), add({high, s}, {1, 0});
+  for (double s = low + 0.25 * dx; s < high; s += 0.5 * dx) add({s, top}, {0, 1});
+  State<2> state = fluid.state();
+  for (std::size_t i = 0; i < state.size(); ++i) state.pressure[i] = density * gravity * (depth - state.position[i][1]);
+  fluid.set_state(std::move(state));
+  fluid.begin_window(0, to_ticks(1e-6));
+  fluid.see_surface(block);
+  const double expected = density * gravity * depth * (1 - (high - low));
+  EXPECT_NEAR(Probe<2>(fluid).force(fluid.walls().find("tank"), Vector<2>::Zero()).force[1], -expected, 0.01 * expected);
+}
+
 // Seen to fail without the hydrostatic part of the mirrored pressure.
 TEST(WallPressure, OfStillWaterIsHydrostaticAndZeroWhereDry) {
   Fluid<2> fluid = still_tank();

@@ -144,6 +144,12 @@ const BodyFault body_faults[] = {
        for (int c = 0; c < 2; ++c) m.mutable_band()->add_image_position(0);
      },
      "image_of[0] is 3, but the band has 3 particles"},
+    {"Band images too many", Kind::kBand, wire::FLUID,
+     [](auto& m) {
+       for (int n = 0; n < 22; ++n) m.mutable_band()->add_image_of(0);
+       for (int n = 0; n < 44; ++n) m.mutable_band()->add_image_position(0);
+     },
+     "image_of has 22 entries; the limit is 7 per particle"},
     {"Band image position length", Kind::kBand, wire::FLUID, [](auto& m) { m.mutable_band()->add_image_of(0); },
      "image_position has 0"},
     {"Band image position not finite", Kind::kBand, wire::FLUID,
