@@ -20,7 +20,7 @@ namespace tern::coupler {
 namespace {
 
 /// Mass behind a face, over that of a layer of fluid particles, up to which one pass is not enough.
-constexpr double lightest_of_one_pass = 0.5;
+constexpr double lightest_of_one_pass = 0.5 * (1 + 1e-9);  // a plate of just this mass is one of them, whatever its rounding
 /// Mass with which a light surface yields in the pressure equation of CM3, in layers of fluid particles. From 2 to 12 it makes
 /// no difference to the number of trials.
 constexpr double robin_layers = 5;
