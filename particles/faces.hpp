@@ -64,6 +64,7 @@ class FaceFinder {
  public:
   void fill(const Faces<D>& faces, double support) {
     support_ = support;
+    contents_.order.clear();  // of the faces before
     if (faces.size() == 0) return;
     Vector<D> min = faces.position[0], max = faces.position[0];
     for (const auto& x : faces.position) {

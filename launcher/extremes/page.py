@@ -1,5 +1,6 @@
 """The map as a section of a Markdown page, between two marker comments."""
 
+import re
 import shutil
 
 from launcher.errors import BAD_INPUT, LauncherError
@@ -24,7 +25,8 @@ def outcome(row):
 
 
 def _short(message):
-    sentence = message.split(". ")[0].replace("|", "\\|")
+    # Where the map was made does not matter: of a path the name of the file is left.
+    sentence = re.sub(r"(?<!\S)/\S*/", "", message.split(". ")[0]).replace("|", "\\|")
     return sentence if len(sentence) < 220 else sentence[:217] + "..."
 
 

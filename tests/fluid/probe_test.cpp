@@ -130,6 +130,10 @@ TEST(WallForce, IsNoneBelowABodyOfTheStructure) {
   fluid.see_surface(block);
   const double expected = density * gravity * depth * (1 - (high - low));
   EXPECT_NEAR(Probe<2>(fluid).force(fluid.walls().find("tank"), Vector<2>::Zero()).force[1], -expected, 0.01 * expected);
+
+  // The body is taken away: nothing of its faces is looked at any more, and the floor beside the water counts as wet.
+  fluid.see_surface({});
+  EXPECT_LT(Probe<2>(fluid).force(fluid.walls().find("tank"), Vector<2>::Zero()).force[1], -1.02 * expected);
 }
 
 // Seen to fail without the hydrostatic part of the mirrored pressure.

@@ -186,6 +186,10 @@ class ResumeTest(unittest.TestCase):
 
 
 class PageTest(unittest.TestCase):
+    def test_no_path_of_the_machine_gets_into_the_page(self):
+        row = {"class": "wrong", "message": "/home/somebody/runs/cells/thin/case.toml:17:1: 'plate' is 1 particles across; 2 m/s is too fast."}
+        self.assertEqual(page.outcome(row), "**wrong**: case.toml:17:1: 'plate' is 1 particles across; 2 m/s is too fast.")
+
     def test_the_section_is_replaced_and_the_rest_of_the_page_stays(self):
         with tempfile.TemporaryDirectory(prefix="tern-test-") as directory:
             path = Path(directory) / "page.md"
