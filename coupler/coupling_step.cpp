@@ -246,6 +246,7 @@ void CouplingStep<D>::add_pressure(const BandPressure<D>& pressure) {
     integrate_over_faces<D>(kernel_, pairs_.all_pairs(), surface_, *band_, coupling_.scheme, carried_);
   std::size_t m = 0;
   for (const auto& pair : pairs_.pairs()) add_pair_force(band_force_.force, pair, Vector<D>(carried_[m++] * pair.b));
+  for (const auto& pair : pairs_.averted_pairs()) add_pair_force(band_force_.force, pair, Vector<D>(carried_[m++] * pair.b));
   // What images take back, the fluid has from the mirror that its walls are.
   for (const auto& pair : pairs_.image_pairs()) load_.force[pair.point] += carried_[m++] * pair.b;
 }
@@ -296,7 +297,7 @@ void CouplingStep<D>::check_balance() {
   for (std::size_t i = 0; i < band_->id.size(); ++i) {
     add(band_->position[i], band_force_.force[i] + dissipative_.force[i]);
   }
-  std::size_t m = pairs_.pairs().size();
+  std::size_t m = pairs_.pairs().size() + pairs_.averted_pairs().size();
   for (const auto& pair : pairs_.image_pairs())  // theirs is what walls give the fluid
     add(surface_.position[pair.point] + pair.offset, Vector<D>(-carried_[m++] * pair.b));
   for (std::size_t k = 0; k < load_.force.size(); ++k) {

@@ -34,9 +34,11 @@ class InterfacePairs {
 
   /// Of the particles themselves.
   std::span<const InterfacePair<D>> pairs() const { return {pairs_.data(), particle_pairs_}; }
+  /// Of particles past a corner with faces that are turned away from them (particles/convex_corner.hpp): of the pressure only.
+  std::span<const InterfacePair<D>> averted_pairs() const { return {pairs_.data() + particle_pairs_, averted_pairs_}; }
   /// Of their images behind walls: `particle` is the one that is mirrored, everything else is that of the image.
-  std::span<const InterfacePair<D>> image_pairs() const { return std::span(pairs_).subspan(particle_pairs_); }
-  /// Those of the particles, then those of the images.
+  std::span<const InterfacePair<D>> image_pairs() const { return std::span(pairs_).subspan(particle_pairs_ + averted_pairs_); }
+  /// Those of the particles, the averted ones, then those of the images.
   std::span<const InterfacePair<D>> all_pairs() const { return pairs_; }
 
  private:
@@ -45,7 +47,10 @@ class InterfacePairs {
   Faces<D> faces_;
   std::vector<int> seen_;
   std::vector<InterfacePair<D>> pairs_;
-  std::size_t particle_pairs_ = 0;
+  std::size_t particle_pairs_ = 0, averted_pairs_ = 0;
+  std::vector<InterfacePair<D>> past_corners_;  ///< averted pairs, as they are found
+  std::vector<std::uint8_t> covered_;  ///< per surface point
+  std::vector<double> borne_share_;
   std::vector<std::size_t> first_;  ///< pair of each particle, then the number of them all
 };
 

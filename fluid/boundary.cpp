@@ -4,6 +4,7 @@
 
 #include <omp.h>
 
+#include "particles/convex_corner.hpp"
 #include "particles/parallel.hpp"
 
 namespace tern::fluid {
@@ -248,7 +249,7 @@ void set_wall_sums(const Constants<D>& constants, const std::vector<Vector<D>>& 
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
   for (auto* v : {&sums.number_density, &sums.flux}) v->resize(n);
   for (auto* m : {&sums.moment, &sums.tangential}) m->resize(n);
-  for (auto* v : {&sums.wall_gradient, &sums.wall_hydrostatic, &sums.surface_gradient}) v->resize(n);
+  for (auto* v : {&sums.wall_gradient, &sums.mirrored_hydrostatic, &sums.surface_gradient, &sums.averted_gradient, &sums.unborne_gradient}) v->resize(n);
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (std::ptrdiff_t i = 0; i < n; ++i) {
     const HiddenSums<D> hidden = sum_hidden(constants, position[i], faces, i, rows);
@@ -258,25 +259,63 @@ void set_wall_sums(const Constants<D>& constants, const std::vector<Vector<D>>& 
     sums.wall_gradient[i] = -hidden.gradient;
     // A wall fixes the pressure gradient along its normal only. Along the face the fluid behind the mirror has the
     // gradient of the fluid before it, whatever that is: none in a free fall along the wall.
-    sums.wall_hydrostatic[i] = constants.density * (hidden.across * gravity[i] - hidden.accelerated);
+    sums.mirrored_hydrostatic[i] = constants.density * (hidden.across * gravity[i] - hidden.accelerated);
     sums.surface_gradient[i].setZero();
+    sums.averted_gradient[i].setZero();
+    sums.unborne_gradient[i].setZero();
     sums.flux[i] = hidden.flux;
   }
 }
 
 template <int D>
-void add_surface_sums(const Constants<D>& constants, const std::vector<Vector<D>>& position, const Faces<D>& faces,
-                      FaceRows& rows, BoundarySums<D>& sums) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
-    if (rows.count[i] == 0) continue;
-    const HiddenSums<D> hidden = sum_hidden(constants, position[i], faces, i, rows);
-    sums.number_density[i] += hidden.density;
-    sums.moment[i] += hidden.moment;
-    sums.tangential[i] += hidden.moment - hidden.across;
-    sums.surface_gradient[i] = -hidden.gradient;
-    sums.flux[i] += hidden.flux;
+void add_surface_sums(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
+                      const Faces<D>& faces, const FaceFinder<D>& finder, const std::vector<std::uint8_t>& covered, FaceRows& rows,
+                      BoundarySums<D>& sums) {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size()), count = static_cast<std::ptrdiff_t>(faces.size());
+  std::vector<double>& borne = sums.borne_share;
+  borne.resize(count);
+#pragma omp parallel num_threads(n < parallel_threshold ? 1 : omp_get_max_threads())
+  {
+    CornerView<D> corners(faces, finder, covered, constants.faces);
+#pragma omp for schedule(static)
+    for (std::ptrdiff_t k = 0; k < count; ++k) borne[k] = corners.borne_share(static_cast<int>(k));
+#pragma omp for schedule(static)
+    for (std::ptrdiff_t i = 0; i < n; ++i) {
+      if (rows.count[i] == 0) continue;
+      HiddenSums<D> hidden = sum_hidden(constants, position[i], faces, i, rows);
+      const int* const seen = rows.face.data() + rows.begin[i];
+      corners.look(position[i], seen, rows.count[i]);
+      if (!corners.averted().empty() || std::any_of(seen, seen + rows.count[i], [&](int k) { return borne[k] < 1; })) {
+        // Beside a corner there is no one normal across which the fluid is mirrored. What faces put on a particle where quantities
+        // vary linearly is -2 sum_k A_k w~ n_k (x_k - x_i)^T.
+        if (!corners.averted().empty()) hidden.across.setZero();
+        Matrix<D> unborne = Matrix<D>::Zero();
+        for (int m = 0; m < rows.count[i]; ++m) {
+          const int k = seen[m];
+          const double weight = rows.weight[rows.begin[i] + m];
+          const Matrix<D> first = weight * faces.normal[k] * (faces.position[k] - position[i]).transpose();
+          if (!corners.averted().empty()) hidden.across -= 2 * first;
+          unborne -= 2 * (1 - borne[k]) * first;
+          sums.unborne_gradient[i] -= (1 - borne[k]) * weight * faces.normal[k];
+        }
+        for (int k : corners.averted()) {
+          const Vector<D> d = faces.position[k] - position[i];
+          const double r = d.norm(), angle = subtended_angle<D>(d, Vector<D>(-faces.normal[k]), faces.area[k]);
+          const double weight = faces.area[k] * constants.faces.surface_weight(r);
+          hidden.density -= angle * constants.faces.hidden_density(r);
+          hidden.moment -= (angle * constants.faces.hidden_moment(r) / (r * r)) * d * d.transpose();
+          unborne += 2 * borne[k] * weight * faces.normal[k] * d.transpose();
+          sums.averted_gradient[i] -= weight * faces.normal[k];
+          sums.unborne_gradient[i] -= (1 - borne[k]) * weight * faces.normal[k];
+        }
+        sums.mirrored_hydrostatic[i] += constants.density * (unborne * gravity[i]);
+      }
+      sums.number_density[i] += hidden.density;
+      sums.moment[i] += hidden.moment;
+      sums.tangential[i] += hidden.moment - hidden.across;
+      sums.surface_gradient[i] = -hidden.gradient;
+      sums.flux[i] += hidden.flux;
+    }
   }
 }
 
@@ -289,8 +328,8 @@ void add_surface_sums(const Constants<D>& constants, const std::vector<Vector<D>
                                        const FaceFinder<D>&, FaceRows&);                                                \
   template void set_wall_sums<D>(const Constants<D>&, const std::vector<Vector<D>>&, const std::vector<Vector<D>>&,     \
                                  const Faces<D>&, FaceRows&, BoundarySums<D>&);                                         \
-  template void add_surface_sums<D>(const Constants<D>&, const std::vector<Vector<D>>&, const Faces<D>&, FaceRows&,     \
-                                    BoundarySums<D>&);
+  template void add_surface_sums<D>(const Constants<D>&, const std::vector<Vector<D>>&, const std::vector<Vector<D>>&, const Faces<D>&, const FaceFinder<D>&, \
+                                    const std::vector<std::uint8_t>&, FaceRows&, BoundarySums<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)
 #undef TERN_INSTANTIATE

@@ -1,7 +1,7 @@
 // Velocity divergence, with S_i = sum_F V_j (u_j - u_i) grad w_ij^T (difference form, zero for constants):
 //   inside:            div_i = tr(S_i C_i)                                exact for linear fields
 //   in the sum form:   div_i = tr S_i                                     the adjoint of that form of the pressure gradient
-//   at faces also:     - 2 sum_k A_k w~_ik n_k . (u_k - u_i)  +  tr(T_i S_i C^F_i)
+//   at faces also:     - 2 sum_k A_k w~_ik n_k . (u_k - u_i)  +  T_i : S_i C^F_i
 // The factor 2 is the mirror velocity 2 u_k - u_i of the hidden side; without it half the flux through a wall is lost. Along
 // a face the velocity behind it varies as that before it: without T, the part of the moments along hidden faces, fluid that
 // stretches along a wall and thins towards it would seem to be compressed, by a quarter of the rate at which it stretches.
@@ -37,7 +37,7 @@ void Fluid<D>::compute_divergence() {
       }
       const double through_faces =
           boundary_.flux[i] + predicted_velocity_[i].dot(boundary_.wall_gradient[i] + boundary_.surface_gradient[i]);
-      divergence_[i] = sum.trace() + trace_of_product<D>(boundary_.tangential[i], sum * fluid_correction_[i]) - 2 * through_faces;
+      divergence_[i] = sum.trace() + boundary_.tangential[i].cwiseProduct(sum * fluid_correction_[i]).sum() - 2 * through_faces;
     }
   });
 }

@@ -151,6 +151,7 @@ class Fluid {
   FaceFinder<D> wall_finder_, surface_finder_;
   std::vector<double> space_before_walls_;  ///< per patch, negative: not known; see boundary.hpp
   Faces<D> surface_;
+  std::vector<std::uint8_t> covered_faces_;  ///< of the surface: they stand at a wall
   State<D> state_;
   double begin_s_ = 0, duration_s_ = 0;
   std::size_t initial_particles_ = 0, removed_ = 0, leaked_ = 0;

@@ -2,6 +2,7 @@
 
 #include <omp.h>
 
+#include "particles/convex_corner.hpp"
 #include "particles/near_points.hpp"
 #include "particles/parallel.hpp"
 
@@ -171,7 +172,7 @@ void find_neighbours(const Constants<D>& constants, const Period<D>& period, con
 template <int D>
 void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& period,
                              const std::vector<Vector<D>>& position, const Faces<D>& faces, const FaceRows& rows,
-                             Neighbours<D>& neighbours) {
+                             bool past_corners, Neighbours<D>& neighbours) {
   auto& [sight, affected, listed] = neighbours.cutting;
   const int n = static_cast<int>(position.size());
   const double support = constants.kernel.support();
@@ -193,6 +194,17 @@ void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& per
       own.spread = std::max(own.spread, (faces.normal[k] - own.normal).norm());
     }
   const int viewers = static_cast<int>(sight.size());
+  // Whether the line from a to b, that enters a body through `patch`, leaves it past a corner.
+  const auto leaves_past_corner = [&](int patch, const Vector<D>& a, int other, const Vector<D>& b) {
+    bool leaves = false;
+    for (int entry = rows.begin[other]; entry < rows.begin[other] + rows.count[other]; ++entry) {
+      const int k = rows.face[entry];
+      if (!patch_separates(faces, k, b, a)) continue;
+      if (!passes_corner<D>(faces.normal[patch], faces.normal[k])) return false;
+      leaves = true;
+    }
+    return leaves;
+  };
   const auto blocked_by = [&](int viewer, int other) {
     if (listed[viewer] == 0 || listed[viewer] > viewers) return false;
     const Vector<D>& a = position[viewer];
@@ -203,7 +215,8 @@ void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& per
     const Vector<D> b = a + d;
     for (int entry = rows.begin[viewer]; entry < rows.begin[viewer] + rows.count[viewer]; ++entry) {
       const int k = rows.face[entry];
-      if (faces.two_sided[k] && patch_separates(faces, k, a, b)) return true;
+      if (faces.two_sided[k] && patch_separates(faces, k, a, b) && !(past_corners && leaves_past_corner(k, a, other, b)))
+        return true;
     }
     return false;
   };
@@ -234,7 +247,7 @@ void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& per
   template void find_neighbours<D>(const Constants<D>&, const Period<D>&, const CellGrid<D>&, const CellContents&,     \
                                    const std::vector<Vector<D>>&, Neighbours<D>&);                                     \
   template void cut_pairs_through_faces<D>(const Constants<D>&, const Period<D>&, const std::vector<Vector<D>>&,       \
-                                           const Faces<D>&, const FaceRows&, Neighbours<D>&);
+                                           const Faces<D>&, const FaceRows&, bool, Neighbours<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)
 #undef TERN_INSTANTIATE

@@ -37,10 +37,10 @@ void Fluid<D>::apply_pressure_gradient() {
       });
       Vector<D> difference;
       for (int c = 0; c < D; ++c) difference[c] = even[c] + odd[c];
-      const Vector<D> kernel_gradient = neighbours_.kernel_gradient[i] + boundary_.wall_gradient[i];
+      const Vector<D> kernel_gradient = neighbours_.kernel_gradient[i] + boundary_.wall_gradient[i] + boundary_.unborne_gradient[i];
       if (wall_rows_.count[i] > 0 || surface_rows_.count[i] > 0) {
         if (sum_form_[i]) difference += boundary_.tangential[i] * (fluid_correction_[i] * difference);
-        difference += boundary_.wall_hydrostatic[i];
+        difference += boundary_.mirrored_hydrostatic[i];
       }
       Vector<D> gradient;
       if (sum_form_[i]) {

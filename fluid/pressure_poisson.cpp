@@ -69,6 +69,8 @@ void Fluid<D>::assemble_pressure_source(const DissipativeLoad<D>& load) {
   for (int i = 0; i < n; ++i) {
     if (!active_[i]) continue;
     double b = scale * (density_source_.empty() ? divergence_[i] : divergence_[i] - density_source_[i]);
+    // Past a corner the pressure behind the face goes on along the face as before it, by the weight of the fluid.
+    b += 2 * density * constants_.volume * gravity_[i].dot(boundary_.averted_gradient[i]);
     for (int entry = surface_rows_.begin[i]; entry < surface_rows_.begin[i] + surface_rows_.count[i]; ++entry) {
       // The face answers the pressure at the face: that of the particle and the weight of the fluid between.
       const int k = surface_rows_.face[entry];

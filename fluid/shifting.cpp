@@ -59,7 +59,7 @@ void Fluid<D>::shift_particles() {
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (std::ptrdiff_t i = 0; i < n; ++i) {
     if (flag_[i] != Flag::interior) continue;
-    const Vector<D> boundary = boundary_.wall_gradient[i] + boundary_.surface_gradient[i];
+    const Vector<D> boundary = boundary_.wall_gradient[i] + boundary_.surface_gradient[i] + boundary_.averted_gradient[i];
     Vector<D> shift = -coefficient * (neighbours_.concentration_gradient[i] + boundary);
     if (near_surface_[i]) {
       const Vector<D> outward = correction_[i] * (neighbours_.kernel_gradient[i] + boundary);

@@ -15,6 +15,7 @@
 
 #include "fluid/fluid.hpp"
 #include "fluid/mirror_images.hpp"
+#include "particles/convex_corner.hpp"
 #include "particles/error.hpp"
 #include "particles/parallel.hpp"
 #include "particles/timing.hpp"
@@ -58,14 +59,15 @@ Band<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   see_faces<D>(predicted_position_, surface_, surface_finder_, surface_rows_);
   if (!surface_rows_.face.empty()) {
     hide_walls_behind_structure();
-    cut_pairs_through_faces<D>(constants_, period_, predicted_position_, surface_, surface_rows_, neighbours_);
+    cut_pairs_through_faces<D>(constants_, period_, predicted_position_, surface_, surface_rows_, true, neighbours_);
+    find_covered_faces<D>(surface_, walls_.faces(), wall_finder_, 0.5 * constants_.spacing, covered_faces_);
   }
   if (walls_.any_two_sided())
-    cut_pairs_through_faces<D>(constants_, period_, predicted_position_, seen_walls_.faces(), wall_rows_, neighbours_);
+    cut_pairs_through_faces<D>(constants_, period_, predicted_position_, seen_walls_.faces(), wall_rows_, false, neighbours_);
   leave_out_dry_walls<D>(constants_, predicted_position_, seen_walls_.faces(), walls_.faces(), wall_finder_, space_before_walls_, surface_,
                          surface_finder_, wall_rows_);
   set_wall_sums<D>(constants_, predicted_position_, gravity_, seen_walls_.faces(), wall_rows_, boundary_);
-  add_surface_sums<D>(constants_, predicted_position_, surface_, surface_rows_, boundary_);
+  add_surface_sums<D>(constants_, predicted_position_, gravity_, surface_, surface_finder_, covered_faces_, surface_rows_, boundary_);
   correct_moments();
   mark_free_surface();
   if (constants_.viscosity > 0) apply_viscosity();
@@ -85,6 +87,9 @@ Band<D> Fluid<D>::see_surface(const Surface<D>& surface) {
     if (reports_divergence_) band.divergence.push_back(divergence_[i]);
     if (wall_rows_.count[i] > 0) add_images(band);
   }
+  if (!band_.empty())
+    for (std::size_t k = 0; k < covered_faces_.size(); ++k)
+      if (covered_faces_[k]) band.covered.push_back(static_cast<std::uint32_t>(k));
   return band;
 }
 

@@ -92,16 +92,19 @@ FaceKernel<D>::FaceKernel(const Kernel<D>& kernel, double spacing)
   // Tables from the outside in: value at r = integral from r to the support.
   density_.assign(table_size + 1, 0);
   moment_.assign(table_size + 1, 0);
+  beyond_.assign(table_size + 1, 0);
   constexpr int substeps = 8;
   for (int k = table_size - 2; k >= 0; --k) {
     density_[k] = density_[k + 1];
     moment_[k] = moment_[k + 1];
+    beyond_[k] = beyond_[k + 1];
     const double step = 1 / (table_scale_ * substeps);
     for (int sub = 0; sub < substeps; ++sub) {
       const double s = k / table_scale_ + (sub + 0.5) * step;
       const double shell = std::pow(s, D - 1) * step;
       density_[k] += w(s) * evaluate(density, s) * shell;
       moment_[k] += m(s) * evaluate(moment, s) * shell;
+      beyond_[k] += w(s) * evaluate(surface_, s) * shell;
     }
   }
 }

@@ -30,6 +30,8 @@ class FaceKernel {
 
   /// w~(r) [1/m^D]: sum_hidden grad w = -A w~ n.
   double surface_weight(double r) const { return kernel_.value(r) * evaluate(surface_, r); }
+  /// Int_r^2h w~ s^(D-1) ds [-]; times a solid angle: what the volume in it, from r on, adds to the sum of w~ at a face.
+  double surface_weight_beyond(double r) const { return interpolate(beyond_, r); }
   /// Int_r^2h of the calibrated w s^(D-1) ds [-]; times the solid angle: hidden part of sum V w.
   double hidden_density(double r) const { return interpolate(density_, r); }
   /// Int_r^2h of the calibrated s|w'|/M_xx s^(D-1) ds [-]; times the solid angle: hidden part of tr M.
@@ -51,7 +53,7 @@ class FaceKernel {
   Kernel<D> kernel_;
   double support_, table_scale_;
   Polynomial surface_{};
-  std::vector<double> density_, moment_;
+  std::vector<double> density_, moment_, beyond_;
 };
 
 /// Angle (2D) or solid angle (3D) that a patch subtends at distance vector d = x_k - x_i (i on the side of the normal).

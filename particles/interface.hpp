@@ -41,6 +41,9 @@ struct Band {
   /// beyond a wall that a face meets, which loads that face as well. Both of one length, which is not that of the others.
   std::vector<std::uint32_t> image_of;    ///< index of the band particle
   std::vector<Vector<D>> image_position;  ///< [m]
+
+  /// Surface points that look into a wall of the fluid instead of into room for it; ascending. Only those at walls need be named.
+  std::vector<std::uint32_t> covered;
 };
 
 /// What the fluid is told before its pressure solve: forces that are already known, and how the surface moves and yields.

@@ -16,7 +16,7 @@
 
 namespace tern::proto {
 
-inline constexpr std::uint32_t protocol_version = 4;
+inline constexpr std::uint32_t protocol_version = 5;
 
 using Kind = wire::Message::BodyCase;
 

@@ -75,6 +75,7 @@ wire::Band to_wire(const Band<D>& band) {
   put(message.mutable_divergence(), band.divergence);
   message.mutable_image_of()->Assign(band.image_of.begin(), band.image_of.end());
   put<D>(message.mutable_image_position(), band.image_position);
+  message.mutable_covered()->Assign(band.covered.begin(), band.covered.end());
   return message;
 }
 
@@ -87,7 +88,8 @@ Band<D> from_wire(const wire::Band& message) {
           get(message.volume()),
           get(message.divergence()),
           get(message.image_of()),
-          get_vectors<D>(message.image_position())};
+          get_vectors<D>(message.image_position()),
+          get(message.covered())};
 }
 
 template <int D>

@@ -193,6 +193,11 @@ void check_band(Check& check, const wire::Band& band, const Agreement& agreement
   for (int m = 0; check.fault.empty() && m < band.image_of_size(); ++m)
     if (band.image_of(m) >= particles)
       check.fault = fmt::format("image_of[{}] is {}, but the band has {} particles", m, band.image_of(m), particles);
+  const auto points = agreement.surface_points.value_or(0);
+  for (int m = 0; check.fault.empty() && m < band.covered_size(); ++m)
+    if (band.covered(m) >= points || (m > 0 && band.covered(m) <= band.covered(m - 1)))
+      check.fault = fmt::format("covered[{}] is {}; it must be above the one before and below {}, the number of surface points", m,
+                                band.covered(m), points);
 }
 
 void check_extent(Check& check, const wire::Extent& extent, const Agreement& agreement) {

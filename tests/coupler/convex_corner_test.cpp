@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <numbers>
 
 #include "fluid/fluid.hpp"
+#include "particles/convex_corner.hpp"
 #include "particles/geometry.hpp"
 #include "structure/structure.hpp"
 #include "tests/coupler/scenes.hpp"
@@ -12,7 +14,7 @@
 namespace tern::coupler::testing {
 namespace {
 
-constexpr double dx = 0.01, low = 0.14, high = 0.26, width = 0.4, rho = 1000, g = 9.81;
+constexpr double window = 1e-3, dx = 0.01, low = 0.14, high = 0.26, width = 0.4, rho = 1000, g = 9.81;
 
 Case block_in_water() {
   Case c = scene(2, dx);
@@ -39,6 +41,7 @@ Case block_in_water() {
   block.young_modulus = 1e9;
   block.poisson_ratio = 0.3;
   block.velocity = constant(0);
+  c.fluid->numerics.density_relaxation = 0;
   block.clamps = {box({0.18, 0.18, -1}, {0.22, 0.22, 1})};
   return c;
 }
@@ -52,71 +55,177 @@ struct Scene {
   Band<2> band;
 
   Scene() {
-    fluid.begin_window(0, to_ticks(1e-6));
+    fluid.begin_window(0, to_ticks(window));
     band = fluid.see_surface(surface);
   }
 };
 
-// Every point of a face has the whole half space before it, corners included: where the particles stand on their lattice and
-// have the pressure of water at rest, the block feels the weight of the water it displaces. What a block feels too much after
-// some time is not the transfer of the pressure but where the particles have gone and which pressure they have found.
-// Seen to fail: with 1.9 for the factor 2 of b_ik.
+// Where the particles stand on their lattice and have the pressure of water at rest, the block feels the weight of the water it
+// displaces. A point beside a corner has more than a half space before it, and its share of that (borne_share) is of the volume, not of
+// the lattice: by 0.017 dx of face per corner where pressures are summed and not averaged (riemann).
+// Seen to fail: with 1.9 for the factor 2 of b_ik; with a share of 1 (riemann, 1.04).
 TEST(ConvexCorner, LeavesTheLiftOfALatticeExact) {
   Scene scene;
   for (const auto& [name, scheme] : {std::pair{"fsa", InterfaceScheme::fsa}, {"pi", InterfaceScheme::pi},
                                      {"riemann", InterfaceScheme::riemann}}) {
     scene.c.coupling.scheme = scheme;
     CouplingStep<2> step(scene.c, scene.structure.surface_properties());
-    step.dissipative_load(0, 1e-6, scene.surface, scene.band);
+    step.dissipative_load(0, window, scene.surface, scene.band);
     step.interface_force(pressure_field<2>(scene.band, [](const Vector<2>& x) { return rho * g * (width - x[1]); }));
     const Vector<2> lift = step.total_load(0) / (rho * g * (high - low) * (high - low));
     std::printf("[ %-7s lift %.5f of Archimedes' ]\n", name, lift[1]);
-    EXPECT_NEAR(lift[1], 1, 1e-3) << name;
+    EXPECT_NEAR(lift[1], 1, scheme == InterfaceScheme::riemann ? 4e-3 : 1e-3) << name;
     EXPECT_NEAR(lift[0], 0, 1e-9) << name;
   }
 }
 
-// A particle that sees one of the two faces of a corner does not see the fluid beyond it. The boundary of what is hidden from it
-// is the face and, from the corner on, the ray through the corner; the sum over the face lacks the ray, so that a uniform
-// pressure p pushes the particle by -2 p V R, R = n Int_r^2h w ds, n across the ray, r the distance of the corner. Elsewhere
-// R = 0. This is why particles at rest cannot stay on their lattice there; what it does to the load: docs/THEORY.md, section 4.
-// Particles of the lattice that stand on the ray make a difference of up to a half to a single R, but not to the sum.
-// Seen to fail: with 1.9 for the factor 2 of b_ik; with the cone of each patch in place of its surface, which has the ray.
-TEST(ConvexCorner, LacksTheRayThroughTheCorner) {
-  Scene scene;
+/// dx times the sum of grad w over the fluid a particle of the band sees and over the faces that bound what is hidden from it.
+std::vector<Vector<2>> incompleteness(const Scene& scene, bool averted) {
   const double h = scene.c.fluid->numerics.smoothing_length_ratio * dx;
-  const Kernel<2> kernel(h);
-  InterfacePairs<2> pairs(h, dx);
-  pairs.find(scene.band, scene.surface);
-  std::vector<Vector<2>> faces(scene.band.id.size(), Vector<2>::Zero());
-  for (const auto& pair : pairs.pairs()) faces[pair.particle] += pair.b / (2 * scene.band.volume[pair.particle]);
+  const FaceKernel<2> kernel(Kernel<2>(h), dx);
+  Faces<2> faces;
+  faces.position = scene.surface.position;
+  faces.normal = scene.surface.normal;
+  faces.area = scene.surface.area;
+  faces.two_sided.assign(faces.size(), 1);
+  FaceFinder<2> finder;
+  finder.fill(faces, kernel.support());
+  const std::vector<std::uint8_t> none_covered;
+  CornerView<2> corners(faces, finder, none_covered, kernel);
   std::map<std::uint32_t, std::size_t> row;
   for (std::size_t i = 0; i < scene.fluid.state().size(); ++i) row[scene.fluid.state().id[i]] = i;
-
-  double ray = 0, found = 0, elsewhere = 0;
+  std::vector<Vector<2>> result;
   for (std::size_t m = 0; m < scene.band.id.size(); ++m) {
-    const Vector<2> residual = scene.fluid.neighbours().kernel_gradient[row[scene.band.id[m]]] + faces[m];
-    // From the nearest corner, both axes pointing away from the block.
-    const Vector<2> x = scene.band.position[m] - Vector<2>::Constant(0.5 * (low + high));
-    const Vector<2> from_corner = x.cwiseAbs() - Vector<2>::Constant(0.5 * (high - low));
-    const double r = from_corner.norm(), length = kernel.support() - r;
-    if (length <= 0 || from_corner.minCoeff() > 0) {
-      elsewhere = std::max(elsewhere, dx * residual.norm());
-      continue;
+    const Vector<2>& x = scene.band.position[m];
+    std::vector<int> seen;
+    finder.see(faces, x, seen);
+    if (averted) {
+      corners.look(x, seen.data(), static_cast<int>(seen.size()));
+      seen.insert(seen.end(), corners.averted().begin(), corners.averted().end());
     }
-    constexpr int steps = 1000;
-    double size = 0;
-    for (int s = 0; s < steps; ++s) size += kernel.value(r + (s + 0.5) / steps * length) * length / steps;
-    // Across the ray, away from the block.
-    const Vector<2> across(std::copysign(from_corner[1], x[0]), std::copysign(from_corner[0], x[1]));
-    const Vector<2> expected = dx * size / r * across;
-    ray += expected.squaredNorm();
-    found += dx * residual.dot(expected);
+    Vector<2> sum = scene.fluid.neighbours().kernel_gradient[row[scene.band.id[m]]];
+    for (int k : seen) sum -= faces.area[k] * kernel.surface_weight((faces.position[k] - x).norm()) * faces.normal[k];
+    result.push_back(dx * sum);
   }
-  std::printf("[ sum of R . R_ray %.5f, of R_ray . R_ray %.5f; R dx elsewhere at most %.4f ]\n", found, ray, elsewhere);
-  EXPECT_GT(ray, 0.05);
-  EXPECT_NEAR(found / ray, 1, 0.2);
-  EXPECT_LT(elsewhere, 0.01);
+  return result;
+}
+
+// A particle sees the fluid past a corner. What is hidden from it is bounded by the face it sees and by the averted one: with
+// both, Gauss' theorem holds beside corners as it does elsewhere, but for what the lattice leaves of it there.
+// Seen to fail: with pairs cut at corners.
+TEST(ConvexCorner, HidesWhatItsFacesBound) {
+  const Scene scene;
+  double with = 0, without = 0;
+  for (const auto& r : incompleteness(scene, true)) with = std::max(with, r.norm());
+  for (const auto& r : incompleteness(scene, false)) without = std::max(without, r.norm());
+  std::printf("[ dx |sum grad w| at most %.4f; %.4f without averted faces ]\n", with, without);
+  EXPECT_LT(with, 0.012);
+  EXPECT_GT(without, 0.1);
+}
+
+// The first window of a scene that is at rest: no particle is pushed, beside corners no more than the lattice leaves of their
+// sums (p is 26 rho g dx there), and the pressure is that of water at rest up to a constant. (The constant is that of the free
+// surface.) Without what is done for corners a particle is pushed by 5.7 g, and the block feels 4.9 % too much.
+// Seen to fail: with pairs cut at corners (5.7 g); without averted faces in the pressure gradient (16 g), in the pressure
+// equation (pressures 1.3 rho g dx apart), in T (0.41 g).
+TEST(ConvexCorner, LeavesWaterAtRest) {
+  Scene scene;
+  scene.c.coupling.algorithm = CouplingAlgorithm::cm0;
+  CouplingStep<2> step(scene.c, scene.structure.surface_properties());
+  const BandPressure<2> pressure = scene.fluid.solve_pressure(step.dissipative_load(0, window, scene.surface, scene.band));
+  scene.fluid.end_window(step.interface_force(pressure));
+  const auto& state = scene.fluid.state();
+  double push = 0, lowest = 1e300, highest = -1e300;
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    const Vector<2> from_face = (state.position[i] - Vector<2>::Constant(0.5 * (low + high))).cwiseAbs() - Vector<2>::Constant(0.5 * (high - low));
+    if (from_face.maxCoeff() > 0.05) continue;
+    push = std::max(push, state.velocity[i].norm() / (g * window));
+    const double excess = state.pressure[i] / (rho * g * dx) - (width - state.position[i][1]) / dx;
+    lowest = std::min(lowest, excess), highest = std::max(highest, excess);
+  }
+  const double lift = step.total_load(0)[1] / (rho * g * (high - low) * (high - low));
+  std::printf("[ push %.3f g; pressures %.4f rho g dx apart; lift %.4f ]\n", push, highest - lowest, lift);
+  EXPECT_LT(push, 0.35);
+  EXPECT_LT(highest - lowest, 0.02);
+  EXPECT_NEAR(lift, 1, 5e-3);
+}
+
+// A particle goes round a corner in small steps. On its way it passes the planes of both faces; what it puts on the body does
+// not jump there.
+// Seen to fail: without averted pairs (0.26 of p dx).
+TEST(ConvexCorner, IsPassedWithoutAJump) {
+  const Scene scene;
+  CouplingStep<2> step(scene.c, scene.structure.surface_properties());
+  const int steps = 400;
+  Vector<2> before = Vector<2>::Zero();
+  double largest = 0;
+  for (int n = 0; n <= steps; ++n) {
+    const double angle = 1.5 * std::numbers::pi * (n / double(steps)) - 0.5 * std::numbers::pi;  // round the upper right corner
+    Band<2> band;
+    add_particle<2>(band, Vector<2>(high + 0.6 * dx * std::cos(angle), high + 0.6 * dx * std::sin(angle)), dx);
+    if (band.position[0].maxCoeff() <= high) continue;
+    step.dissipative_load(0, window, scene.surface, band);
+    step.interface_force(pressure_field<2>(band, [](const Vector<2>&) { return 1000.0; }));
+    const Vector<2> load = step.total_load(0) / (1000 * dx);
+    if (n > 0 && before.norm() > 0) largest = std::max(largest, (load - before).norm());
+    before = load;
+  }
+  std::printf("[ largest change between two places: %.4f of p dx ]\n", largest);
+  EXPECT_LT(largest, 0.02);
+}
+
+// The face of a body that stands at a wall looks into it, and there is no fluid past its edge.
+// Seen to fail: with every face uncovered.
+TEST(ConvexCorner, IsNoneAtAWall) {
+  Case c = block_in_water();
+  // Water over a block that fills the tank from wall to wall.
+  c.fluid->bodies.resize(1);
+  c.fluid->bodies[0].shape = box({0, high, 0}, {width, width, 0});
+  c.structure->bodies[0].shape = box({0, low, 0}, {width, high, 0});
+  fluid::Fluid<2> fluid(c);
+  structure::Structure<2> structure(c);
+  const Surface<2> surface = structure.surface();
+  fluid.begin_window(0, to_ticks(window));
+  const Band<2> band = fluid.see_surface(surface);
+  std::size_t at_walls = 0;
+  for (std::uint32_t k : band.covered) at_walls += std::abs(surface.normal[k][0]) > 0.5;
+  EXPECT_EQ(at_walls, band.covered.size());
+  EXPECT_EQ(at_walls, 2 * static_cast<std::size_t>(std::lround((high - low) / (0.5 * dx))));
+  InterfacePairs<2> pairs(c.fluid->numerics.smoothing_length_ratio * dx, dx);
+  pairs.find(band, surface);
+  EXPECT_FALSE(pairs.pairs().empty());
+  EXPECT_TRUE(pairs.averted_pairs().empty());
+}
+
+// Water before a plate does not see the water behind it, but that past its edge.
+// Seen to fail: with every pair past a body kept; with none kept.
+TEST(ConvexCorner, IsThatOfAPlateToo) {
+  Case c = block_in_water();
+  constexpr double left = 0.19, right = 0.2, tip = 0.2;
+  c.structure->bodies[0].shape = box({left, -0.04, 0}, {right, tip, 0});
+  c.structure->bodies[0].clamps = {box({-1, -1, -1}, {1, 0, 1})};
+  c.fluid->bodies.resize(1);
+  Shape& water = c.fluid->bodies[0].shape;
+  water.kind = Shape::Kind::difference;
+  water.parts = {box({0, 0, 0}, {width, width, 0}), box({left, 0, 0}, {right, tip, 0})};
+  fluid::Fluid<2> fluid(c);
+  structure::Structure<2> structure(c);
+  fluid.begin_window(0, to_ticks(window));
+  fluid.see_surface(structure.surface());
+  const auto& x = fluid.state().position;
+  const auto& neighbours = fluid.neighbours();
+  int past = 0;
+  for (int i = 0; i < static_cast<int>(x.size()); ++i) {
+    if (x[i][0] > left || x[i][1] > tip) continue;  // before the plate
+    for (int entry = neighbours.begin[i]; entry < neighbours.begin[i] + neighbours.count[i]; ++entry) {
+      const Vector<2>& other = x[neighbours.column[entry]];
+      if (other[0] <= left) continue;
+      ++past;
+      // Where the line leaves the slab of the plate it is above its tip.
+      EXPECT_GT(x[i][1] + (other[1] - x[i][1]) * std::min(1.0, (right - x[i][0]) / (other[0] - x[i][0])), tip - 1e-9) << x[i].transpose() << " sees " << other.transpose();
+    }
+  }
+  EXPECT_GT(past, 4);
 }
 
 /// Loads of the pressure of water at rest on the cube's upper and lower face, over pressure times area, with patches of `patch` dx.
@@ -154,8 +263,8 @@ TEST(ConvexCorner, LeavesTheLoadsOfACubeExact) {
     for (double patch : {1.0, 0.5}) {
       const auto [top, bottom] = loads_of_a_cube(scheme, patch);
       std::printf("[ %-7s patches of %.1f dx: top %.5f, bottom %.5f of p A ]\n", name, patch, top, bottom);
-      // A patch of dx is too coarse for the corners of the kernel by 0.5 %.
-      const double band = scheme == InterfaceScheme::riemann && patch == 1 ? 0.006 : 1e-3;
+      // A patch of dx is too coarse for the corners of the kernel by 0.5 %; the rest is the lattice beside the edges.
+      const double band = scheme == InterfaceScheme::riemann ? 0.008 : 1e-3;
       EXPECT_NEAR(top, 1, band) << name;
       EXPECT_NEAR(bottom, 1, band) << name;
     }

@@ -18,7 +18,10 @@ struct Corner {
   explicit Corner(bool images) {
     for (int k = 0; k < 40; ++k) add_point<2>(surface, {(k + 0.5) * 0.5 * dx, 0.0}, {0.0, 1.0}, 0.5 * dx);
     // The side of the body, which lies on the wall.
-    for (int k = 0; k < 10; ++k) add_point<2>(surface, {0.0, -(k + 0.5) * 0.5 * dx}, {-1.0, 0.0}, 0.5 * dx);
+    for (int k = 0; k < 10; ++k) {
+      band.covered.push_back(static_cast<std::uint32_t>(surface.position.size()));
+      add_point<2>(surface, {0.0, -(k + 0.5) * 0.5 * dx}, {-1.0, 0.0}, 0.5 * dx);
+    }
     for (int i = 0; i < 30; ++i)
       for (int j = 0; j < 4; ++j) {
         add_particle<2>(band, {(i + 0.5) * dx, (j + 0.5) * dx}, dx);

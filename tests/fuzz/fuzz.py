@@ -28,7 +28,7 @@ def coupler_messages():
         {"begin_window": wire.BeginWindow(begin_ticks=0, duration_ticks=1 << 22)},
         {"surface": wire.Surface(position=[0, 0, 0, 1], velocity=[0] * 4, normal=[1, 0, 1, 0], area=[1, 1])},
         {"band": wire.Band(id=[7], position=[1, 1], velocity=[0, 0], mass=[1], volume=[1], divergence=[0], image_of=[0],
-                           image_position=[-1, 1])},
+                           image_position=[-1, 1], covered=[1])},
         {"window_done": wire.WindowDone(proposed_step_s=1e-3, limit="gravity",
                                         extent=wire.Extent(low=[0, 0], high=[1, 1], largest_speed=1, reach=0.1))},
         {"surface": wire.Surface()},

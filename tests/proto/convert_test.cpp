@@ -77,7 +77,7 @@ void round_trip(std::size_t n) {
 
   const Band<D> band{labels(random, n),  vectors<D>(random, n), vectors<D>(random, n),
                      scalars(random, n), scalars(random, n),    scalars(random, n),
-                     labels(random, n + 2), vectors<D>(random, n + 2)};
+                     labels(random, n + 2), vectors<D>(random, n + 2), labels(random, n + 3)};
   const auto band2 = from_wire<D>(through_bytes(to_wire(band)));
   EXPECT_EQ(band.id, band2.id);
   expect_same_bits<D>(band.position, band2.position);
@@ -87,6 +87,7 @@ void round_trip(std::size_t n) {
   expect_same_bits(band.divergence, band2.divergence);
   EXPECT_EQ(band.image_of, band2.image_of);
   expect_same_bits<D>(band.image_position, band2.image_position);
+  EXPECT_EQ(band.covered, band2.covered);
 
   const DissipativeLoad<D> load{vectors<D>(random, n), scalars(random, n + 1), scalars(random, n + 1),
                                 vectors<D>(random, n + 1), true};

@@ -85,7 +85,7 @@ Refusal raw_refusal(const std::function<void(wire::Message&)>& change) {
 
 TEST(Handshake, AnotherProtocolVersionIsRefused) {
   expect_both_say(raw_refusal([](wire::Message& m) { m.set_protocol_version(7); }),
-                  "The structure process speaks protocol version 7, the coupler version 4");
+                  "The structure process speaks protocol version 7, the coupler version 5");
 }
 
 TEST(Handshake, InconsistentCountsAreRefused) {

@@ -158,6 +158,11 @@ const BodyFault body_faults[] = {
        for (int c = 0; c < 2; ++c) m.mutable_band()->add_image_position(nan);
      },
      "image_position[0] is nan"},
+    {"Band covered point there is not", Kind::kBand, wire::FLUID, [](auto& m) { m.mutable_band()->add_covered(2); },
+     "covered[0] is 2; it must be above the one before and below 2, the number of surface points"},
+    {"Band covered point twice", Kind::kBand, wire::FLUID,
+     [](auto& m) { m.mutable_band()->add_covered(1), m.mutable_band()->add_covered(1); },
+     "covered[1] is 1; it must be above the one before"},
     {"DissipativeLoad force length", Kind::kDissipativeLoad, wire::COUPLER,
      [](auto& m) { m.mutable_dissipative_load()->add_force(1); }, "force has 7 entries; it must have 6"},
     {"DissipativeLoad pressure length", Kind::kDissipativeLoad, wire::COUPLER,
@@ -311,14 +316,14 @@ TEST(MessageCheck, EveryEnvelopeFaultIsFoundAndNamed) {
     return find_envelope_fault(message, envelope, {Kind::kBand, Kind::kBandPressure});
   };
   EXPECT_EQ(fault([](auto&) {}), "");
-  EXPECT_EQ(fault([](auto& m) { m.set_protocol_version(7); }), "protocol_version is 7; this program speaks version 4");
+  EXPECT_EQ(fault([](auto& m) { m.set_protocol_version(7); }), "protocol_version is 7; this program speaks version 5");
   EXPECT_EQ(fault([](auto& m) { m.set_sender(wire::STRUCTURE); }), "sender is structure; it must be fluid");
   EXPECT_EQ(fault([](auto& m) { m.set_sender(static_cast<wire::Role>(9)); }), "sender is role 9; it must be fluid");
   EXPECT_NE(fault([](auto& m) { m.set_sequence(4); }).find("sequence is 4; it must be 5"), std::string::npos);
   EXPECT_NE(fault([](auto& m) { m.set_sequence(6); }).find("sequence is 6; it must be 5"), std::string::npos);
   EXPECT_EQ(fault([](auto& m) { m.set_step(16); }), "step is 16; it must be 17");
   EXPECT_EQ(fault([](auto& m) { m.mutable_finish(); }), "body is Finish; it must be Band or BandPressure now");
-  EXPECT_EQ(fault([](auto& m) { m.clear_body(); }), "body is of no kind that protocol version 4 knows");
+  EXPECT_EQ(fault([](auto& m) { m.clear_body(); }), "body is of no kind that protocol version 5 knows");
   EXPECT_EQ(fault([](auto& m) { m.mutable_begin_window(); }), "step is 17; it must be 18");  // always the next window
   EXPECT_EQ(fault([](auto& m) {
               m.mutable_abort();
