@@ -76,7 +76,7 @@ struct Content {
     std::vector<std::uint32_t> labels(points);
     std::iota(labels.begin(), labels.end(), 0);
     std::shuffle(labels.begin(), labels.end(), std::mt19937(1));
-    band = {labels, vectors, vectors, scalars, scalars, scalars, {}, {}};
+    band = {labels, vectors, vectors, scalars, scalars, scalars, {}, {}, {}};
     load.force = vectors;
     load.reference_pressure = load.robin_mass = scalars;
     pressure = {scalars, vectors};
