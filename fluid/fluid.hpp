@@ -51,12 +51,12 @@ class Fluid {
   void begin_window(Ticks begin, Ticks duration);
   /// The structure's surface at the middle of the window; returns the particles that see it.
   Band<D> see_surface(const Surface<D>& surface);
-  /// What of the pressure equation does not ask for the load. To be called while others compute that; solve_pressure() does it else.
+  /// What of the pressure equation does not ask for the load. To be called while others compute that, or left to solve_pressure().
   void prepare_pressure();
   /// Applies the forces already known and solves the pressure Poisson equation. Of a load with velocities of the surface: the
   /// same window once more, with these.
   BandPressure<D> solve_pressure(const DissipativeLoad<D>& load);
-  /// The velocities of all other particles. To be called while others compute the force on the band; end_window() does it else.
+  /// The velocities of all other particles. To be called while others compute the force on the band, or left to end_window().
   void complete_velocity();
   /// Applies the pressure, moves, shifts and settles contacts with walls. Throws NumericalFailure.
   void end_window(const BandForce<D>& force);
@@ -124,8 +124,8 @@ class Fluid {
   void compute_divergence();                           // divergence.cpp
   void compute_density_source();                       // density_source.cpp
   void move_surface_at(const std::vector<Vector<D>>& velocity);
-  void assemble_pressure_matrix();                     // pressure_poisson.cpp: the rows that no face of the structure is part of,
-  void assemble_pressure_matrix_at_surface(const DissipativeLoad<D>& load);  // and the others
+  void assemble_pressure_matrix();                     // pressure_poisson.cpp: the rows of all that see no face of the structure
+  void assemble_pressure_matrix_at_structure(const DissipativeLoad<D>& load);  // and of the others
   void assemble_pressure_row(int i, const DissipativeLoad<D>& load);
   void assemble_pressure_source(const DissipativeLoad<D>& load);  // pressure_poisson.cpp
   /// kappa_ik of a patch that the particle sees with this weight A_k w~_ik [m^(D-2)].

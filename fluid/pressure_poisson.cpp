@@ -39,7 +39,7 @@ void Fluid<D>::assemble_pressure_matrix() {
 }
 
 template <int D>
-void Fluid<D>::assemble_pressure_matrix_at_surface(const DissipativeLoad<D>& load) {
+void Fluid<D>::assemble_pressure_matrix_at_structure(const DissipativeLoad<D>& load) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(band_.size());
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (std::ptrdiff_t m = 0; m < n; ++m) assemble_pressure_row(band_[m], load);
@@ -152,13 +152,13 @@ void Fluid<D>::solve_pressure_poisson() {
   for (std::ptrdiff_t i = 0; i < n; ++i) state_.pressure[i] = pressure_[i];
 }
 
-#define TERN_INSTANTIATE(D)                                                      \
-  template void Fluid<D>::assemble_pressure_matrix();                            \
-  template void Fluid<D>::assemble_pressure_matrix_at_surface(const DissipativeLoad<D>&); \
-  template void Fluid<D>::assemble_pressure_row(int, const DissipativeLoad<D>&); \
-  template void Fluid<D>::assemble_pressure_source(const DissipativeLoad<D>&);   \
-  template double Fluid<D>::yielding(const DissipativeLoad<D>&, int, double) const; \
-  template void Fluid<D>::prepare_pressure_solve();                              \
+#define TERN_INSTANTIATE(D)                                                                 \
+  template void Fluid<D>::assemble_pressure_matrix();                                       \
+  template void Fluid<D>::assemble_pressure_matrix_at_structure(const DissipativeLoad<D>&); \
+  template void Fluid<D>::assemble_pressure_row(int, const DissipativeLoad<D>&);            \
+  template void Fluid<D>::assemble_pressure_source(const DissipativeLoad<D>&);              \
+  template double Fluid<D>::yielding(const DissipativeLoad<D>&, int, double) const;         \
+  template void Fluid<D>::prepare_pressure_solve();                                         \
   template void Fluid<D>::solve_pressure_poisson();
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

@@ -131,7 +131,7 @@ BandPressure<D> Fluid<D>::solve_pressure(const DissipativeLoad<D>& load) {
       changed = changed || load.force[m].squaredNorm() > 0;
     }
     if (changed) compute_divergence();
-    if (first) assemble_pressure_matrix_at_surface(load);
+    if (first) assemble_pressure_matrix_at_structure(load);
     assemble_pressure_source(load);
   }
   {

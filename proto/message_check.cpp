@@ -68,9 +68,12 @@ class Check {
       for (int a = 0; a < D; ++a) square += component[D * k + a] * component[D * k + a];
       return square;
     };
-    constexpr double least = (1 - normal_tolerance) * (1 - normal_tolerance), most = (1 + normal_tolerance) * (1 + normal_tolerance);
+    constexpr double shortest = 1 - normal_tolerance, longest = 1 + normal_tolerance;
+    const auto of_length_one = [=](int k) {
+      return (square_of(k) >= shortest * shortest) & (square_of(k) <= longest * longest);  // without a root each
+    };
     const int points = vectors.size() / D;
-    const int k = first_that_fails(points, [=](int i) { return (square_of(i) >= least) & (square_of(i) <= most); });
+    const int k = first_that_fails(points, of_length_one);
     if (k < points)
       fault = fmt::format("{} of point {} has length {}; it must be 1 to within {}", field, k, std::sqrt(square_of(k)),
                           normal_tolerance);

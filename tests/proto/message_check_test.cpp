@@ -280,7 +280,8 @@ TEST(MessageCheck, OneOfManyLabelsThatAppearsTwiceIsFound) {
   constexpr int particles = 200;
   wire::Message message = samples::make(Kind::kBand, wire::FLUID);
   auto& band = *message.mutable_band();
-  for (auto* field : {band.mutable_position(), band.mutable_velocity()}) samples::fill(field, std::vector<double>(2 * particles, 1.0));
+  for (auto* field : {band.mutable_position(), band.mutable_velocity()})
+    samples::fill(field, std::vector<double>(2 * particles, 1.0));
   for (auto* field : {band.mutable_mass(), band.mutable_volume(), band.mutable_divergence()})
     samples::fill(field, std::vector<double>(particles, 1.0));
   for (const std::uint32_t stride : {1u, 3u, 64u, 65u}) {
