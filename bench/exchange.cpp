@@ -8,6 +8,7 @@
 //   pressure:  DissipativeLoad there (a vector, two scalars: the bytes of two vectors), BandPressure back (a vector, a scalar)
 // Blocks of both in turn and blocks of the bare round trips alternate, so that all see the same machine. Microseconds per
 // exchange: the fastest block / the median of the blocks.
+// A second table has what of it each passage over the numbers of one message takes, in this process alone.
 
 #include <fmt/format.h>
 #include <sched.h>
@@ -30,6 +31,7 @@
 
 #include "proto/channel.hpp"
 #include "proto/convert.hpp"
+#include "proto/message_check.hpp"
 #include "proto/socket.hpp"
 #include "tests/particles/scratch_directory.hpp"
 
@@ -356,6 +358,45 @@ void measure(const ScratchDirectory& directory, std::size_t points) {
   std::fflush(stdout);
 }
 
+/// What becomes of one message between the vectors of the sender and those of the receiver, passage by passage; `fill` and `read`
+/// convert. The least of the blocks.
+void measure_passages(std::size_t points, const char* name, const std::function<void(wire::Message&)>& fill,
+                      const std::function<void(const wire::Message&)>& read) {
+  wire::Message message;
+  message.set_sender(wire::COUPLER);
+  fill(message);
+  proto::Agreement agreement;
+  agreement.dimension = 2;
+  agreement.surface_points = agreement.band_particles = points;
+  std::vector<std::byte> bytes(message.ByteSizeLong()), copy(bytes.size());
+  const auto serialise = [&] {
+    message.ByteSizeLong();
+    message.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(bytes.data()));
+  };
+  serialise();
+  const auto require_none = [](const std::string& fault) {
+    if (!fault.empty()) throw std::runtime_error(fault);
+  };
+  const Calls passages{[&] {
+                         wire::Message other;
+                         fill(other);
+                       },
+                       [&] { require_none(proto::find_body_fault(message, agreement)); },
+                       serialise,
+                       [&] {
+                         wire::Message other;
+                         require_none(proto::parse(bytes, other));
+                       },
+                       [&] { read(message); },
+                       [&] { std::memcpy(copy.data(), bytes.data(), bytes.size()); }};
+  const int rounds = static_cast<int>(std::clamp<std::size_t>(200000 / points, 20, 200));
+  std::vector<Series> series(passages.size());
+  for (int block = 0; block < blocks; ++block) add_block(rounds, passages, series);
+  fmt::print("| {} | {} | {} |", points, name, bytes.size());
+  for (const Series& passage : series) fmt::print(" {:.1f} |", passage.least());
+  fmt::print("\n");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -368,4 +409,15 @@ int main(int argc, char** argv) {
   if (argc > 1) sizes.clear();
   for (int k = 1; k < argc; ++k) sizes.push_back(std::stoul(argv[k]));
   for (const std::size_t points : sizes) measure(directory, points);
+  fmt::print("\n| points | message | bytes | vectors to message | check | to bytes | from bytes | message to vectors | for comparison: one copy |\n"
+             "|---|---|---|---|---|---|---|---|---|\n");
+  for (const std::size_t points : sizes) {
+    const Content content(points);
+    measure_passages(
+        points, "Surface", [&](wire::Message& message) { *message.mutable_surface() = proto::to_wire<2>(content.surface); },
+        [](const wire::Message& message) { const Surface<2> surface = proto::from_wire<2>(message.surface()); });
+    measure_passages(
+        points, "Band", [&](wire::Message& message) { *message.mutable_band() = proto::to_wire<2>(content.band); },
+        [](const wire::Message& message) { const Band<2> band = proto::from_wire<2>(message.band()); });
+  }
 }

@@ -184,11 +184,11 @@ void run(const CommandLine& command, const Case& scene, RunReport& report) {
       participants.write_frame_at_end(now + duration == target);
       const double waited = channel.wait_seconds() + channel.exchange_seconds();
       coupler::run_window<D>(participants, participants, step, now, duration);
+      const wire::WindowDone& done = participants.receive_window_done();
       compute_s += watch.seconds() - (channel.wait_seconds() + channel.exchange_seconds() - waited);
       totals.add(step.audit(), step.trials(), seconds(duration));
       now += duration;
       ++windows;
-      const wire::WindowDone& done = participants.window_done();
       recorder.step(now, duration, limit, static_cast<int>(done.iterations()), watch.seconds());
       progress.step(seconds(now), windows, seconds(duration), limit, static_cast<int>(done.iterations()));
       fluid_account = done.account();

@@ -11,7 +11,8 @@
 namespace tern::coupler {
 
 /// Both sides of a run in other processes. Orders that need no answer are sent ahead, so that the fluid finds its neighbours
-/// while the structure makes its trial, and the structure finishes its window while the fluid finishes its own.
+/// while the structure makes its trial, and the structure finishes its window while the fluid finishes its own. The fluid is told
+/// first: it computes longer.
 template <int D>
 class RemoteParticipants {
  public:
@@ -44,7 +45,6 @@ class RemoteParticipants {
     wire::Message message;
     *message.mutable_band_force() = proto::to_wire<D>(force);
     channel_.send(wire::FLUID, std::move(message));
-    window_done_ = channel_.receive(wire::FLUID, {proto::Kind::kWindowDone}).window_done();
   }
   std::optional<FluidExtent<D>> extent() const {
     if (!window_done_.has_extent()) return std::nullopt;
@@ -54,7 +54,11 @@ class RemoteParticipants {
     wire::Message message;
     message.mutable_surface();
     channel_.send(wire::FLUID, std::move(message));
+  }
+  /// The fluid's answer to end_window() or pass_window(), for which run_window() does not wait.
+  const wire::WindowDone& receive_window_done() {
     window_done_ = channel_.receive(wire::FLUID, {proto::Kind::kWindowDone}).window_done();
+    return window_done_;
   }
 
   // Structure side.
@@ -77,7 +81,6 @@ class RemoteParticipants {
   }
 
   void write_frame_at_end(bool write) { write_frame_ = write; }
-  const wire::WindowDone& window_done() const { return window_done_; }
 
  private:
   proto::CouplerChannel& channel_;

@@ -25,8 +25,8 @@ void run_window(FluidSide& fluid, StructureSide& structure, CouplingStep<D>& ste
   const Surface<D> surface = structure.predict_surface(begin, duration);
   if (const auto extent = fluid.extent(); extent && out_of_reach(*extent, surface, duration)) {
     step.pass(seconds(begin), seconds(duration), surface);
-    structure.apply(step.surface_load());
     fluid.pass_window();
+    structure.apply(step.surface_load());
     return;
   }
   const Band<D> band = fluid.see_surface(surface);
@@ -34,8 +34,8 @@ void run_window(FluidSide& fluid, StructureSide& structure, CouplingStep<D>& ste
   while (const SurfaceLoad<D>* trial = step.next_trial(pressure))  // CM3 only
     pressure = fluid.solve_pressure(step.dissipative_load(structure.respond(*trial)));
   const BandForce<D> force = step.interface_force(pressure);
-  structure.apply(step.surface_load());
   fluid.end_window(force);
+  structure.apply(step.surface_load());
 }
 
 }  // namespace tern::coupler

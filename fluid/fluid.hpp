@@ -51,9 +51,13 @@ class Fluid {
   void begin_window(Ticks begin, Ticks duration);
   /// The structure's surface at the middle of the window; returns the particles that see it.
   Band<D> see_surface(const Surface<D>& surface);
+  /// What of the pressure equation does not ask for the load. To be called while others compute that, or left to solve_pressure().
+  void prepare_pressure();
   /// Applies the forces already known and solves the pressure Poisson equation. Of a load with velocities of the surface: the
   /// same window once more, with these.
   BandPressure<D> solve_pressure(const DissipativeLoad<D>& load);
+  /// The velocities of all other particles. To be called while others compute the force on the band, or left to end_window().
+  void complete_velocity();
   /// Applies the pressure, moves, shifts and settles contacts with walls. Throws NumericalFailure.
   void end_window(const BandForce<D>& force);
 
@@ -120,14 +124,17 @@ class Fluid {
   void compute_divergence();                           // divergence.cpp
   void compute_density_source();                       // density_source.cpp
   void move_surface_at(const std::vector<Vector<D>>& velocity);
-  void assemble_pressure_matrix(const DissipativeLoad<D>& load);  // pressure_poisson.cpp
+  void assemble_pressure_matrix();                     // pressure_poisson.cpp: the rows of all that see no face of the structure
+  void assemble_pressure_matrix_at_structure(const DissipativeLoad<D>& load);  // and of the others
+  void assemble_pressure_row(int i, const DissipativeLoad<D>& load);
   void assemble_pressure_source(const DissipativeLoad<D>& load);  // pressure_poisson.cpp
   /// kappa_ik of a patch that the particle sees with this weight A_k w~_ik [m^(D-2)].
   double yielding(const DissipativeLoad<D>& load, int k, double weight) const;
   void prepare_pressure_solve();                       // pressure_poisson.cpp
   void account_for_sealed_fluid();                     // sealed.cpp
   void solve_pressure_poisson();                       // pressure_poisson.cpp
-  void apply_pressure_gradient();                      // pressure_gradient.cpp
+  enum class Where { at_structure, elsewhere };
+  void apply_pressure_gradient(Where where);           // pressure_gradient.cpp
   void settle_wall_contacts();                         // wall_contact.cpp
   void shift_particles();                              // shifting.cpp
   void hide_walls_behind_structure();
@@ -189,6 +196,7 @@ class Fluid {
   SealedPools pools_;
   ConjugateGradientWork work_;
   std::vector<int> band_;                  ///< particle of each band entry
+  bool pressure_prepared_ = false, velocity_complete_ = false;  ///< by the functions of this name, in this window
   std::vector<Vector<D>> images_;          ///< of one particle in its walls
   // Scratch of the sorting.
   std::vector<Vector<D>> sorted_vectors_;

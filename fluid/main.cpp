@@ -103,9 +103,17 @@ class Participant {
     ScopedTimer timer(compute_s_);
     return fluid_.see_surface(surface);
   }
+  void prepare_pressure() {
+    ScopedTimer timer(compute_s_);
+    fluid_.prepare_pressure();
+  }
   BandPressure<D> solve_pressure(const DissipativeLoad<D>& load) {
     ScopedTimer timer(compute_s_);
     return fluid_.solve_pressure(load);
+  }
+  void complete_velocity() {
+    ScopedTimer timer(compute_s_);
+    fluid_.complete_velocity();
   }
   wire::WindowDone end(const BandForce<D>& force) {
     ScopedTimer timer(compute_s_);

@@ -19,15 +19,17 @@ constexpr double most_layers = 20;
 }  // namespace
 
 template <int D>
-void Fluid<D>::apply_pressure_gradient() {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
+void Fluid<D>::apply_pressure_gradient(Where where) {
+  const bool at_structure = where == Where::at_structure;
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(at_structure ? band_.size() : state_.size());
   const double theta = constants_.numerics.blend_theta, scale = -duration_s_ / constants_.density;
   const double* pressure = state_.pressure.data();
   period_.specialise([&](auto periodic) {
     const PackedPeriod<decltype(periodic)::value, D> period(period_);
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-    for (std::ptrdiff_t i = 0; i < n; ++i) {
-      if (!active_[i]) continue;
+    for (std::ptrdiff_t m = 0; m < n; ++m) {
+      const std::ptrdiff_t i = at_structure ? band_[m] : m;
+      if (!active_[i] || (surface_rows_.count[i] > 0) != at_structure) continue;
       const Packed<D> x = motion_[i].position;  // as the divergence left them
       const double p = pressure[i];
       Packed<D> even = Packed<D>::Zero(), odd = Packed<D>::Zero();
@@ -55,7 +57,7 @@ void Fluid<D>::apply_pressure_gradient() {
   });
 }
 
-template void Fluid<2>::apply_pressure_gradient();
-template void Fluid<3>::apply_pressure_gradient();
+template void Fluid<2>::apply_pressure_gradient(Where);
+template void Fluid<3>::apply_pressure_gradient(Where);
 
 }  // namespace tern::fluid

@@ -28,36 +28,48 @@ constexpr int jacobi_limit = 20000;
 }  // namespace
 
 template <int D>
-void Fluid<D>::assemble_pressure_matrix(const DissipativeLoad<D>& load) {
+void Fluid<D>::assemble_pressure_matrix() {
   const int n = static_cast<int>(state_.size());
+  matrix_.reset(n, [&](int i) { return active_[i] ? neighbours_.count[i] : 0; });
+  const DissipativeLoad<D> none;
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (int i = 0; i < n; ++i)
+    if (surface_rows_.count[i] == 0) assemble_pressure_row(i, none);
+  matrix_.pad();
+}
+
+template <int D>
+void Fluid<D>::assemble_pressure_matrix_at_structure(const DissipativeLoad<D>& load) {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(band_.size());
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t m = 0; m < n; ++m) assemble_pressure_row(band_[m], load);
+}
+
+template <int D>
+void Fluid<D>::assemble_pressure_row(int i, const DissipativeLoad<D>& load) {
+  if (!active_[i]) {
+    matrix_.set_row(i, 0, 1, [](int) { return std::pair<int, float>{0, 0.0f}; });
+    return;
+  }
   const double volume = constants_.volume;
   const double full = constants_.lattice.laplacian_weight / constants_.lattice.gradient_moment;
-  matrix_.reset(n, [&](int i) { return active_[i] ? neighbours_.count[i] : 0; });
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (int i = 0; i < n; ++i) {
-    if (!active_[i]) {
-      matrix_.set_row(i, 0, 1, [](int) { return std::pair<int, float>{0, 0.0f}; });
-      continue;
-    }
-    const int first = neighbours_.begin[i], count = neighbours_.count[i];
-    const double deficit = enclosed_ ? 0 : 1 - trace_[i];
-    double constant = deficit > least_deficit ? volume * deficit * full : 0;
-    for (int entry = surface_rows_.begin[i]; entry < surface_rows_.begin[i] + surface_rows_.count[i]; ++entry)
-      constant += yielding(load, surface_rows_.face[entry], surface_rows_.weight[entry]);
-    const int* column = neighbours_.column.data() + first;
-    const double* weight = neighbours_.weight.data() + first;
-    const auto edge = [&](int k) { return static_cast<float>(2 * volume * weight[k]); };
-    if (near_spray_[i]) {
-      for (int k = 0; k < count; ++k)
-        if (!active_[column[k]]) constant += edge(k);
-      matrix_.set_row(i, count, static_cast<float>(constant), [&](int k) {
-        return active_[column[k]] ? std::pair<int, float>{column[k], edge(k)} : std::pair<int, float>{i, 0.0f};
-      });
-    } else {
-      matrix_.set_row(i, count, static_cast<float>(constant), [&](int k) { return std::pair<int, float>{column[k], edge(k)}; });
-    }
+  const int first = neighbours_.begin[i], count = neighbours_.count[i];
+  const double deficit = enclosed_ ? 0 : 1 - trace_[i];
+  double constant = deficit > least_deficit ? volume * deficit * full : 0;
+  for (int entry = surface_rows_.begin[i]; entry < surface_rows_.begin[i] + surface_rows_.count[i]; ++entry)
+    constant += yielding(load, surface_rows_.face[entry], surface_rows_.weight[entry]);
+  const int* column = neighbours_.column.data() + first;
+  const double* weight = neighbours_.weight.data() + first;
+  const auto edge = [&](int k) { return static_cast<float>(2 * volume * weight[k]); };
+  if (near_spray_[i]) {
+    for (int k = 0; k < count; ++k)
+      if (!active_[column[k]]) constant += edge(k);
+    matrix_.set_row(i, count, static_cast<float>(constant), [&](int k) {
+      return active_[column[k]] ? std::pair<int, float>{column[k], edge(k)} : std::pair<int, float>{i, 0.0f};
+    });
+  } else {
+    matrix_.set_row(i, count, static_cast<float>(constant), [&](int k) { return std::pair<int, float>{column[k], edge(k)}; });
   }
-  matrix_.pad();
 }
 
 template <int D>
@@ -142,11 +154,13 @@ void Fluid<D>::solve_pressure_poisson() {
   for (std::ptrdiff_t i = 0; i < n; ++i) state_.pressure[i] = pressure_[i];
 }
 
-#define TERN_INSTANTIATE(D)                                                      \
-  template void Fluid<D>::assemble_pressure_matrix(const DissipativeLoad<D>&);   \
-  template void Fluid<D>::assemble_pressure_source(const DissipativeLoad<D>&);   \
-  template double Fluid<D>::yielding(const DissipativeLoad<D>&, int, double) const; \
-  template void Fluid<D>::prepare_pressure_solve();                              \
+#define TERN_INSTANTIATE(D)                                                                 \
+  template void Fluid<D>::assemble_pressure_matrix();                                       \
+  template void Fluid<D>::assemble_pressure_matrix_at_structure(const DissipativeLoad<D>&); \
+  template void Fluid<D>::assemble_pressure_row(int, const DissipativeLoad<D>&);            \
+  template void Fluid<D>::assemble_pressure_source(const DissipativeLoad<D>&);              \
+  template double Fluid<D>::yielding(const DissipativeLoad<D>&, int, double) const;         \
+  template void Fluid<D>::prepare_pressure_solve();                                         \
   template void Fluid<D>::solve_pressure_poisson();
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

@@ -74,6 +74,7 @@ Band<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   damp_velocity_noise();
   compute_divergence();
 
+  pressure_prepared_ = false;
   band_.clear();
   Band<D> band;
   for (std::size_t i = 0; i < state_.size(); ++i) {
@@ -109,8 +110,17 @@ void Fluid<D>::add_images(Band<D>& band) {
 }
 
 template <int D>
+void Fluid<D>::prepare_pressure() {
+  ScopedTimer timer(timing_.assembly);
+  if (constants_.numerics.density_relaxation > 0) compute_density_source();
+  assemble_pressure_matrix();
+  pressure_prepared_ = true;
+}
+
+template <int D>
 BandPressure<D> Fluid<D>::solve_pressure(const DissipativeLoad<D>& load) {
   const bool first = load.surface_velocity.empty();
+  if (!pressure_prepared_) prepare_pressure();
   {
     ScopedTimer timer(timing_.assembly);
     bool changed = false;
@@ -126,10 +136,7 @@ BandPressure<D> Fluid<D>::solve_pressure(const DissipativeLoad<D>& load) {
       changed = changed || load.force[m].squaredNorm() > 0;
     }
     if (changed) compute_divergence();
-    if (first) {
-      if (constants_.numerics.density_relaxation > 0) compute_density_source();
-      assemble_pressure_matrix(load);
-    }
+    if (first) assemble_pressure_matrix_at_structure(load);
     assemble_pressure_source(load);
   }
   {
@@ -138,7 +145,8 @@ BandPressure<D> Fluid<D>::solve_pressure(const DissipativeLoad<D>& load) {
     solve_pressure_poisson();
   }
   ScopedTimer timer(timing_.correction);
-  apply_pressure_gradient();
+  apply_pressure_gradient(Where::at_structure);
+  velocity_complete_ = false;
   BandPressure<D> band;
   for (int i : band_) {
     band.pressure.push_back(state_.pressure[i]);
@@ -148,7 +156,15 @@ BandPressure<D> Fluid<D>::solve_pressure(const DissipativeLoad<D>& load) {
 }
 
 template <int D>
+void Fluid<D>::complete_velocity() {
+  ScopedTimer timer(timing_.correction);
+  apply_pressure_gradient(Where::elsewhere);
+  velocity_complete_ = true;
+}
+
+template <int D>
 void Fluid<D>::end_window(const BandForce<D>& force) {
+  if (!velocity_complete_) complete_velocity();
   ScopedTimer timer(timing_.correction);
   for (std::size_t m = 0; m < force.force.size(); ++m)
     predicted_velocity_[band_[m]] += (duration_s_ / constants_.mass) * force.force[m];
@@ -348,7 +364,9 @@ StepProposal Fluid<D>::propose_step() const {
 #define TERN_INSTANTIATE(D)                                                      \
   template void Fluid<D>::begin_window(Ticks, Ticks);                            \
   template Band<D> Fluid<D>::see_surface(const Surface<D>&);                     \
+  template void Fluid<D>::prepare_pressure();                                    \
   template BandPressure<D> Fluid<D>::solve_pressure(const DissipativeLoad<D>&);  \
+  template void Fluid<D>::complete_velocity();                                   \
   template void Fluid<D>::end_window(const BandForce<D>&);                       \
   template void Fluid<D>::pass_window();                                         \
   template StepProposal Fluid<D>::propose_step() const;                          \

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -62,15 +63,20 @@ class Check {
   void unit(const char* field, const google::protobuf::RepeatedField<double>& vectors) {
     if (!fault.empty()) return;
     const double* component = vectors.data();
-    const auto length_of = [=](int k) {
+    const auto square_of = [=](int k) {
       double square = 0;
       for (int a = 0; a < D; ++a) square += component[D * k + a] * component[D * k + a];
-      return std::sqrt(square);
+      return square;
+    };
+    constexpr double shortest = 1 - normal_tolerance, longest = 1 + normal_tolerance;
+    const auto of_length_one = [=](int k) {
+      return (square_of(k) >= shortest * shortest) & (square_of(k) <= longest * longest);  // without a root each
     };
     const int points = vectors.size() / D;
-    const int k = first_that_fails(points, [=](int i) { return std::abs(length_of(i) - 1) <= normal_tolerance; });
+    const int k = first_that_fails(points, of_length_one);
     if (k < points)
-      fault = fmt::format("{} of point {} has length {}; it must be 1 to within {}", field, k, length_of(k), normal_tolerance);
+      fault = fmt::format("{} of point {} has length {}; it must be 1 to within {}", field, k, std::sqrt(square_of(k)),
+                          normal_tolerance);
   }
   void name_length(const char* field, const std::string& text) {
     if (!require(text.size() <= max_name_bytes))
@@ -95,22 +101,23 @@ class Check {
 
   void distinct(const char* field, const google::protobuf::RepeatedField<std::uint32_t>& labels) {
     if (!fault.empty() || labels.empty()) return;
-    const auto [least, most] = std::minmax_element(labels.begin(), labels.end());
-    const std::size_t range = std::size_t{*most} - *least + 1, dense = 64 * static_cast<std::size_t>(labels.size());
-    std::optional<std::uint32_t> twice;
-    if (range <= dense) {  // the rule: one bit for each label the run may have
-      std::vector<bool> seen(range);
-      for (const std::uint32_t label : labels) {
-        if (seen[label - *least]) twice = label;
-        seen[label - *least] = true;
-      }
-    } else {
-      std::vector<std::uint32_t> sorted(labels.begin(), labels.end());
-      std::sort(sorted.begin(), sorted.end());
-      const auto found = std::adjacent_find(sorted.begin(), sorted.end());
-      if (found != sorted.end()) twice = *found;
+    std::uint32_t least = labels[0], most = labels[0];
+    for (const std::uint32_t label : labels) {
+      least = std::min(least, label);
+      most = std::max(most, label);
     }
-    if (twice) fault = fmt::format("{} {} appears twice; labels must be distinct", field, *twice);
+    const std::size_t range = std::size_t{most} - least + 1;
+    if (range <= 64 * static_cast<std::size_t>(labels.size())) {  // the rule: one bit for each label the run may have
+      std::vector<std::uint64_t> seen(range / 64 + 1);
+      for (const std::uint32_t label : labels) seen[(label - least) / 64] |= std::uint64_t{1} << (label - least) % 64;
+      int different = 0;
+      for (const std::uint64_t bits : seen) different += std::popcount(bits);
+      if (different == labels.size()) return;
+    }
+    std::vector<std::uint32_t> sorted(labels.begin(), labels.end());
+    std::sort(sorted.begin(), sorted.end());
+    const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
+    if (twice != sorted.end()) fault = fmt::format("{} {} appears twice; labels must be distinct", field, *twice);
   }
 };
 

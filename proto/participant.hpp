@@ -14,7 +14,9 @@
 // A fluid:
 //   void begin_window(Ticks begin, Ticks duration);
 //   Band<D> see_surface(const Surface<D>&);
+//   void prepare_pressure();                                        while the coupler computes the load; may do nothing
 //   BandPressure<D> solve_pressure(const DissipativeLoad<D>&);      repeated where the load has a surface_velocity
+//   void complete_velocity();                                       while the coupler computes the force; may do nothing
 //   wire::WindowDone end(const BandForce<D>&);                      all but its account
 //   wire::WindowDone pass();                                        the same of a window without surface, which comes only to a
 //                                                                   fluid whose last WindowDone had an extent
@@ -106,11 +108,13 @@ void take_part_as_fluid(ParticipantChannel& channel, Solver& solver) {
     wire::Message answer;
     *answer.mutable_band() = to_wire<D>(solver.see_surface(from_wire<D>(message.surface())));
     channel.send(std::move(answer));
+    solver.prepare_pressure();
     for (message = channel.receive({Kind::kDissipativeLoad}); message.has_dissipative_load();
          message = channel.receive({Kind::kDissipativeLoad, Kind::kBandForce})) {
       answer.Clear();
       *answer.mutable_band_pressure() = to_wire<D>(solver.solve_pressure(from_wire<D>(message.dissipative_load())));
       channel.send(std::move(answer));
+      solver.complete_velocity();
     }
     end_window(*window, solver.end(from_wire<D>(message.band_force())));
   }

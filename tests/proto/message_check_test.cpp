@@ -1,7 +1,8 @@
 // Every fault of a message is found before its content is used, and named: field, index, value, limit.
 // Seen to fail: each check of message_check.cpp was switched off on its own; its row turned red, rows of other checks
-// did not. The long messages turned red when a block that fails was skipped. The fuzz turned red without the length of Surface.normal and Band.position, the sign of area and mass,
-// finite positions.
+// did not. The long messages turned red when a block that fails was skipped, one of many labels when one too few was taken for
+// all, the normal when its square was held against a millionth. The fuzz turned red without the length of Surface.normal and
+// Band.position, the sign of area and mass, finite positions.
 
 #include "proto/message_check.hpp"
 
@@ -276,6 +277,36 @@ TEST(MessageCheck, ALabelThatAppearsTwiceIsFoundWhetherLabelsAreCloseOrFarApart)
     EXPECT_EQ(find_body_fault(message, agreement), "");
     band.set_id(2, 3 * stride);
     EXPECT_EQ(find_body_fault(message, agreement), fmt::format("id {} appears twice; labels must be distinct", 3 * stride));
+  }
+}
+
+TEST(MessageCheck, OneOfManyLabelsThatAppearsTwiceIsFound) {
+  const Agreement agreement = agreed(wire::FLUID);
+  constexpr int particles = 200;
+  wire::Message message = samples::make(Kind::kBand, wire::FLUID);
+  auto& band = *message.mutable_band();
+  for (auto* field : {band.mutable_position(), band.mutable_velocity()})
+    samples::fill(field, std::vector<double>(2 * particles, 1.0));
+  for (auto* field : {band.mutable_mass(), band.mutable_volume(), band.mutable_divergence()})
+    samples::fill(field, std::vector<double>(particles, 1.0));
+  for (const std::uint32_t stride : {1u, 3u, 64u, 65u}) {
+    band.clear_id();
+    for (int k = 0; k < particles; ++k) band.add_id(5 + stride * static_cast<std::uint32_t>((7 * k) % particles));
+    ASSERT_EQ(find_body_fault(message, agreement), "");
+    for (const int k : {0, 1, 63, 64, 128, particles - 1}) {
+      wire::Message spoilt = message;
+      spoilt.mutable_band()->set_id((k + 77) % particles, band.id(k));
+      EXPECT_EQ(find_body_fault(spoilt, agreement), fmt::format("id {} appears twice; labels must be distinct", band.id(k)));
+    }
+  }
+}
+
+TEST(MessageCheck, ANormalMayBeOfUnitLengthToWithinAMillionth) {
+  const Agreement agreement = agreed(wire::STRUCTURE);
+  for (const double excess : {-1.1e-6, -0.9e-6, 0.9e-6, 1.1e-6}) {
+    wire::Message message = samples::make(Kind::kSurface, wire::STRUCTURE);
+    message.mutable_surface()->set_normal(0, -1 - excess);
+    EXPECT_EQ(find_body_fault(message, agreement).empty(), std::abs(excess) < 1e-6) << excess;
   }
 }
 

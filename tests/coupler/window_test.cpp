@@ -1,0 +1,65 @@
+// In which order run_window() calls the two sides; participants in other processes depend on it.
+// Seen to fail: with apply() before end_window(), and with apply() before pass_window().
+
+#include "coupler/window.hpp"
+
+#include <gtest/gtest.h>
+
+#include "scenes.hpp"
+
+namespace tern::coupler {
+namespace {
+
+using testing::add_particle, testing::add_point, testing::properties, testing::scene;
+
+/// One particle above one surface point; each call leaves its name.
+struct BothSides {
+  std::optional<FluidExtent<2>> fluid_extent;
+  std::vector<std::string> calls;
+
+  void begin_window(Ticks, Ticks) { calls.push_back("begin_window"); }
+  Surface<2> predict_surface(Ticks, Ticks) {
+    calls.push_back("predict_surface");
+    Surface<2> surface;
+    add_point<2>(surface, Vector<2>::Zero(), Vector<2>::UnitY(), 0.1);
+    return surface;
+  }
+  std::optional<FluidExtent<2>> extent() const { return fluid_extent; }
+  Band<2> see_surface(const Surface<2>&) {
+    calls.push_back("see_surface");
+    Band<2> band;
+    add_particle<2>(band, {0, 0.05}, 0.1);
+    return band;
+  }
+  BandPressure<2> solve_pressure(const DissipativeLoad<2>&) {
+    calls.push_back("solve_pressure");
+    return {{1000}, {Vector<2>::Zero()}};
+  }
+  void end_window(const BandForce<2>&) { calls.push_back("end_window"); }
+  void pass_window() { calls.push_back("pass_window"); }
+  std::vector<Vector<2>> respond(const SurfaceLoad<2>&) {
+    calls.push_back("respond");
+    return {Vector<2>::Zero()};
+  }
+  void apply(const SurfaceLoad<2>&) { calls.push_back("apply"); }
+};
+
+std::vector<std::string> calls_of_one_window(BothSides sides) {
+  CouplingStep<2> step(scene(2, 0.1), properties(1, 1e3));
+  run_window<2>(sides, sides, step, 0, to_ticks(1e-3));
+  return sides.calls;
+}
+
+TEST(Window, TheFluidEndsItsWindowBeforeTheStructureBecauseItComputesLonger) {
+  EXPECT_EQ(calls_of_one_window({}), (std::vector<std::string>{"begin_window", "predict_surface", "see_surface", "solve_pressure",
+                                                              "end_window", "apply"}));
+}
+
+TEST(Window, ASurfaceOutOfReachIsPassedByTheFluidBeforeTheStructureGetsItsLoad) {
+  BothSides sides;
+  sides.fluid_extent = FluidExtent<2>{{10, 10}, {11, 11}, 0, 1};
+  EXPECT_EQ(calls_of_one_window(sides), (std::vector<std::string>{"begin_window", "predict_surface", "pass_window", "apply"}));
+}
+
+}  // namespace
+}  // namespace tern::coupler
