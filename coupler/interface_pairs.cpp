@@ -17,9 +17,9 @@ void InterfacePairs<D>::find(const Band<D>& band, const Surface<D>& surface) {
   covered_.assign(surface.position.size(), 0);
   for (std::uint32_t k : band.covered) covered_[k] = 1;
   CornerView<D> corners(faces_, finder_, covered_, kernel_);
-  borne_share_.resize(surface.position.size());
-  for (std::size_t k = 0; k < borne_share_.size(); ++k) borne_share_[k] = corners.borne_share(static_cast<int>(k));
+  borne_share_.assign(surface.position.size(), 0);  // not asked for yet
   const auto pair = [&](int i, int k, const Vector<D>& offset) {
+    if (borne_share_[k] == 0) borne_share_[k] = corners.borne_share(k);
     const double weight = borne_share_[k] * kernel_.surface_weight(offset.norm());
     return InterfacePair<D>{i, k, Vector<D>(-2 * band.volume[i] * surface.area[k] * weight * surface.normal[k]), offset};
   };
@@ -31,8 +31,10 @@ void InterfacePairs<D>::find(const Band<D>& band, const Surface<D>& surface) {
     seen_.clear();
     finder_.see(faces_, x, seen_);
     for (int k : seen_) pairs_.push_back(pair(i, k, x - surface.position[k]));
+    if (seen_.empty()) continue;
     corners.look(x, seen_.data(), static_cast<int>(seen_.size()));
-    for (int k : corners.averted()) past_corners_.push_back(pair(i, k, x - surface.position[k]));
+    averted_ = corners.averted();  // borne_share() looks elsewhere
+    for (int k : averted_) past_corners_.push_back(pair(i, k, x - surface.position[k]));
   }
   particle_pairs_ = pairs_.size();
   averted_pairs_ = past_corners_.size();

@@ -45,7 +45,7 @@ class InterfacePairs {
   FaceKernel<D> kernel_;
   FaceFinder<D> finder_;
   Faces<D> faces_;
-  std::vector<int> seen_;
+  std::vector<int> seen_, averted_;
   std::vector<InterfacePair<D>> pairs_;
   std::size_t particle_pairs_ = 0, averted_pairs_ = 0;
   std::vector<InterfacePair<D>> past_corners_;  ///< averted pairs, as they are found

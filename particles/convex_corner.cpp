@@ -15,7 +15,7 @@ void CornerView<D>::find(const Vector<D>& x, Turned&& behind_plate) {
   const double support = kernel_.support();
   finder_.for_each_around(x, [&](int k) {
     const Vector<D> d = structure_.position[k] - x;
-    if (d.dot(structure_.normal[k]) <= 0 || d.squaredNorm() >= support * support) return;
+    if (d.dot(structure_.normal[k]) <= 1e-6 * support || d.squaredNorm() >= support * support) return;  // in one plane: no corner
     if (behind_plate(k))
       turned_.push_back(k);
     else if (covered_.empty() || !covered_[k])
@@ -31,7 +31,11 @@ void CornerView<D>::find(const Vector<D>& x, Turned&& behind_plate) {
 
 template <int D>
 void CornerView<D>::look(const Vector<D>& x, const int* seen, int seen_count) {
+  // Most particles see one flat face: whatever is hidden from them lies behind it.
+  const Vector<D>& normal = structure_.normal[seen[0]];
+  const bool flat = std::all_of(seen, seen + seen_count, [&](int face) { return (structure_.normal[face] - normal).squaredNorm() < 1e-12; });
   find(x, [&](int k) {
+    if (flat) return !passes_corner<D>(normal, structure_.normal[k]);
     return std::any_of(seen, seen + seen_count, [&](int face) {
       return !passes_corner<D>(structure_.normal[face], structure_.normal[k]) &&
              patch_separates(structure_, face, x, structure_.position[k]);

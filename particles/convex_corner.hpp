@@ -27,7 +27,7 @@ class CornerView {
       : structure_(structure), finder_(finder), covered_(covered), kernel_(kernel) {}
 
   /// Sets averted() for a particle at x: faces within the support that are turned away from it and bound what hides behind those it
-  /// sees.
+  /// sees, at least one.
   void look(const Vector<D>& x, const int* seen, int seen_count);
   const std::vector<int>& averted() const { return averted_; }
 

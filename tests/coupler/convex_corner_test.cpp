@@ -63,7 +63,8 @@ struct Scene {
 // Where the particles stand on their lattice and have the pressure of water at rest, the block feels the weight of the water it
 // displaces. A point beside a corner has more than a half space before it, and its share of that (borne_share) is of the volume, not of
 // the lattice: by 0.017 dx of face per corner where pressures are summed and not averaged (riemann).
-// Seen to fail: with 1.9 for the factor 2 of b_ik; with a share of 1 (riemann, 1.04).
+// Seen to fail: with 1.9 for the factor 2 of b_ik; with a share of 1 (riemann 1.046); without averted pairs
+// (riemann 0.961).
 TEST(ConvexCorner, LeavesTheLiftOfALatticeExact) {
   Scene scene;
   for (const auto& [name, scheme] : {std::pair{"fsa", InterfaceScheme::fsa}, {"pi", InterfaceScheme::pi},
@@ -126,8 +127,9 @@ TEST(ConvexCorner, HidesWhatItsFacesBound) {
 // The first window of a scene that is at rest: no particle is pushed, beside corners no more than the lattice leaves of their
 // sums (p is 26 rho g dx there), and the pressure is that of water at rest up to a constant. (The constant is that of the free
 // surface.) Without what is done for corners a particle is pushed by 5.7 g, and the block feels 4.9 % too much.
-// Seen to fail: with pairs cut at corners (5.7 g); without averted faces in the pressure gradient (16 g), in the pressure
-// equation (pressures 1.3 rho g dx apart), in T (0.41 g).
+// Seen to fail: with pairs cut at corners (4.1 g, and pressures 12 rho g dx apart); without what is not borne in the pressure gradient
+// (2.7 g), averted faces in the pressure equation (pressures 0.65 rho g dx apart), averted pairs (4.5 g); with T of the faces seen
+// alone (0.41 g).
 TEST(ConvexCorner, LeavesWaterAtRest) {
   Scene scene;
   scene.c.coupling.algorithm = CouplingAlgorithm::cm0;
@@ -152,7 +154,7 @@ TEST(ConvexCorner, LeavesWaterAtRest) {
 
 // A particle goes round a corner in small steps. On its way it passes the planes of both faces; what it puts on the body does
 // not jump there.
-// Seen to fail: without averted pairs (0.26 of p dx).
+// Seen to fail: without averted pairs (0.20 of p dx).
 TEST(ConvexCorner, IsPassedWithoutAJump) {
   const Scene scene;
   CouplingStep<2> step(scene.c, scene.structure.surface_properties());
