@@ -24,6 +24,8 @@ constexpr double lightest_of_one_pass = 0.5 * (1 + 1e-9);  // a plate of just th
 /// Mass with which a light surface yields in the pressure equation of CM3, in layers of fluid particles. From 2 to 12 it makes
 /// no difference to the number of trials.
 constexpr double robin_layers = 5;
+/// Of the half space before a point. At the end of the kernel, where w~ may be negative, particles and point feel nothing of each other.
+constexpr double least_share = 1e-3;
 
 }  // namespace
 
@@ -50,6 +52,7 @@ DissipativeLoad<D> CouplingStep<D>::dissipative_load(double begin, double durati
     throw BadInput("The fluid process sends no divergence of the velocity, which [coupling.vem] needs; leave that table out, or use "
                    "a fluid that has it.");
   pairs_.find(band, surface);
+  share_ = uniform_load<D>(pairs_.all_pairs(), surface, coupling_.scheme);
   // The structure makes its first trial under the load of the last window.
   if (load_.force.size() == surface.position.size())
     trial_load_ = load_;
@@ -219,11 +222,15 @@ void CouplingStep<D>::set_robin_condition() {
   // Explicit coupling: the fluid takes the surface as a wall that moves as given; mass 0 says that a point does not yield.
   if (algorithm_ == CouplingAlgorithm::cm0) return;
   for (std::size_t k = 0; k < points; ++k) {
-    dissipative_.robin_mass[k] = robin_mass(k);
+    // A pressure p loads the point with s p A, s being the share of its half space that particles fill: some per cent off 1 where they
+    // are on no lattice, less at a free surface. So it answers p with the mass m/s, and its load is that of the pressure L/(s A). With s
+    // left out, a body that rests under p is taken to give way by dt (1 - s) p/m in every window: where s > 1 that makes energy.
+    const double share = share_[k] > least_share ? share_[k] : 1;
+    dissipative_.robin_mass[k] = robin_mass(k) / share;
     // What the trial carries, less what is known of its answer; contacts, which CM3's trials have found, are not the pressure's.
     Vector<D> carried = trial_load_.force[k] - load_.force[k];
     if (contact_.size() == points) carried -= contact_[k];
-    dissipative_.reference_pressure[k] = -carried.dot(surface_.normal[k]) / surface_.area[k];
+    dissipative_.reference_pressure[k] = -carried.dot(surface_.normal[k]) / (share * surface_.area[k]);
   }
 }
 

@@ -111,6 +111,7 @@ class CouplingStep {
   SurfaceLoad<D> load_;            ///< that the fluid answers the present trial with
   SurfaceLoad<D> trial_load_;      ///< under which the structure has made it
   DissipativeLoad<D> dissipative_;
+  std::vector<double> share_;      ///< load of each point under a uniform pressure p, over p A; of the present window
   std::vector<double> carried_;    ///< pressure of every pair, times b_ik its force [Pa]
   BandForce<D> band_force_;
   std::vector<Vector<D>> contact_;  ///< CM3: contacts in the last answer, by surface point [N/m^(3-D)]
