@@ -34,6 +34,7 @@ void CouplingStep<D>::pass(double begin, double duration, const Surface<D>& surf
   begin_ = begin;
   duration_ = duration;
   load_.force.assign(surface.position.size(), Vector<D>::Zero());
+  stretch(surface);
   if (algorithm_ == CouplingAlgorithm::cm3) fixed_point_.begin_window(largest_gain(), begin);
   contact_.force.clear();
   for (LoadAlternation& alternation : alternation_) alternation = {};
@@ -51,6 +52,7 @@ DissipativeLoad<D> CouplingStep<D>::dissipative_load(double begin, double durati
   if (coupling_.vem_coefficient && band.divergence.size() != band.id.size())
     throw BadInput("The fluid process sends no divergence of the velocity, which [coupling.vem] needs; leave that table out, or use "
                    "a fluid that has it.");
+  stretch(surface);
   pairs_.find(band, surface);
   share_ = uniform_load<D>(pairs_.all_pairs(), surface, coupling_.scheme);
   // The structure makes its first trial under the load of the last window.
@@ -205,11 +207,19 @@ void CouplingStep<D>::add_velocity_divergence_mitigation() {
 }
 
 template <int D>
+void CouplingStep<D>::stretch(const Surface<D>& surface) {
+  if (area_at_start_.empty()) area_at_start_ = surface.area;
+  stretch_.resize(surface.area.size());
+  for (std::size_t k = 0; k < stretch_.size(); ++k) stretch_[k] = surface.area[k] / area_at_start_[k];
+}
+
+template <int D>
 double CouplingStep<D>::responding_mass(std::size_t k) const {
   // Over a window a pressure accelerates the section behind the point. As long as an elastic wave is on its way through it the
   // face moves at the constant p/(rho c) instead, which for the fluid, that takes the mean velocity for half of that at the
-  // end, is the answer of half the layer that the wave reaches. At least one particle moves.
-  return std::max(std::min(properties_.section_mass[k], 0.5 * properties_.impedance[k] * duration_), properties_.least_mass[k]);
+  // end, is the answer of half the layer that the wave reaches. At least one particle moves. All of this is mass over the area that
+  // the body had at the start; where it has been stretched since, a pressure finds less behind the same area.
+  return std::max(std::min(properties_.section_mass[k], 0.5 * properties_.impedance[k] * duration_), properties_.least_mass[k]) / stretch_[k];
 }
 
 template <int D>

@@ -74,6 +74,7 @@ class CouplingStep {
   void add_known_forces();
   void add_riemann();
   void add_velocity_divergence_mitigation();
+  void stretch(const Surface<D>& surface);
   double responding_mass(std::size_t k) const;  ///< [kg/m^2]
   double robin_mass(std::size_t k) const;       ///< [kg/m^2]
   double largest_gain() const;
@@ -114,6 +115,7 @@ class CouplingStep {
   SurfaceLoad<D> load_;            ///< that the fluid answers the present trial with
   SurfaceLoad<D> trial_load_;      ///< under which the structure has made it
   DissipativeLoad<D> dissipative_;
+  std::vector<double> area_at_start_, stretch_;  ///< of every point [m^(D-1)]; its area over that
   std::vector<double> share_;      ///< load of each point under a uniform pressure p, over p A; of the present window
   std::vector<double> carried_;    ///< pressure of every pair, times b_ik its force [Pa]
   BandForce<D> band_force_;
