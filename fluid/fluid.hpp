@@ -135,6 +135,7 @@ class Fluid {
   void count_leaks(const Faces<D>& faces, const FaceRows& rows);
   void remove_escaped();
   void check_speed();                                  // speed_limit.cpp
+  void check_volume();                                 // speed_limit.cpp
   double density_time_scale() const;
 
   Constants<D> constants_;
@@ -146,6 +147,7 @@ class Fluid {
   double gravity_size_ = 0, speed_floor_ = 0;
   double reference_speed_ = 0;   ///< of the scene; 0: not known [m/s]
   int windows_of_collapse_ = 0;  ///< with a step far shorter than the reference speed asks for
+  int windows_of_lost_volume_ = 0;  ///< beside bodies, with more or less of it than there can be
   Walls<D> walls_;
   ClippedWalls<D> seen_walls_;
   FaceFinder<D> wall_finder_, surface_finder_;

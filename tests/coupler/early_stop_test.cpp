@@ -79,5 +79,11 @@ TEST(EarlyStop, NamesExplicitStaggeringWhileTheMotionIsStillSound) {
   expect_named({0.1, 4, 1e7, 1, cm0}, 0.23, {"The interface has made", "up to t = 0.0", "limit", "coupling.algorithm = \"CM2\""});
 }
 
+// One pass under a floor of a hundredth of the density of water: the fluid is told of a floor that gives way, and sinks through the one there is.
+// Seen to fail without check_volume() (bounded speeds, no message, a tenth of the water gone).
+TEST(EarlyStop, NamesTheVolumeThatALightBodyTakesUnderOnePass) {
+  expect_named({0.01, 4, 1e7, 1, CouplingAlgorithm::cm2}, 0.27, {"The fluid has lost", "% of its volume by t = 0.0", "coupling.algorithm = \"CM3\""}, 0.08);
+}
+
 }  // namespace
 }  // namespace tern::coupler::testing
