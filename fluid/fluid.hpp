@@ -188,6 +188,8 @@ class Fluid {
   std::vector<double> source_, pressure_;
   Multigrid<D> multigrid_;
   SealedPools pools_;
+  SealedPools without_surface_;             ///< what no free surface ties, whether bodies yield to it or not
+  std::vector<float> missing_support_;      ///< of each particle, where it is more than disorder
   ConjugateGradientWork work_;
   std::vector<int> band_;                  ///< particle of each band entry
   std::vector<Vector<D>> images_;          ///< of one particle in its walls

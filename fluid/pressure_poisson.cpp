@@ -5,6 +5,10 @@
 // Free surface: the missing part f_i = 1 - tr M_i / D of a support acts as neighbours at p = 0. Unlike p = 0 on marked
 // particles this never switches a particle between two kinds of row, and the matrix keeps one size. Fluid that fills its
 // enclosure has no surface (sealed.hpp).
+// Fluid that no free surface ties, but bodies that yield: the level p of its pressure pushes particles whose kernels have a gap E_i (at the
+// corners of bodies) by the sum form's -2 p E_i, of which the differences above know nothing. Its divergence is 4 (dt/rho) p E_i^2, so that
+//   c_i += 4 V_i E_i^2,   E_i = sum V grad w over fluid and faces.
+// Otherwise the motion counts as a change of volume in the next window only, the level answers it one late, and both swing and grow.
 // Walls and structure are no unknowns: their flux is in div(u*). The structure yields to an increment of pressure,
 // du_k = -dt (p + rho g.(x_k - x_i) - p^_k)/m_k n_k, which inserted in div(u^{n+1}) gives kappa_ik = 2 rho V_i A_k w~_ik / m_k.
 
@@ -32,6 +36,13 @@ void Fluid<D>::assemble_pressure_matrix(const DissipativeLoad<D>& load) {
   const int n = static_cast<int>(state_.size());
   const double volume = constants_.volume;
   const double full = constants_.lattice.laplacian_weight / constants_.lattice.gradient_moment;
+  missing_support_.resize(n);
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (int i = 0; i < n; ++i) {
+    const double deficit = enclosed_ || !active_[i] ? 0 : 1 - trace_[i];
+    missing_support_[i] = deficit > least_deficit ? static_cast<float>(deficit) : 0;
+  }
+  if (surface_.size() > 0) find_sealed_pools<D>(neighbours_, active_, missing_support_, without_surface_);
   matrix_.reset(n, [&](int i) { return active_[i] ? neighbours_.count[i] : 0; });
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (int i = 0; i < n; ++i) {
@@ -40,8 +51,9 @@ void Fluid<D>::assemble_pressure_matrix(const DissipativeLoad<D>& load) {
       continue;
     }
     const int first = neighbours_.begin[i], count = neighbours_.count[i];
-    const double deficit = enclosed_ ? 0 : 1 - trace_[i];
-    double constant = deficit > least_deficit ? volume * deficit * full : 0;
+    double constant = volume * missing_support_[i] * full;
+    if (without_surface_.any() && without_surface_.pool[i] >= 0 && sum_form_[i])
+      constant += 4 * volume * (neighbours_.kernel_gradient[i] + boundary_.wall_gradient[i] + boundary_.surface_gradient[i]).squaredNorm();
     for (int entry = surface_rows_.begin[i]; entry < surface_rows_.begin[i] + surface_rows_.count[i]; ++entry)
       constant += yielding(load, surface_rows_.face[entry], surface_rows_.weight[entry]);
     const int* column = neighbours_.column.data() + first;
