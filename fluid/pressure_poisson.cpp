@@ -36,13 +36,15 @@ void Fluid<D>::assemble_pressure_matrix(const DissipativeLoad<D>& load) {
   const int n = static_cast<int>(state_.size());
   const double volume = constants_.volume;
   const double full = constants_.lattice.laplacian_weight / constants_.lattice.gradient_moment;
-  missing_support_.resize(n);
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (int i = 0; i < n; ++i) {
-    const double deficit = enclosed_ || !active_[i] ? 0 : 1 - trace_[i];
-    missing_support_[i] = deficit > least_deficit ? static_cast<float>(deficit) : 0;
+  const auto missing_support = [&](int i) {
+    const double deficit = enclosed_ ? 0 : 1 - trace_[i];
+    return deficit > least_deficit ? deficit : 0;
+  };
+  if (surface_.size() > 0) {
+    missing_support_.resize(n);
+    for (int i = 0; i < n; ++i) missing_support_[i] = static_cast<float>(missing_support(i));
+    find_sealed_pools<D>(neighbours_, active_, missing_support_, without_surface_);
   }
-  if (surface_.size() > 0) find_sealed_pools<D>(neighbours_, active_, missing_support_, without_surface_);
   matrix_.reset(n, [&](int i) { return active_[i] ? neighbours_.count[i] : 0; });
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (int i = 0; i < n; ++i) {
@@ -51,7 +53,7 @@ void Fluid<D>::assemble_pressure_matrix(const DissipativeLoad<D>& load) {
       continue;
     }
     const int first = neighbours_.begin[i], count = neighbours_.count[i];
-    double constant = volume * missing_support_[i] * full;
+    double constant = volume * missing_support(i) * full;
     if (without_surface_.any() && without_surface_.pool[i] >= 0 && sum_form_[i])
       constant += 4 * volume * (neighbours_.kernel_gradient[i] + boundary_.wall_gradient[i] + boundary_.surface_gradient[i]).squaredNorm();
     for (int entry = surface_rows_.begin[i]; entry < surface_rows_.begin[i] + surface_rows_.count[i]; ++entry)
