@@ -24,6 +24,8 @@ constexpr double lightest_of_one_pass = 0.5 * (1 + 1e-9);  // a plate of just th
 /// Mass with which a light surface yields in the pressure equation of CM3, in layers of fluid particles. From 2 to 12 it makes
 /// no difference to the number of trials.
 constexpr double robin_layers = 5;
+/// Of the half space before a point. At the end of the kernel, where w~ may be negative, particles and point feel nothing of each other.
+constexpr double least_share = 1e-3;
 
 }  // namespace
 
@@ -32,8 +34,9 @@ void CouplingStep<D>::pass(double begin, double duration, const Surface<D>& surf
   begin_ = begin;
   duration_ = duration;
   load_.force.assign(surface.position.size(), Vector<D>::Zero());
+  stretch(surface);
   if (algorithm_ == CouplingAlgorithm::cm3) fixed_point_.begin_window(largest_gain(), begin);
-  contact_.clear();
+  contact_.force.clear();
   for (LoadAlternation& alternation : alternation_) alternation = {};
   audit_ = {};
   ++evaluations_.windows_without_exchange;
@@ -49,12 +52,17 @@ DissipativeLoad<D> CouplingStep<D>::dissipative_load(double begin, double durati
   if (coupling_.vem_coefficient && band.divergence.size() != band.id.size())
     throw BadInput("The fluid process sends no divergence of the velocity, which [coupling.vem] needs; leave that table out, or use "
                    "a fluid that has it.");
+  stretch(surface);
   pairs_.find(band, surface);
+  share_ = uniform_load<D>(pairs_.all_pairs(), surface, coupling_.scheme);
   // The structure makes its first trial under the load of the last window.
-  if (load_.force.size() == surface.position.size())
+  const std::size_t points = surface.position.size();
+  if (load_.force.size() == points)
     trial_load_ = load_;
   else
-    trial_load_.force.assign(surface.position.size(), Vector<D>::Zero());
+    trial_load_.force.assign(points, Vector<D>::Zero());
+  trial_contact_ = contact_;
+  trial_contact_.force.resize(points, Vector<D>::Zero());
   if (algorithm_ == CouplingAlgorithm::cm3) fixed_point_.begin_window(largest_gain(), begin_);
   dissipative_.surface_velocity.clear();
   add_known_forces();
@@ -90,10 +98,14 @@ const SurfaceLoad<D>* CouplingStep<D>::next_trial(const BandPressure<D>& pressur
   settle_contacts(pressure);
   audit_ = audit;
   const SurfaceLoad<D> answer = std::exchange(load_, known);
-  if (fixed_point_.add(flat(trial_load_), flat(answer))) return nullptr;
+  if (fixed_point_.add(parts(trial_load_, trial_contact_), parts(answer, contact_))) return nullptr;
   ++evaluations_.repeated_trials;
   const Eigen::VectorXd next = fixed_point_.next();
-  for (std::size_t k = 0; k < trial_load_.force.size(); ++k) trial_load_.force[k] = next.segment<D>(D * static_cast<Eigen::Index>(k));
+  const auto points = static_cast<Eigen::Index>(trial_load_.force.size());
+  for (Eigen::Index k = 0; k < points; ++k) {
+    trial_contact_.force[k] = next.segment<D>(D * (points + k));
+    trial_load_.force[k] = next.segment<D>(D * k) + trial_contact_.force[k];
+  }
   return &trial_load_;
 }
 
@@ -111,6 +123,14 @@ template <int D>
 Eigen::VectorXd CouplingStep<D>::flat(const SurfaceLoad<D>& load) {
   Eigen::VectorXd values(D * static_cast<Eigen::Index>(load.force.size()));
   for (std::size_t k = 0; k < load.force.size(); ++k) values.segment<D>(D * static_cast<Eigen::Index>(k)) = load.force[k];
+  return values;
+}
+
+template <int D>
+Eigen::VectorXd CouplingStep<D>::parts(const SurfaceLoad<D>& load, const SurfaceLoad<D>& contact) {
+  const Eigen::VectorXd all = flat(load), contacts = flat(contact);
+  Eigen::VectorXd values(all.size() + contacts.size());
+  values << all - contacts, contacts;
   return values;
 }
 
@@ -187,11 +207,19 @@ void CouplingStep<D>::add_velocity_divergence_mitigation() {
 }
 
 template <int D>
+void CouplingStep<D>::stretch(const Surface<D>& surface) {
+  if (area_at_start_.empty()) area_at_start_ = surface.area;
+  stretch_.resize(surface.area.size());
+  for (std::size_t k = 0; k < stretch_.size(); ++k) stretch_[k] = surface.area[k] / area_at_start_[k];
+}
+
+template <int D>
 double CouplingStep<D>::responding_mass(std::size_t k) const {
   // Over a window a pressure accelerates the section behind the point. As long as an elastic wave is on its way through it the
   // face moves at the constant p/(rho c) instead, which for the fluid, that takes the mean velocity for half of that at the
-  // end, is the answer of half the layer that the wave reaches. At least one particle moves.
-  return std::max(std::min(properties_.section_mass[k], 0.5 * properties_.impedance[k] * duration_), properties_.least_mass[k]);
+  // end, is the answer of half the layer that the wave reaches. At least one particle moves. All of this is mass over the area that
+  // the body had at the start; where it has been stretched since, a pressure finds less behind the same area.
+  return std::max(std::min(properties_.section_mass[k], 0.5 * properties_.impedance[k] * duration_), properties_.least_mass[k]) / stretch_[k];
 }
 
 template <int D>
@@ -219,11 +247,14 @@ void CouplingStep<D>::set_robin_condition() {
   // Explicit coupling: the fluid takes the surface as a wall that moves as given; mass 0 says that a point does not yield.
   if (algorithm_ == CouplingAlgorithm::cm0) return;
   for (std::size_t k = 0; k < points; ++k) {
-    dissipative_.robin_mass[k] = robin_mass(k);
-    // What the trial carries, less what is known of its answer; contacts, which CM3's trials have found, are not the pressure's.
-    Vector<D> carried = trial_load_.force[k] - load_.force[k];
-    if (contact_.size() == points) carried -= contact_[k];
-    dissipative_.reference_pressure[k] = -carried.dot(surface_.normal[k]) / surface_.area[k];
+    // A pressure p loads the point with s p A, s being the share of its half space that particles fill: some per cent off 1 where they
+    // are on no lattice, less at a free surface. So it answers p with the mass m/s, and its load is that of the pressure L/(s A). With s
+    // left out, a body that rests under p is taken to give way by dt (1 - s) p/m in every window: where s > 1 that makes energy.
+    const double share = share_[k] > least_share ? share_[k] : 1;
+    dissipative_.robin_mass[k] = robin_mass(k) / share;
+    // What the trial carries, less what is known of its answer; the contacts of CM3's trials are not the pressure's.
+    const Vector<D> carried = trial_load_.force[k] - load_.force[k] - trial_contact_.force[k];
+    dissipative_.reference_pressure[k] = -carried.dot(surface_.normal[k]) / (share * surface_.area[k]);
   }
 }
 
@@ -253,7 +284,7 @@ void CouplingStep<D>::add_pressure(const BandPressure<D>& pressure) {
 
 template <int D>
 void CouplingStep<D>::settle_contacts(const BandPressure<D>& pressure) {
-  if (algorithm_ == CouplingAlgorithm::cm3) contact_.assign(load_.force.size(), Vector<D>::Zero());
+  if (algorithm_ == CouplingAlgorithm::cm3) contact_.force.assign(load_.force.size(), Vector<D>::Zero());
   // Inelastic: a particle nearer to a face than the contact distance goes on with the face; the impulse is part of the load.
   // Thin sheets and spray feel too little pressure to be stopped otherwise.
   for (const auto& pair : pairs_.pairs()) {
@@ -274,7 +305,7 @@ void CouplingStep<D>::settle_contacts(const BandPressure<D>& pressure) {
     const double mass = band_->mass[i] * behind / (band_->mass[i] + behind);
     const Vector<D> force = -(mass * expected / duration_) * n;
     add_pair_force(band_force_.force, pair, force);
-    if (algorithm_ == CouplingAlgorithm::cm3) contact_[k] += force;
+    if (algorithm_ == CouplingAlgorithm::cm3) contact_.force[k] += force;
     audit_.contact_dissipation += 0.5 * mass * expected * approach;
     ++audit_.contacts;
   }

@@ -74,6 +74,7 @@ class CouplingStep {
   void add_known_forces();
   void add_riemann();
   void add_velocity_divergence_mitigation();
+  void stretch(const Surface<D>& surface);
   double responding_mass(std::size_t k) const;  ///< [kg/m^2]
   double robin_mass(std::size_t k) const;       ///< [kg/m^2]
   double largest_gain() const;
@@ -87,6 +88,9 @@ class CouplingStep {
   const char* remedy() const;
 
   static Eigen::VectorXd flat(const SurfaceLoad<D>& load);
+  /// What the trials of CM3 look for: the load without its contacts, then the contacts. Both are unknowns, for the fluid takes them
+  /// differently: its answer to a trial must not depend on the contacts that another trial has met.
+  static Eigen::VectorXd parts(const SurfaceLoad<D>& load, const SurfaceLoad<D>& contact);
 
   /// Puts +f on a surface point and -f on a band particle.
   void add_pair_force(std::vector<Vector<D>>& on_band, const InterfacePair<D>& pair, const Vector<D>& force) {
@@ -111,9 +115,11 @@ class CouplingStep {
   SurfaceLoad<D> load_;            ///< that the fluid answers the present trial with
   SurfaceLoad<D> trial_load_;      ///< under which the structure has made it
   DissipativeLoad<D> dissipative_;
+  std::vector<double> area_at_start_, stretch_;  ///< of every point [m^(D-1)]; its area over that
+  std::vector<double> share_;      ///< load of each point under a uniform pressure p, over p A; of the present window
   std::vector<double> carried_;    ///< pressure of every pair, times b_ik its force [Pa]
   BandForce<D> band_force_;
-  std::vector<Vector<D>> contact_;  ///< CM3: contacts in the last answer, by surface point [N/m^(3-D)]
+  SurfaceLoad<D> contact_, trial_contact_;  ///< CM3: the contacts in load_, and in trial_load_
   WindowAudit audit_;
   Evaluations evaluations_;
   InterfaceEnergy energy_;

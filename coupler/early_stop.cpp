@@ -40,8 +40,8 @@ void CouplingStep<D>::check_alternation() {
     for (int c = 0; c < D; ++c) place += fmt::format("{}{:.5g}", c ? ", " : "", surface_.position[point[worst]][c]);
     throw NumericalFailure(fmt::format(
         "The load on body '{}' turns round from window to window at t = {:.6g} s: by {:.3g} {} (norm over its surface points) "
-        "about a mean of {:.3g}, most near ({}) m, and without dying out; the limit is the mean, or a tenth of it when it grows by half every "
-        "{} windows. The coupling makes this load: {}.",
+        "about a mean of {:.3g}, most near ({}) m, and without dying out; the limit is the mean, or a tenth of it when it grows by half "
+        "every {} windows. The coupling makes this load: {}.",
         body_name_[b], begin_ + duration_, alternation.amplitude(), D == 2 ? "N/m" : "N", alternation.mean(), place, LoadAlternation::reversals, remedy()));
   }
 }
@@ -49,7 +49,7 @@ void CouplingStep<D>::check_alternation() {
 template <int D>
 const char* CouplingStep<D>::remedy() const {
   if (algorithm_ == CouplingAlgorithm::cm0)
-    return "explicit staggering of a body that is light for its fluid is unstable, use coupling.algorithm = \"CM2\" or \"CM3\"";
+    return "explicit staggering is unstable for a body that is light for its fluid, or that vibrates faster than the windows resolve, use coupling.algorithm = \"CM2\" or \"CM3\"";
   if (algorithm_ == CouplingAlgorithm::cm2) return "the body is too light for one pass, use coupling.algorithm = \"CM3\"";
   return "the windows are too long for a body as light as this, use a smaller fluid.numerics.gravity_courant and courant, or a "
          "heavier or thicker body";

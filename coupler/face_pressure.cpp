@@ -63,6 +63,17 @@ void integrate_over_faces(const Kernel<D>& kernel, std::span<const InterfacePair
     carried[m] = share[pairs[m].point] * (carried[m] - gradient[pairs[m].point].dot(pairs[m].offset));
 }
 
+template <int D>
+std::vector<double> uniform_load(std::span<const InterfacePair<D>> pairs, const Surface<D>& surface, InterfaceScheme scheme) {
+  std::vector<double> filled(surface.position.size(), 0);
+  for (const auto& pair : pairs) filled[pair.point] -= pair.b.dot(surface.normal[pair.point]) / surface.area[pair.point];
+  if (scheme != InterfaceScheme::riemann)
+    for (double& f : filled) f = wet_share(f);
+  return filled;
+}
+
+template std::vector<double> uniform_load<2>(std::span<const InterfacePair<2>>, const Surface<2>&, InterfaceScheme);
+template std::vector<double> uniform_load<3>(std::span<const InterfacePair<3>>, const Surface<3>&, InterfaceScheme);
 template void integrate_over_faces<2>(const Kernel<2>&, std::span<const InterfacePair<2>>, const Surface<2>&, const Band<2>&,
                                       InterfaceScheme, std::vector<double>&);
 template void integrate_over_faces<3>(const Kernel<3>&, std::span<const InterfacePair<3>>, const Surface<3>&, const Band<3>&,

@@ -24,4 +24,9 @@ template <int D>
 void integrate_over_faces(const Kernel<D>& kernel, std::span<const InterfacePair<D>> pairs, const Surface<D>& surface,
                           const Band<D>& band, InterfaceScheme scheme, std::vector<double>& carried);
 
+/// Load of every surface point under a uniform pressure, over that pressure times its area. With riemann what the pairs fill of the
+/// half space before it, with pi and fsa its wet share.
+template <int D>
+std::vector<double> uniform_load(std::span<const InterfacePair<D>> pairs, const Surface<D>& surface, InterfaceScheme scheme);
+
 }  // namespace tern::coupler

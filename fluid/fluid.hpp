@@ -126,6 +126,7 @@ class Fluid {
   void move_surface_at(const std::vector<Vector<D>>& velocity);
   void assemble_pressure_matrix();                     // pressure_poisson.cpp: the rows of all that see no face of the structure
   void assemble_pressure_matrix_at_structure(const DissipativeLoad<D>& load);  // and of the others
+  double missing_support(int i) const;  ///< of a particle's kernel, where it is more than disorder
   void assemble_pressure_row(int i, const DissipativeLoad<D>& load);
   void assemble_pressure_source(const DissipativeLoad<D>& load);  // pressure_poisson.cpp
   /// kappa_ik of a patch that the particle sees with this weight A_k w~_ik [m^(D-2)].
@@ -142,6 +143,7 @@ class Fluid {
   void count_leaks(const Faces<D>& faces, const FaceRows& rows);
   void remove_escaped();
   void check_speed();                                  // speed_limit.cpp
+  void check_volume();                                 // speed_limit.cpp
   double density_time_scale() const;
 
   Constants<D> constants_;
@@ -153,6 +155,7 @@ class Fluid {
   double gravity_size_ = 0, speed_floor_ = 0;
   double reference_speed_ = 0;   ///< of the scene; 0: not known [m/s]
   int windows_of_collapse_ = 0;  ///< with a step far shorter than the reference speed asks for
+  int windows_of_lost_volume_ = 0;  ///< beside bodies, with more or less of it than there can be
   Walls<D> walls_;
   ClippedWalls<D> seen_walls_;
   FaceFinder<D> wall_finder_, surface_finder_;
@@ -194,6 +197,8 @@ class Fluid {
   std::vector<double> source_, pressure_;
   Multigrid<D> multigrid_;
   SealedPools pools_;
+  SealedPools without_surface_;            ///< what no free surface ties, whether bodies yield to it or not
+  std::vector<float> missing_support_;
   ConjugateGradientWork work_;
   std::vector<int> band_;                  ///< particle of each band entry
   bool pressure_prepared_ = false, velocity_complete_ = false;  ///< by the functions of this name, in this window

@@ -5,6 +5,10 @@
 // Free surface: the missing part f_i = 1 - tr M_i / D of a support acts as neighbours at p = 0. Unlike p = 0 on marked
 // particles this never switches a particle between two kinds of row, and the matrix keeps one size. Fluid that fills its
 // enclosure has no surface (sealed.hpp).
+// Fluid that no free surface ties, but bodies that yield: the level p of its pressure pushes particles whose kernels have a gap E_i by the
+// sum form's -2 p E_i, of which the differences above know nothing. Its divergence is 4 (dt/rho) p E_i^2, so that
+//   c_i += 4 V_i E_i^2,   E_i = sum V grad w over fluid and faces.
+// Otherwise the motion counts as a change of volume in the next window only, the level answers it one late, and both swing and grow.
 // Walls and structure are no unknowns: their flux is in div(u*). The structure yields to an increment of pressure,
 // du_k = -dt (p + rho g.(x_k - x_i) - p^_k)/m_k n_k, which inserted in div(u^{n+1}) gives kappa_ik = 2 rho V_i A_k w~_ik / m_k.
 
@@ -28,8 +32,19 @@ constexpr int jacobi_limit = 20000;
 }  // namespace
 
 template <int D>
+double Fluid<D>::missing_support(int i) const {
+  const double deficit = enclosed_ ? 0 : 1 - trace_[i];
+  return deficit > least_deficit ? deficit : 0;
+}
+
+template <int D>
 void Fluid<D>::assemble_pressure_matrix() {
   const int n = static_cast<int>(state_.size());
+  if (surface_.size() > 0) {
+    missing_support_.resize(n);
+    for (int i = 0; i < n; ++i) missing_support_[i] = static_cast<float>(missing_support(i));
+    find_sealed_pools<D>(neighbours_, active_, missing_support_, without_surface_);
+  }
   matrix_.reset(n, [&](int i) { return active_[i] ? neighbours_.count[i] : 0; });
   const DissipativeLoad<D> none;
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
@@ -54,8 +69,10 @@ void Fluid<D>::assemble_pressure_row(int i, const DissipativeLoad<D>& load) {
   const double volume = constants_.volume;
   const double full = constants_.lattice.laplacian_weight / constants_.lattice.gradient_moment;
   const int first = neighbours_.begin[i], count = neighbours_.count[i];
-  const double deficit = enclosed_ ? 0 : 1 - trace_[i];
-  double constant = deficit > least_deficit ? volume * deficit * full : 0;
+  double constant = volume * missing_support(i) * full;
+  if (without_surface_.any() && without_surface_.pool[i] >= 0 && sum_form_[i])
+    constant += 4 * volume * (neighbours_.kernel_gradient[i] + boundary_.wall_gradient[i] + boundary_.surface_gradient[i] +
+                              boundary_.averted_gradient[i]).squaredNorm();
   for (int entry = surface_rows_.begin[i]; entry < surface_rows_.begin[i] + surface_rows_.count[i]; ++entry)
     constant += yielding(load, surface_rows_.face[entry], surface_rows_.weight[entry]);
   const int* column = neighbours_.column.data() + first;
@@ -159,6 +176,7 @@ void Fluid<D>::solve_pressure_poisson() {
   template void Fluid<D>::assemble_pressure_matrix_at_structure(const DissipativeLoad<D>&); \
   template void Fluid<D>::assemble_pressure_row(int, const DissipativeLoad<D>&);            \
   template void Fluid<D>::assemble_pressure_source(const DissipativeLoad<D>&);              \
+  template double Fluid<D>::missing_support(int) const;                          \
   template double Fluid<D>::yielding(const DissipativeLoad<D>&, int, double) const;         \
   template void Fluid<D>::prepare_pressure_solve();                                         \
   template void Fluid<D>::solve_pressure_poisson();

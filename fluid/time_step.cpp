@@ -170,6 +170,7 @@ void Fluid<D>::end_window(const BandForce<D>& force) {
     predicted_velocity_[band_[m]] += (duration_s_ / constants_.mass) * force.force[m];
   settle_wall_contacts();
   check_speed();
+  check_volume();
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
   potential_ -= ordered_reduce(n, 0.0, [&](std::ptrdiff_t i) {
     return 0.5 * constants_.mass * duration_s_ * gravity_[i].dot(state_.velocity[i] + predicted_velocity_[i]);

@@ -50,7 +50,7 @@ struct Band {
 template <int D>
 struct DissipativeLoad {
   std::vector<Vector<D>> force;            ///< on each band particle [N/m^(3-D)]
-  std::vector<double> reference_pressure;  ///< p-hat on each surface point [Pa], the load the trial state already carries
+  std::vector<double> reference_pressure;  ///< p-hat on each surface point [Pa], under which the trial state already moves
   std::vector<double> robin_mass;          ///< m_p on each surface point [kg/m^2]; 0: it does not yield
   /// Velocity of each surface point under the load that is tried now [m/s]; empty: as in Surface.
   std::vector<Vector<D>> surface_velocity;

@@ -173,7 +173,7 @@ QUICK = {
     "drop at 10 m/s on a pool", "neo_hookean squeezed to 0.5 of its height", "st_venant_kirchhoff squeezed to 0.1 of its height",
     "water at rest without gravity", "floor under water at rest for 20 sqrt(H/g)", "structure over fluid 4, four across, one face wet",
     "light and loosely solved: density ratio 0.1, tolerance 1e-2", "standing plate in 3D, density ratio 1",
-    "standing plate in 3D, density ratio 0.1, CM2",
+    "floor in 3D, density ratio 0.1, CM2",
 }
 
 

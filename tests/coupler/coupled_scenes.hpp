@@ -24,6 +24,7 @@ struct CoupledScene {
   int wet_faces = 1;           ///< 1: the plate is a part of the floor; 2: it stands under water
   CouplingAlgorithm algorithm = CouplingAlgorithm::automatic;
   double window = 1;           ///< length of the windows over what the fluid takes by default
+  bool sealed = false;         ///< with a lid on the water
 };
 
 inline constexpr double plate_spacing = 0.005, water_spacing = 0.01, water_depth = 0.16, tank_width = 0.24;
@@ -77,6 +78,10 @@ inline Case case_of(const CoupledScene& s) {
     c.fluid->bodies = {right, above};
   }
   c.fluid->bodies.push_back(water);
+  if (s.sealed) {
+    tank.shape.max[1] = water_depth;
+    std::erase(tank.open, "y_max");
+  }
   c.walls.push_back(tank);
   c.structure.emplace();
   c.structure->bodies.push_back(plate);
