@@ -19,7 +19,7 @@ from message_check import MAX_MESSAGE_BYTES, BadMessage, check_body
 from schema import wire
 from security import EVENTS, CannotConnect, Handshake
 
-PROTOCOL_VERSION = 4
+PROTOCOL_VERSION = 5
 HEARTBEAT_INTERVAL_MS = 1000
 HEARTBEAT_TIMEOUT_MS = 5000
 LINGER_MS = 500
