@@ -1,7 +1,5 @@
 #include "coupler/interface_pairs.hpp"
 
-#include "particles/convex_corner.hpp"
-
 namespace tern::coupler {
 
 template <int D>
@@ -16,7 +14,7 @@ void InterfacePairs<D>::find(const Band<D>& band, const Surface<D>& surface) {
   finder_.fill(faces_, kernel_.support());
   covered_.assign(surface.position.size(), 0);
   for (std::uint32_t k : band.covered) covered_[k] = 1;
-  CornerView<D> corners(faces_, finder_, covered_, kernel_);
+  CornerView<D> corners(faces_, finder_, covered_, kernel_, corner_scratch_);
   borne_share_.assign(surface.position.size(), 0);  // not asked for yet
   const auto pair = [&](int i, int k, const Vector<D>& offset) {
     if (borne_share_[k] == 0) borne_share_[k] = corners.borne_share(k);

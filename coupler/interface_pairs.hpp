@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "particles/convex_corner.hpp"
 #include "particles/face_kernel.hpp"
 #include "particles/faces.hpp"
 #include "particles/interface.hpp"
@@ -51,6 +52,7 @@ class InterfacePairs {
   std::vector<InterfacePair<D>> past_corners_;  ///< averted pairs, as they are found
   std::vector<std::uint8_t> covered_;  ///< per surface point
   std::vector<double> borne_share_;
+  CornerScratch corner_scratch_;
   std::vector<std::size_t> first_;  ///< pair of each particle, then the number of them all
 };
 

@@ -5,6 +5,7 @@
 
 #include "fluid/neighbours.hpp"
 #include "fluid/state.hpp"
+#include "particles/convex_corner.hpp"
 #include "particles/faces.hpp"
 
 namespace tern::fluid {
@@ -21,6 +22,7 @@ struct BoundarySums {
   std::vector<Vector<D>> averted_gradient;  ///< what averted faces take from that (convex_corner.hpp) [1/m]
   std::vector<Vector<D>> unborne_gradient;  ///< of both, what is not the interface's [1/m]
   std::vector<double> borne_share;          ///< of each face of the structure (convex_corner.hpp) [-]
+  std::vector<CornerScratch> corner_scratch;  ///< by thread
   std::vector<double> flux;                 ///< sum_k A_k w~_ik n_k . u_k of all faces [1/s]
 };
 

@@ -18,13 +18,19 @@ bool passes_corner(const Vector<D>& in, const Vector<D>& out) {
   return in.dot(out) > -0.6;
 }
 
+/// Kept by the caller, so that a step allocates nothing.
+struct CornerScratch {
+  std::vector<int> averted, turned;
+};
+
 /// Finds averted faces. The faces of the structure and their finder outlive it.
 template <int D>
 class CornerView {
  public:
-  /// `covered`: faces before which there is a wall instead of room for fluid; empty: none.
-  CornerView(const Faces<D>& structure, const FaceFinder<D>& finder, const std::vector<std::uint8_t>& covered, const FaceKernel<D>& kernel)
-      : structure_(structure), finder_(finder), covered_(covered), kernel_(kernel) {}
+  /// `covered`: faces before which there is a wall instead of room for fluid; empty: none is.
+  CornerView(const Faces<D>& structure, const FaceFinder<D>& finder, const std::vector<std::uint8_t>& covered, const FaceKernel<D>& kernel,
+             CornerScratch& scratch)
+      : structure_(structure), finder_(finder), covered_(covered), kernel_(kernel), averted_(scratch.averted), turned_(scratch.turned) {}
 
   /// Sets averted() for a particle at x: faces within the support that are turned away from it and bound what hides behind those it
   /// sees, at least one.
@@ -43,7 +49,7 @@ class CornerView {
   const FaceFinder<D>& finder_;
   const std::vector<std::uint8_t>& covered_;
   const FaceKernel<D>& kernel_;
-  std::vector<int> averted_, turned_;
+  std::vector<int>&averted_, &turned_;
 };
 
 /// Marks the faces of the structure before which there is a wall. `before`: distance of the places that are asked [m].

@@ -92,7 +92,8 @@ std::vector<Vector<2>> incompleteness(const Scene& scene, bool averted) {
   FaceFinder<2> finder;
   finder.fill(faces, kernel.support());
   const std::vector<std::uint8_t> none_covered;
-  CornerView<2> corners(faces, finder, none_covered, kernel);
+  CornerScratch scratch;
+  CornerView<2> corners(faces, finder, none_covered, kernel, scratch);
   std::map<std::uint32_t, std::size_t> row;
   for (std::size_t i = 0; i < scene.fluid.state().size(); ++i) row[scene.fluid.state().id[i]] = i;
   std::vector<Vector<2>> result;

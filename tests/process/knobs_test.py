@@ -79,12 +79,14 @@ class Result:
         near = np.argsort(distance, axis=1)[:, 1:7]
         return float(np.sqrt(np.mean(np.sum((self.velocity - self.velocity[near].mean(axis=1)) ** 2, axis=1))))
 
-    def change(self, other):
-        """Largest difference of any curve of energy.csv or gauges.csv at common times, over the largest value of the curve."""
+    def change(self, other, share=1.0):
+        """Largest difference of any curve of energy.csv or gauges.csv at common times, over the largest value of the curve; of the first
+        `share` of the run.
+        """
         largest = 0.0
         for one, two in ((self.energy, other.energy), (self.gauges, other.gauges)):
             end = min(one["t_s"][-1], two["t_s"][-1])
-            times = np.linspace(0, end, 101)
+            times = np.linspace(0, share * end, 101)
             for name in set(one) & set(two) - {"t_s"}:
                 a, b = (np.interp(times, table["t_s"], np.nan_to_num(table[name])) for table in (one, two))
                 scale = max(np.abs(a).max(), np.abs(b).max())
@@ -176,11 +178,13 @@ class KnobsTest(unittest.TestCase):
         self.assert_more(default.wall_distance(), other.wall_distance(), "distance to the nearest wall")
 
     def test_fluid_numerics_pressure_tolerance(self):
-        """A loose solve takes fewer iterations and is further from one that is nearly exact."""
+        """A loose solve takes fewer iterations and is further from one that is nearly exact, as long as the flow remembers: in the second
+        half of this surge any two tolerances are equally far apart, 1e-8 from 1e-12 as well.
+        """
         default, other = self.pair("surge", FLUID + "pressure_tolerance=1e-2")
         exact = self.run_scene("surge", FLUID + "pressure_tolerance=1e-12")
         self.assert_more(default.figures["pressure_iterations_mean"], other.figures["pressure_iterations_mean"], "iterations")
-        self.assert_more(other.change(exact), default.change(exact), "distance from the exact solve")
+        self.assert_more(other.change(exact, 0.4), default.change(exact, 0.4), "distance from the exact solve")
 
     # Structure.
 
