@@ -49,7 +49,8 @@ void CouplingStep<D>::check_alternation() {
 template <int D>
 const char* CouplingStep<D>::remedy() const {
   if (algorithm_ == CouplingAlgorithm::cm0)
-    return "explicit staggering is unstable for a body that is light for its fluid, or that vibrates faster than the windows resolve, use coupling.algorithm = \"CM2\" or \"CM3\"";
+    return "explicit staggering is unstable for a body that is light for its fluid, or that vibrates faster than the windows "
+           "resolve, use coupling.algorithm = \"CM2\" or \"CM3\"";
   if (algorithm_ == CouplingAlgorithm::cm2) return "the body is too light for one pass, use coupling.algorithm = \"CM3\"";
   return "the windows are too long for a body as light as this, use a smaller fluid.numerics.gravity_courant and courant, or a "
          "heavier or thicker body";

@@ -1,9 +1,9 @@
 #pragma once
 // Pairs of fluid particle i and surface point k that see each other, with the vector all interface operators share:
 //   b_ik = -2 V_i A_k w~(r_ik) n_k
-// div_i takes (1/V_i) b_ik . (u_k - u_i), a pressure p puts the force +p b_ik on k and -p b_ik on i. One vector for both is
-// what makes the exchange conserve momentum exactly and its power equal p div u. Thin bodies need no special care, because
-// the hidden half space is replaced by its surface (Gauss' theorem).
+// (beside corners with the share of convex_corner.hpp). A pressure p puts the force +p b_ik on k and -p b_ik on i, so that the
+// exchange conserves momentum exactly; away from corners div_i takes (1/V_i) b_ik . (u_k - u_i), so that its power is p div u.
+// Thin bodies need no special care, because the hidden half space is replaced by its surface (Gauss' theorem).
 // Where a face meets a wall, part of the half space before its points lies beyond the wall. The fluid is mirrored there, and
 // the images of particles have pairs too: with them the face has its whole load.
 

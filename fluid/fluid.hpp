@@ -126,6 +126,7 @@ class Fluid {
   void move_surface_at(const std::vector<Vector<D>>& velocity);
   void assemble_pressure_matrix();                     // pressure_poisson.cpp: the rows of all that see no face of the structure
   void assemble_pressure_matrix_at_structure(const DissipativeLoad<D>& load);  // and of the others
+  void find_pools_that_yield(const DissipativeLoad<D>& load);
   double missing_support(int i) const;  ///< of a particle's kernel, where it is more than disorder
   void assemble_pressure_row(int i, const DissipativeLoad<D>& load);
   void assemble_pressure_source(const DissipativeLoad<D>& load);  // pressure_poisson.cpp
@@ -199,6 +200,7 @@ class Fluid {
   SealedPools pools_;
   SealedPools without_surface_;            ///< what no free surface ties, whether bodies yield to it or not
   std::vector<float> missing_support_;
+  std::vector<std::uint8_t> yields_to_level_;  ///< in the sum form, in a pool that bodies tie and no free surface; empty: nowhere
   ConjugateGradientWork work_;
   std::vector<int> band_;                  ///< particle of each band entry
   bool pressure_prepared_ = false, velocity_complete_ = false;  ///< by the functions of this name, in this window

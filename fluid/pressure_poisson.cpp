@@ -40,11 +40,7 @@ double Fluid<D>::missing_support(int i) const {
 template <int D>
 void Fluid<D>::assemble_pressure_matrix() {
   const int n = static_cast<int>(state_.size());
-  if (surface_.size() > 0) {
-    missing_support_.resize(n);
-    for (int i = 0; i < n; ++i) missing_support_[i] = static_cast<float>(missing_support(i));
-    find_sealed_pools<D>(neighbours_, active_, missing_support_, without_surface_);
-  }
+  yields_to_level_.clear();
   matrix_.reset(n, [&](int i) { return active_[i] ? neighbours_.count[i] : 0; });
   const DissipativeLoad<D> none;
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
@@ -55,9 +51,33 @@ void Fluid<D>::assemble_pressure_matrix() {
 
 template <int D>
 void Fluid<D>::assemble_pressure_matrix_at_structure(const DissipativeLoad<D>& load) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(band_.size());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(band_.size()), all = static_cast<std::ptrdiff_t>(state_.size());
+  if (n > 0) find_pools_that_yield(load);
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (std::ptrdiff_t m = 0; m < n; ++m) assemble_pressure_row(band_[m], load);
+  if (yields_to_level_.empty()) return;
+#pragma omp parallel for schedule(static) if (all >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < all; ++i)
+    if (surface_rows_.count[i] == 0 && yields_to_level_[i]) assemble_pressure_row(static_cast<int>(i), load);
+}
+
+template <int D>
+void Fluid<D>::find_pools_that_yield(const DissipativeLoad<D>& load) {
+  const int n = static_cast<int>(state_.size());
+  missing_support_.resize(n);
+  for (int i = 0; i < n; ++i) missing_support_[i] = static_cast<float>(missing_support(i));
+  find_sealed_pools<D>(neighbours_, active_, missing_support_, without_surface_);
+  if (!without_surface_.any()) return;
+  std::vector<std::uint8_t>& yields = without_surface_.tied;
+  yields.assign(without_surface_.size.size(), 0);
+  for (int i : band_) {
+    if (without_surface_.pool[i] < 0) continue;
+    for (int entry = surface_rows_.begin[i]; entry < surface_rows_.begin[i] + surface_rows_.count[i]; ++entry)
+      if (yielding(load, surface_rows_.face[entry], surface_rows_.weight[entry]) > 0) yields[without_surface_.pool[i]] = 1;
+  }
+  if (std::find(yields.begin(), yields.end(), 1) == yields.end()) return;
+  yields_to_level_.resize(n);
+  for (int i = 0; i < n; ++i) yields_to_level_[i] = sum_form_[i] && without_surface_.pool[i] >= 0 && yields[without_surface_.pool[i]];
 }
 
 template <int D>
@@ -70,7 +90,7 @@ void Fluid<D>::assemble_pressure_row(int i, const DissipativeLoad<D>& load) {
   const double full = constants_.lattice.laplacian_weight / constants_.lattice.gradient_moment;
   const int first = neighbours_.begin[i], count = neighbours_.count[i];
   double constant = volume * missing_support(i) * full;
-  if (without_surface_.any() && without_surface_.pool[i] >= 0 && sum_form_[i])
+  if (!yields_to_level_.empty() && yields_to_level_[i])
     constant += 4 * volume * (neighbours_.kernel_gradient[i] + boundary_.wall_gradient[i] + boundary_.surface_gradient[i] +
                               boundary_.averted_gradient[i]).squaredNorm();
   for (int entry = surface_rows_.begin[i]; entry < surface_rows_.begin[i] + surface_rows_.count[i]; ++entry)
@@ -177,6 +197,7 @@ void Fluid<D>::solve_pressure_poisson() {
   template void Fluid<D>::assemble_pressure_row(int, const DissipativeLoad<D>&);            \
   template void Fluid<D>::assemble_pressure_source(const DissipativeLoad<D>&);              \
   template double Fluid<D>::missing_support(int) const;                          \
+  template void Fluid<D>::find_pools_that_yield(const DissipativeLoad<D>&);      \
   template double Fluid<D>::yielding(const DissipativeLoad<D>&, int, double) const;         \
   template void Fluid<D>::prepare_pressure_solve();                                         \
   template void Fluid<D>::solve_pressure_poisson();

@@ -1,7 +1,7 @@
 // What the fluid cannot be doing: particles a thousand times as fast as the scene makes them, and steps a hundredth of what it
 // asks for, window after window: a run that crawls on like that never ends. Reference: the fall through the height of the fluid, its
-// velocity at the start, the fastest wall so far, the body at the first window. And the volume of the fluid beside bodies, which nothing changes but a
-// body whose surface moves otherwise than the fluid was told: light bodies under CM2 do, without a sound.
+// velocity at the start, the fastest wall so far, the body at the first window. And the volume of the fluid beside bodies, which
+// nothing changes but a body whose surface moves otherwise than the fluid was told: light bodies under CM2 do, without a sound.
 
 #include <cmath>
 
@@ -51,13 +51,13 @@ void Fluid<D>::check_speed() {
 
 template <int D>
 void Fluid<D>::check_volume() {
-  if (surface_.size() == 0) return;
-  const double drift = volume_drift();
+  const double drift = surface_.size() == 0 ? 0 : volume_drift();
   windows_of_lost_volume_ = std::abs(drift) < lost_volume ? 0 : windows_of_lost_volume_ + 1;
   if (windows_of_lost_volume_ < lasting) return;
   throw NumericalFailure(fmt::format(
-      "The fluid has {} {:.1f} % of its volume by t = {:.6g} s, and more than {:g} % for ten windows. The surface of a body moves otherwise "
-      "than the fluid was told, or is too coarse to hold it: use coupling.algorithm = \"CM3\", or a smaller fluid.numerics.gravity_courant and courant.",
+      "The fluid has {} {:.1f} % of its volume by t = {:.6g} s, and more than {:g} % for ten windows. The surface of a body moves "
+      "otherwise than the fluid was told, or is too coarse to hold it: use coupling.algorithm = \"CM3\", or a smaller "
+      "fluid.numerics.gravity_courant and courant.",
       drift < 0 ? "lost" : "gained", 100 * std::abs(drift), begin_s_ + duration_s_, 100 * lost_volume));
 }
 

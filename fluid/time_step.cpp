@@ -75,6 +75,7 @@ Band<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   compute_divergence();
 
   pressure_prepared_ = false;
+  unprojected_velocity_.clear();
   band_.clear();
   Band<D> band;
   for (std::size_t i = 0; i < state_.size(); ++i) {
@@ -127,6 +128,8 @@ BandPressure<D> Fluid<D>::solve_pressure(const DissipativeLoad<D>& load) {
     if (first) {
       if (load.repeats) unprojected_velocity_ = predicted_velocity_;
     } else {
+      if (unprojected_velocity_.size() != state_.size())
+        throw NumericalFailure("The coupler asks for the pressure of a window once more without having said so (DissipativeLoad.repeats).");
       predicted_velocity_ = unprojected_velocity_;  // what the last trial has done to the fluid is undone
       move_surface_at(load.surface_velocity);
       changed = true;

@@ -53,7 +53,7 @@ double CornerView<D>::borne_share(int k) {
     behind += subtended_angle<D>(d, Vector<D>(-structure_.normal[other]), structure_.area[other]) * kernel_.surface_weight_beyond(d.norm());
   }
   const double half_space = (D == 2 ? 1 : 2) * std::numbers::pi * kernel_.surface_weight_beyond(0);
-  return 1 / (1 + behind / half_space);
+  return 1 / (1 + std::max(0.0, behind) / half_space);  // at the end of the kernel w~ has both signs
 }
 
 template <int D>

@@ -114,7 +114,7 @@ void take_part_as_fluid(ParticipantChannel& channel, Solver& solver) {
       answer.Clear();
       *answer.mutable_band_pressure() = to_wire<D>(solver.solve_pressure(from_wire<D>(message.dissipative_load())));
       channel.send(std::move(answer));
-      solver.complete_velocity();
+      if (!message.dissipative_load().repeats()) solver.complete_velocity();  // of a trial that another may follow they may be in vain
     }
     end_window(*window, solver.end(from_wire<D>(message.band_force())));
   }

@@ -42,6 +42,7 @@ class Band:
     divergence: numpy.ndarray
     image_of: numpy.ndarray = ()  # rows of which walls have an image before the surface, and the places of the images
     image_position: numpy.ndarray = ()
+    covered: numpy.ndarray = ()  # surface points that look into a wall, ascending
 
 
 def _obey(run, make_solver):
@@ -97,7 +98,8 @@ def _obey(run, make_solver):
                                 velocity=flat("velocity", band.velocity), mass=flat("mass", band.mass),
                                 volume=flat("volume", band.volume), divergence=flat("divergence", band.divergence),
                                 image_of=[int(row) for row in band.image_of],
-                                image_position=flat("image_position", band.image_position)))
+                                image_position=flat("image_position", band.image_position),
+                                covered=[int(point) for point in band.covered]))
         message = run.receive("dissipative_load")
         while message.WhichOneof("body") == "dissipative_load":
             with run.timed("compute"):

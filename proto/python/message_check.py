@@ -97,6 +97,10 @@ def check_from_participant(message, role, dimension, surface_points, band_partic
         for entry, particle in enumerate(body.image_of):
             if particle >= particles:
                 raise BadMessage(f"image_of[{entry}] is {particle}, but the band has {particles} particles")
+        for entry, point in enumerate(body.covered):
+            if point >= surface_points or (entry > 0 and point <= body.covered[entry - 1]):
+                raise BadMessage(f"covered[{entry}] is {point}; it must be above the one before and below {surface_points}, "
+                                 "the number of surface points")
     elif kind == "band_pressure":
         _length("pressure", body.pressure, band_particles)
         _numbers("pressure", body.pressure)

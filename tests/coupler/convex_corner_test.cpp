@@ -130,7 +130,7 @@ TEST(ConvexCorner, HidesWhatItsFacesBound) {
 // surface.) Without what is done for corners a particle is pushed by 5.7 g, and the block feels 4.9 % too much.
 // Seen to fail: with pairs cut at corners (4.1 g, and pressures 12 rho g dx apart); without what is not borne in the pressure gradient
 // (2.7 g), averted faces in the pressure equation (pressures 0.65 rho g dx apart), averted pairs (4.5 g); with T of the faces seen
-// alone (0.41 g).
+// alone (0.41 g), without the hydrostatic part of what is not borne (0.313 g).
 TEST(ConvexCorner, LeavesWaterAtRest) {
   Scene scene;
   scene.c.coupling.algorithm = CouplingAlgorithm::cm0;
@@ -148,7 +148,7 @@ TEST(ConvexCorner, LeavesWaterAtRest) {
   }
   const double lift = step.total_load(0)[1] / (rho * g * (high - low) * (high - low));
   std::printf("[ push %.3f g; pressures %.4f rho g dx apart; lift %.4f ]\n", push, highest - lowest, lift);
-  EXPECT_LT(push, 0.35);
+  EXPECT_LT(push, 0.308);
   EXPECT_LT(highest - lowest, 0.02);
   EXPECT_NEAR(lift, 1, 5e-3);
 }
