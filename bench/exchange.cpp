@@ -29,11 +29,11 @@
 #include <string>
 #include <vector>
 
-#include "proto/channel.hpp"
-#include "proto/convert.hpp"
-#include "proto/message_check.hpp"
-#include "proto/socket.hpp"
-#include "tests/particles/scratch_directory.hpp"
+#include "fixtures/scratch_directory.hpp"
+#include "proto/transport/channel.hpp"
+#include "proto/transport/socket.hpp"
+#include "proto/wire/convert.hpp"
+#include "proto/wire/message_check.hpp"
 
 namespace {
 
@@ -136,8 +136,7 @@ class Coupler {
     wire::Message message;
     *message.mutable_dissipative_load() = proto::to_wire<2>(content_.load);
     channel_.send(wire::FLUID, std::move(message));
-    const BandPressure<2> pressure =
-        proto::from_wire<2>(channel_.receive(wire::FLUID, {Kind::kBandPressure}).band_pressure());
+    const BandPressure<2> pressure = proto::from_wire<2>(channel_.receive(wire::FLUID, {Kind::kBandPressure}).band_pressure());
   }
   std::size_t bytes_sent() const { return channel_.bytes_sent(); }
   std::size_t bytes_received() const { return channel_.bytes_received(); }
@@ -172,9 +171,7 @@ class BareSocket {
 
   void bind(const std::string& endpoint) { require(zmq_bind(socket_, endpoint.c_str()) == 0); }
   void connect(const std::string& endpoint) { require(zmq_connect(socket_, endpoint.c_str()) == 0); }
-  void send(const std::vector<std::byte>& bytes, int flags = 0) {
-    require(zmq_send(socket_, bytes.data(), bytes.size(), flags) >= 0);
-  }
+  void send(const std::vector<std::byte>& bytes, int flags = 0) { require(zmq_send(socket_, bytes.data(), bytes.size(), flags) >= 0); }
   /// One frame into `bytes`.
   void receive(std::vector<std::byte>& bytes) {
     zmq_msg_t frame;
@@ -352,9 +349,9 @@ void measure(const ScratchDirectory& directory, std::size_t points) {
   }
   for (std::size_t k = 0; k < names.size(); ++k)
     fmt::print("| {} | {} | {} / {} | {:.0f} / {:.0f} | {:.0f} / {:.0f} | {:.0f} / {:.0f} | {:.0f} / {:.0f} | {:.0f} | {:.2f} |\n", points,
-               names[k], sizes[k].there, sizes[k].back, full[k].least(), full[k].median(), transport[k].least(),
-               transport[k].median(), transport_awake[k].least(), transport_awake[k].median(), without[k].least(),
-               without[k].median(), full[k].least() - transport[k].least(), full[k].least() / transport[k].least());
+               names[k], sizes[k].there, sizes[k].back, full[k].least(), full[k].median(), transport[k].least(), transport[k].median(),
+               transport_awake[k].least(), transport_awake[k].median(), without[k].least(), without[k].median(),
+               full[k].least() - transport[k].least(), full[k].least() / transport[k].least());
   std::fflush(stdout);
 }
 
@@ -400,17 +397,20 @@ void measure_passages(std::size_t points, const char* name, const std::function<
 }  // namespace
 
 int main(int argc, char** argv) {
-  fmt::print("| points | exchange | bytes there / back | tern | bare ZeroMQ | bare ZeroMQ, awake | system's sockets | tern less bare, "
-             "least | ratio |\n"
-             "|---|---|---|---|---|---|---|---|---|\n");
+  fmt::print(
+      "| points | exchange | bytes there / back | tern | bare ZeroMQ | bare ZeroMQ, awake | system's sockets | tern less bare, "
+      "least | ratio |\n"
+      "|---|---|---|---|---|---|---|---|---|\n");
   std::fflush(stdout);
   const ScratchDirectory directory;
   std::vector<std::size_t> sizes{100, 1000, 10000};
   if (argc > 1) sizes.clear();
   for (int k = 1; k < argc; ++k) sizes.push_back(std::stoul(argv[k]));
   for (const std::size_t points : sizes) measure(directory, points);
-  fmt::print("\n| points | message | bytes | vectors to message | check | to bytes | from bytes | message to vectors | for comparison: one copy |\n"
-             "|---|---|---|---|---|---|---|---|---|\n");
+  fmt::print(
+      "\n| points | message | bytes | vectors to message | check | to bytes | from bytes | message to vectors | for comparison: one copy "
+      "|\n"
+      "|---|---|---|---|---|---|---|---|---|\n");
   for (const std::size_t points : sizes) {
     const Content content(points);
     measure_passages(

@@ -22,8 +22,8 @@
 
 #include <fmt/format.h>
 
-#include "particles/timing.hpp"
-#include "tests/fluid/scenes.hpp"
+#include "base/timing.hpp"
+#include "fixtures/fluid_scenes.hpp"
 
 namespace {
 
@@ -40,8 +40,8 @@ struct Row {
 };
 
 constexpr Row rows[] = {
-    {"2d-5k", 2, 0.2 / 50, 0.45, 0, 100},    {"2d-20k", 2, 0.2 / 100, 0.30, 0, 40}, {"2d-80k", 2, 0.2 / 200, 0, 40, 20},
-    {"2d-320k", 2, 0.2 / 400, 0, 10, 6},     {"3d-20k", 3, 0.2 / 22, 0.10, 0, 20},  {"3d-130k", 3, 0.2 / 40, 0, 10, 6},
+    {"2d-5k", 2, 0.2 / 50, 0.45, 0, 100}, {"2d-20k", 2, 0.2 / 100, 0.30, 0, 40}, {"2d-80k", 2, 0.2 / 200, 0, 40, 20},
+    {"2d-320k", 2, 0.2 / 400, 0, 10, 6},  {"3d-20k", 3, 0.2 / 22, 0.10, 0, 20},  {"3d-130k", 3, 0.2 / 40, 0, 10, 6},
 };
 
 /// The pressure matrix as compressed rows in double precision.
@@ -152,17 +152,16 @@ void run(const Row& row, Tables& tables) {
   const double unit = undisturbed(one.product), step = undisturbed(one.step), parallel = undisturbed(many.step);
   double rest = 0;
   for (const auto* values : {&one.neighbours, &one.boundary, &one.assembly, &one.correction}) rest += undisturbed(*values);
-  tables.speed += fmt::format("| {} | {:.0f} | {} | {:.2f} / {} | {:.1f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", row.name, n,
-                              row.until > 0 ? fmt::format("own run to {:.2f} s, {} steps", row.until, own.count)
-                                            : fmt::format("2 % disorder, {} steps", own.count),
-                              (own.sum + measured.sum) / (own.count + measured.count), std::max(own.most, measured.most),
-                              1 / step, n / step * 1e-6, n / parallel * 1e-6, step / parallel, bytes * 1e-3);
+  tables.speed += fmt::format(
+      "| {} | {:.0f} | {} | {:.2f} / {} | {:.1f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", row.name, n,
+      row.until > 0 ? fmt::format("own run to {:.2f} s, {} steps", row.until, own.count) : fmt::format("2 % disorder, {} steps", own.count),
+      (own.sum + measured.sum) / (own.count + measured.count), std::max(own.most, measured.most), 1 / step, n / step * 1e-6,
+      n / parallel * 1e-6, step / parallel, bytes * 1e-3);
   const auto part = [&](const std::vector<double>& values) {
     return fmt::format(" {:.1f} ({:.0f} %) |", undisturbed(values) / unit, 100 * undisturbed(values) / step);
   };
-  tables.parts += fmt::format("| {} | {:.3f} |", row.name, 1e3 * unit) + part(one.neighbours) + part(one.boundary) +
-                  part(one.assembly) + part(one.correction) +
-                  fmt::format(" **{:.1f}** | **{:.1f}** |\n", rest / unit, undisturbed(one.solve) / unit);
+  tables.parts += fmt::format("| {} | {:.3f} |", row.name, 1e3 * unit) + part(one.neighbours) + part(one.boundary) + part(one.assembly) +
+                  part(one.correction) + fmt::format(" **{:.1f}** | **{:.1f}** |\n", rest / unit, undisturbed(one.solve) / unit);
 }
 
 /// Iterations with a plate of one, two and four spacings between two waters.
@@ -207,10 +206,13 @@ int main(int argc, char** argv) {
   for (std::string line; std::getline(info, line);)
     if (line.starts_with("model name")) processor = line.substr(line.find(':') + 2);
   fmt::print("{}, {} threads, g++ {}\n\n", processor, omp_get_max_threads(), __VERSION__);
-  fmt::print("| row | particles | state | iterations, mean / most | steps/s, 1 thread | 10^6 particle-steps/s, 1 thread | "
-             "{} threads | ratio | kB per particle |\n|---|---|---|---|---|---|---|---|---|\n{}\n",
-             omp_get_max_threads(), tables.speed);
-  fmt::print("| row | product [ms] | neighbours | boundary and operators | assembly | correction | all but the solve | pressure "
-             "solve |\n|---|---|---|---|---|---|---|---|\n{}", tables.parts);
+  fmt::print(
+      "| row | particles | state | iterations, mean / most | steps/s, 1 thread | 10^6 particle-steps/s, 1 thread | "
+      "{} threads | ratio | kB per particle |\n|---|---|---|---|---|---|---|---|---|\n{}\n",
+      omp_get_max_threads(), tables.speed);
+  fmt::print(
+      "| row | product [ms] | neighbours | boundary and operators | assembly | correction | all but the solve | pressure "
+      "solve |\n|---|---|---|---|---|---|---|---|\n{}",
+      tables.parts);
   if (wanted("plate")) fmt::print("\n{}", plate_table());
 }

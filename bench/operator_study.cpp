@@ -22,8 +22,8 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "particles/error.hpp"
-#include "tests/fluid/scenes.hpp"
+#include "base/error.hpp"
+#include "fixtures/fluid_scenes.hpp"
 
 namespace {
 
@@ -32,8 +32,8 @@ using namespace tern::fluid;
 using namespace tern::fluid::testing;
 
 constexpr double pi = std::numbers::pi;
-constexpr long most_steps = 15000;    ///< several times what the defaults need: the step has collapsed
-constexpr int most_fallbacks = 20;    ///< solves that the multigrid could not do
+constexpr long most_steps = 15000;  ///< several times what the defaults need: the step has collapsed
+constexpr int most_fallbacks = 20;  ///< solves that the multigrid could not do
 
 struct Variant {
   std::string name, settings;
@@ -70,8 +70,8 @@ using Observe = std::function<void()>;
 struct Scene {
   std::string name, title;
   Cells columns;
-  std::string text;                       ///< the case file
-  std::string own;                        ///< settings this scene needs
+  std::string text;  ///< the case file
+  std::string own;   ///< settings this scene needs
   double end, disorder;
   std::function<Cells(Fluid<2>&, const std::function<void(const Observe&)>& run)> measure;
 };
@@ -100,8 +100,8 @@ Cells measure_tank(Fluid<2>& f, const std::function<void(const Observe&)>& run) 
     ++n;
   });
   const double count = static_cast<double>(n);
-  return {scientific(kinetic / count), fmt::format("{:.4f}", fastest), percent(slope / count - 1), scientific(noise / count),
-          percent(mean_height(f) / before - 1), percent(f.volume_drift())};
+  return {scientific(kinetic / count), fmt::format("{:.4f}", fastest),       percent(slope / count - 1),
+          scientific(noise / count),   percent(mean_height(f) / before - 1), percent(f.volume_drift())};
 }
 
 Cells measure_deep(Fluid<2>& f, const std::function<void(const Observe&)>& run) {
@@ -171,9 +171,13 @@ Cells measure_patch(Fluid<2>& f, const std::function<void(const Observe&)>& run)
   });
   double far = 0;
   for (const auto& x : f.state().position) far = std::max(far, x.norm());
-  return {fmt::format("{:.4f}", centre), fmt::format("{:.4f}", f.energies().kinetic / energy),
-          fmt::format("{:.4f}", angular() / momentum), fmt::format("{:.3f}", far), fmt::format("{:.2f}", f.largest_speed()),
-          percent(f.volume_drift()), fmt::format("{}", f.spray_particles())};
+  return {fmt::format("{:.4f}", centre),
+          fmt::format("{:.4f}", f.energies().kinetic / energy),
+          fmt::format("{:.4f}", angular() / momentum),
+          fmt::format("{:.3f}", far),
+          fmt::format("{:.2f}", f.largest_speed()),
+          percent(f.volume_drift()),
+          fmt::format("{}", f.spray_particles())};
 }
 
 Cells measure_dam(Fluid<2>& f, const std::function<void(const Observe&)>& run) {
@@ -192,9 +196,16 @@ Cells measure_dam(Fluid<2>& f, const std::function<void(const Observe&)>& run) {
   });
   const double energy = (mean_height(f) * weight * static_cast<double>(f.state().size()) + f.energies().kinetic) / start;
   const double seconds_taken = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-  return {fmt::format("{:.2f}", fastest), fmt::format("{:.3f}", impact), fmt::format("{:.3f}", energy), scientific(gain),
-          percent(drift), fmt::format("{}", f.leaked()), fmt::format("{:.1f}", double(iterations) / double(n)),
-          fmt::format("{}", most), fmt::format("{}", n), fmt::format("{:.1f}", 1e3 * seconds_taken / double(n))};
+  return {fmt::format("{:.2f}", fastest),
+          fmt::format("{:.3f}", impact),
+          fmt::format("{:.3f}", energy),
+          scientific(gain),
+          percent(drift),
+          fmt::format("{}", f.leaked()),
+          fmt::format("{:.1f}", double(iterations) / double(n)),
+          fmt::format("{}", most),
+          fmt::format("{}", n),
+          fmt::format("{:.1f}", 1e3 * seconds_taken / double(n))};
 }
 
 std::string wave_polygon() {
@@ -208,7 +219,8 @@ std::string case_text(double end, double g, const std::string& fluid, const std:
 }
 
 std::string tank_text(double width, double height) {
-  return fmt::format("[[wall]]\nname = \"tank\"\ncontainer = {{ box = {{ min = [0, 0], max = [{}, {}] }} }}\nopen = [\"y_max\"]\n", width, height);
+  return fmt::format("[[wall]]\nname = \"tank\"\ncontainer = {{ box = {{ min = [0, 0], max = [{}, {}] }} }}\nopen = [\"y_max\"]\n", width,
+                     height);
 }
 
 std::string box_text(double x0, double y0, double x1, double y1, const std::string& velocity = "") {
@@ -218,32 +230,60 @@ std::string box_text(double x0, double y0, double x1, double y1, const std::stri
 std::vector<Scene> scenes() {
   const double wave_end = 5.4 * 2 * pi / std::sqrt(gravity * pi * std::tanh(pi));
   return {
-      {"tank", "Tank at rest, 1 m x 1 m, dx = 0.05 m, particles displaced by up to 0.1 dx, 4 s; means over the last 2 s",
+      {"tank",
+       "Tank at rest, 1 m x 1 m, dx = 0.05 m, particles displaced by up to 0.1 dx, 4 s; means over the last 2 s",
        {"KE/(rho g H^2 L)", "max u/sqrt(gH)", "slope error %", "noise/(rho g H)", "centre of mass %", "volume drift %"},
-       case_text(4, gravity, "spacing = 0.05\n", box_text(0, 0, 1, 1) + tank_text(1, 2)), "", 4, 0.1, measure_tank},
-      {"deep", "First 0.02 s of a tank at rest of 80 layers, particles displaced by up to 0.1 dx",
+       case_text(4, gravity, "spacing = 0.05\n", box_text(0, 0, 1, 1) + tank_text(1, 2)),
+       "",
+       4,
+       0.1,
+       measure_tank},
+      {"deep",
+       "First 0.02 s of a tank at rest of 80 layers, particles displaced by up to 0.1 dx",
        {"largest p/(rho g H)", "max u/sqrt(gH)"},
-       case_text(0.02, gravity, "spacing = 0.0125\n", box_text(0, 0, 1, 1) + tank_text(1, 2)), "", 0.02, 0.1, measure_deep},
-      {"wave", "Standing wave, lambda = 2 m, depth 1 m, amplitude 0.1 m, dx = 0.04 m, 5 periods",
+       case_text(0.02, gravity, "spacing = 0.0125\n", box_text(0, 0, 1, 1) + tank_text(1, 2)),
+       "",
+       0.02,
+       0.1,
+       measure_deep},
+      {"wave",
+       "Standing wave, lambda = 2 m, depth 1 m, amplitude 0.1 m, dx = 0.04 m, 5 periods",
        {"amplitude left", "period error % (third order)", "centre of mass %", "volume drift %"},
        case_text(wave_end, gravity, "spacing = 0.04\n",
                  "[[fluid.body]]\nshape = { polygon = { vertices = " + wave_polygon() + " } }\n" + tank_text(2, 2)),
-       "", wave_end, 0, measure_wave},
-      {"vortices", "Taylor-Green vortices, 50 x 50, Re = 100, t = 2 L/U; shifting 4 unless said otherwise",
+       "",
+       wave_end,
+       0,
+       measure_wave},
+      {"vortices",
+       "Taylor-Green vortices, 50 x 50, Re = 100, t = 2 L/U; shifting 4 unless said otherwise",
        {"decay rate error %", "velocity error % (L2)", "max u/U exp(..)", "volume drift %"},
        case_text(2, 0, "spacing = 0.02\nviscosity = 10\n",
                  "[domain]\nmin = [0, 0]\nmax = [1, 1]\nperiodic = [\"x\", \"y\"]\n" +
                      box_text(0, 0, 1, 1, "velocity = [\"-cos(2*pi*x)*sin(2*pi*y)\", \"sin(2*pi*x)*cos(2*pi*y)\"]\n")),
-       "shifting=4", 2, 0, measure_vortices},
-      {"patch", "Rotating square patch, 50 x 50, inviscid, omega t = 2; exact: centre p -0.147, energy and angular momentum 1",
-       {"centre p/(rho omega^2 L^2), third step", "energy", "angular momentum", "farthest particle/L", "max u/(omega L/2)", "volume drift %",
-        "spray"},
-       case_text(1, 0, "spacing = 0.02\n", "[domain]\nmin = [-2, -2]\nmax = [2, 2]\n" + box_text(-0.5, -0.5, 0.5, 0.5, "velocity = [\"2*y\", \"-2*x\"]\n")), "", 1, 0,
+       "shifting=4",
+       2,
+       0,
+       measure_vortices},
+      {"patch",
+       "Rotating square patch, 50 x 50, inviscid, omega t = 2; exact: centre p -0.147, energy and angular momentum 1",
+       {"centre p/(rho omega^2 L^2), third step", "energy", "angular momentum", "farthest particle/L", "max u/(omega L/2)",
+        "volume drift %", "spray"},
+       case_text(1, 0, "spacing = 0.02\n",
+                 "[domain]\nmin = [-2, -2]\nmax = [2, 2]\n" + box_text(-0.5, -0.5, 0.5, 0.5, "velocity = [\"2*y\", \"-2*x\"]\n")),
+       "",
+       1,
+       0,
        measure_patch},
-      {"dam", "Dam break, 40 x 80 particles, 0.2 m x 0.4 m, tank 0.8 m, 1 s",
-       {"max u m/s", "E/E0 at 0.5 s", "E/E0 at 1 s", "largest gain of E/E0", "volume drift %", "through walls", "iterations mean", "max", "steps",
-        "CPU ms/step"},
-       case_text(1, gravity, "spacing = 0.005\n", box_text(0, 0, 0.2, 0.4) + tank_text(0.8, 1)), "", 1, 0, measure_dam},
+      {"dam",
+       "Dam break, 40 x 80 particles, 0.2 m x 0.4 m, tank 0.8 m, 1 s",
+       {"max u m/s", "E/E0 at 0.5 s", "E/E0 at 1 s", "largest gain of E/E0", "volume drift %", "through walls", "iterations mean", "max",
+        "steps", "CPU ms/step"},
+       case_text(1, gravity, "spacing = 0.005\n", box_text(0, 0, 0.2, 0.4) + tank_text(0.8, 1)),
+       "",
+       1,
+       0,
+       measure_dam},
   };
 }
 
@@ -274,7 +314,8 @@ std::string row_of(const Scene& scene, const Variant& variant, const std::string
     long steps = 0;
     const Cells cells = scene.measure(fluid, [&](const Observe& observe) {
       run(fluid, scene.end, [&] {
-        if (++steps > most_steps) throw NumericalFailure(fmt::format("step below {:.1e} s at t = {:.3f} s", scene.end / most_steps, time_of(fluid)));
+        if (++steps > most_steps)
+          throw NumericalFailure(fmt::format("step below {:.1e} s at t = {:.3f} s", scene.end / most_steps, time_of(fluid)));
         if (fluid.fallback_solves() > most_fallbacks)
           throw NumericalFailure(fmt::format("multigrid failed {} times by t = {:.3f} s", most_fallbacks, time_of(fluid)));
         observe();

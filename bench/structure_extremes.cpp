@@ -4,7 +4,7 @@
 
 #include <ctime>
 
-#include "tests/structure/extremes.hpp"
+#include "fixtures/extremes.hpp"
 
 int main(int argc, char** argv) {
   using namespace tern::structure::testing;

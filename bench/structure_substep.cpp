@@ -10,8 +10,8 @@
 
 #include <benchmark/benchmark.h>
 
+#include "structure/implicit/tangent.hpp"
 #include "structure/structure.hpp"
-#include "structure/tangent.hpp"
 #include "structure/time_step.hpp"
 
 namespace {
@@ -49,8 +49,8 @@ void run(benchmark::State& state, const Case& c) {
     structure.advance(load);
     sub_steps += 2 * structure.sub_steps();
   }
-  state.counters["per_particle"] = benchmark::Counter(
-      sub_steps * static_cast<double>(structure.particles()), benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  state.counters["per_particle"] =
+      benchmark::Counter(sub_steps * static_cast<double>(structure.particles()), benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
 void plate(benchmark::State& state) {
@@ -110,8 +110,9 @@ void part(benchmark::State& state) {
 void window(benchmark::State& state) {
   Case c = scene(0.004, 0.100, 0.001);
   c.structure->bodies[0].velocity[0] = Expression("1.2*((y-0.01)/0.09)^2");
-  c.structure->numerics.integrator =
-      state.range(0) == 0 ? Integrator::explicit_steps : state.range(0) == 1 ? Integrator::implicit_steps : Integrator::automatic;
+  c.structure->numerics.integrator = state.range(0) == 0   ? Integrator::explicit_steps
+                                     : state.range(0) == 1 ? Integrator::implicit_steps
+                                                           : Integrator::automatic;
   structure::Structure<2> structure(c);
   for (auto _ : state) structure.trial(structure.time(), to_ticks(0.25e-3));
 }

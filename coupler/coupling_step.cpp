@@ -9,12 +9,12 @@
 
 #include <fmt/format.h>
 
-#include "coupler/added_mass.hpp"
-#include "coupler/face_pressure.hpp"
-#include "coupler/riemann.hpp"
-#include "coupler/velocity_divergence_mitigation.hpp"
-#include "particles/contact.hpp"
-#include "particles/error.hpp"
+#include "base/error.hpp"
+#include "coupler/schemes/face_pressure.hpp"
+#include "coupler/schemes/riemann.hpp"
+#include "coupler/schemes/velocity_divergence_mitigation.hpp"
+#include "coupler/stability/added_mass.hpp"
+#include "sph/contact.hpp"
 
 namespace tern::coupler {
 namespace {
@@ -43,15 +43,15 @@ void CouplingStep<D>::pass(double begin, double duration, const Surface<D>& surf
 }
 
 template <int D>
-DissipativeLoad<D> CouplingStep<D>::dissipative_load(double begin, double duration, const Surface<D>& surface,
-                                                     const Band<D>& band) {
+DissipativeLoad<D> CouplingStep<D>::dissipative_load(double begin, double duration, const Surface<D>& surface, const Band<D>& band) {
   begin_ = begin;
   duration_ = duration;
   surface_ = surface;
   band_ = &band;
   if (coupling_.vem_coefficient && band.divergence.size() != band.id.size())
-    throw BadInput("The fluid process sends no divergence of the velocity, which [coupling.vem] needs; leave that table out, or use "
-                   "a fluid that has it.");
+    throw BadInput(
+        "The fluid process sends no divergence of the velocity, which [coupling.vem] needs; leave that table out, or use "
+        "a fluid that has it.");
   stretch(surface);
   pairs_.find(band, surface);
   share_ = uniform_load<D>(pairs_.all_pairs(), surface, coupling_.scheme);
@@ -195,8 +195,7 @@ void CouplingStep<D>::add_velocity_divergence_mitigation() {
   for (const auto& pair : pairs_.pairs()) {
     const int i = pair.particle, k = pair.point;
     const double fluid = pressure_of(density_, band_->divergence[i]);
-    const double structure =
-        surface_divergence.empty() ? fluid : pressure_of(body_density_[properties_.body[k]], surface_divergence[k]);
+    const double structure = surface_divergence.empty() ? fluid : pressure_of(body_density_[properties_.body[k]], surface_divergence[k]);
     const MitigationPressure pressure = mitigation_pressure(coupling_.vem_form, fluid, structure);
     if (pressure.on_fluid == 0 && pressure.on_structure == 0) continue;
     load_.force[k] += pressure.on_structure * pair.b;
@@ -219,7 +218,8 @@ double CouplingStep<D>::responding_mass(std::size_t k) const {
   // face moves at the constant p/(rho c) instead, which for the fluid, that takes the mean velocity for half of that at the
   // end, is the answer of half the layer that the wave reaches. At least one particle moves. All of this is mass over the area that
   // the body had at the start; where it has been stretched since, a pressure finds less behind the same area.
-  return std::max(std::min(properties_.section_mass[k], 0.5 * properties_.impedance[k] * duration_), properties_.least_mass[k]) / stretch_[k];
+  return std::max(std::min(properties_.section_mass[k], 0.5 * properties_.impedance[k] * duration_), properties_.least_mass[k]) /
+         stretch_[k];
 }
 
 template <int D>
@@ -333,8 +333,10 @@ void CouplingStep<D>::check_balance() {
     add(surface_.position[pair.point] + pair.offset, Vector<D>(-carried_[m++] * pair.b));
   for (std::size_t k = 0; k < load_.force.size(); ++k) {
     if (!load_.force[k].allFinite())
-      throw NumericalFailure(fmt::format("The load on surface point {} is not finite at t = {:.6g} s; a pressure or a velocity "
-                                         "at the interface has run away. Try a smaller fluid.numerics.courant.", k, begin_));
+      throw NumericalFailure(
+          fmt::format("The load on surface point {} is not finite at t = {:.6g} s; a pressure or a velocity "
+                      "at the interface has run away. Try a smaller fluid.numerics.courant.",
+                      k, begin_));
     add(surface_.position[k], load_.force[k]);
     // The fluid sees the surface move at the trial velocity. The structure's own account uses the motion under the new load;
     // the sum of both is what staggering creates or destroys.

@@ -5,22 +5,22 @@
 #include <string>
 #include <vector>
 
-#include "coupler/added_mass.hpp"
-#include "coupler/fixed_point.hpp"
-#include "coupler/interface_energy.hpp"
-#include "coupler/interface_pairs.hpp"
-#include "coupler/load_alternation.hpp"
-#include "particles/case_file.hpp"
-#include "particles/interface.hpp"
+#include "coupler/acceleration/fixed_point.hpp"
+#include "coupler/schemes/interface_pairs.hpp"
+#include "coupler/stability/added_mass.hpp"
+#include "coupler/stability/interface_energy.hpp"
+#include "coupler/stability/load_alternation.hpp"
+#include "proto/interface.hpp"
+#include "scene/case_file.hpp"
 
 namespace tern::coupler {
 
 /// What one window did to momentum and energy. Momentum errors are relative to the sum of the force magnitudes.
 struct WindowAudit {
-  double force_error = 0;        ///< |sum of all forces| / sum of |force|
-  double force_sum = 0, force_size = 0;  ///< numerator and denominator of force_error [N/m^(3-D)]
-  double moment_error = 0;       ///< the same for moments about the origin, relative to sum |x| |force|
-  double work_on_fluid = 0;      ///< by the surface moving at its trial velocity [J/m^(3-D)]
+  double force_error = 0;                                   ///< |sum of all forces| / sum of |force|
+  double force_sum = 0, force_size = 0;                     ///< numerator and denominator of force_error [N/m^(3-D)]
+  double moment_error = 0;                                  ///< the same for moments about the origin, relative to sum |x| |force|
+  double work_on_fluid = 0;                                 ///< by the surface moving at its trial velocity [J/m^(3-D)]
   double riemann_dissipation = 0, contact_dissipation = 0;  ///< >= 0 [J/m^(3-D)]
   /// [J/m^(3-D)]; negative where the fluid alone squeezes a particle while the face recedes.
   double mitigation_dissipation = 0;
@@ -116,8 +116,8 @@ class CouplingStep {
   SurfaceLoad<D> trial_load_;      ///< under which the structure has made it
   DissipativeLoad<D> dissipative_;
   std::vector<double> area_at_start_, stretch_;  ///< of every point [m^(D-1)]; its area over that
-  std::vector<double> share_;      ///< load of each point under a uniform pressure p, over p A; of the present window
-  std::vector<double> carried_;    ///< pressure of every pair, times b_ik its force [Pa]
+  std::vector<double> share_;                    ///< load of each point under a uniform pressure p, over p A; of the present window
+  std::vector<double> carried_;                  ///< pressure of every pair, times b_ik its force [Pa]
   BandForce<D> band_force_;
   SurfaceLoad<D> contact_, trial_contact_;  ///< CM3: the contacts in load_, and in trial_load_
   WindowAudit audit_;

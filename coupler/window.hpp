@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
+#include "base/time.hpp"
 #include "coupler/coupling_step.hpp"
-#include "particles/time.hpp"
 
 namespace tern::coupler {
 
@@ -14,9 +14,8 @@ namespace tern::coupler {
 template <int D>
 bool out_of_reach(const FluidExtent<D>& fluid, const Surface<D>& surface, Ticks duration) {
   const double reach = fluid.reach + 0.5 * seconds(duration) * fluid.largest_speed;  // the pressure is solved halfway
-  return std::none_of(surface.position.begin(), surface.position.end(), [&](const Vector<D>& x) {
-    return (x - x.cwiseMax(fluid.low).cwiseMin(fluid.high)).squaredNorm() <= reach * reach;
-  });
+  return std::none_of(surface.position.begin(), surface.position.end(),
+                      [&](const Vector<D>& x) { return (x - x.cwiseMax(fluid.low).cwiseMin(fluid.high)).squaredNorm() <= reach * reach; });
 }
 
 template <int D, class FluidSide, class StructureSide>

@@ -3,9 +3,9 @@
 // M is symmetric and positive semi-definite, so its smallest eigenvalue tells whether C may be used. T, the part of hidden
 // sides along their faces, is left to the fluid: see pressure_gradient.cpp. C^F is the inverse over fluid neighbours alone.
 
+#include "base/parallel.hpp"
 #include "fluid/eigenvalue.hpp"
 #include "fluid/fluid.hpp"
-#include "particles/parallel.hpp"
 
 namespace tern::fluid {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 // A bound on the smallest eigenvalue of a symmetric matrix.
 
-#include "particles/vector.hpp"
+#include "base/vector.hpp"
 
 namespace tern::fluid {
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fluid/probe.hpp"
-#include "particles/error.hpp"
-#include "particles/parallel.hpp"
+#include "base/error.hpp"
+#include "base/parallel.hpp"
+#include "fluid/gauges/probe.hpp"
 
 namespace tern::fluid {
 
@@ -37,8 +37,7 @@ Fluid<D>::Fluid(const Case& scene)
       state.free_surface.push_back(0);
       fastest = std::max(fastest, u.norm());
     }
-  if (state.size() == 0)
-    throw BadInput(scene.path + ": the fluid bodies hold no particle; make them larger than fluid.spacing.");
+  if (state.size() == 0) throw BadInput(scene.path + ": the fluid bodies hold no particle; make them larger than fluid.spacing.");
   initial_particles_ = state.size();
 
   // Reference speed: half the fall through the height of the fluid. It bounds the first steps from rest.
@@ -85,22 +84,20 @@ Vector<D> Fluid<D>::gravity_at(double t, const Vector<D>& x) const {
 
 template <int D>
 double Fluid<D>::largest_speed() const {
-  return std::sqrt(ordered_max(static_cast<std::ptrdiff_t>(state_.size()), 0.0,
-                               [&](std::ptrdiff_t i) { return state_.velocity[i].squaredNorm(); }));
+  return std::sqrt(
+      ordered_max(static_cast<std::ptrdiff_t>(state_.size()), 0.0, [&](std::ptrdiff_t i) { return state_.velocity[i].squaredNorm(); }));
 }
 
 template <int D>
 double Fluid<D>::largest_bulk_speed() const {
-  return std::sqrt(ordered_max(static_cast<std::ptrdiff_t>(state_.size()), 0.0, [&](std::ptrdiff_t i) {
-    return flag_[i] == Flag::spray ? 0.0 : state_.velocity[i].squaredNorm();
-  }));
+  return std::sqrt(ordered_max(static_cast<std::ptrdiff_t>(state_.size()), 0.0,
+                               [&](std::ptrdiff_t i) { return flag_[i] == Flag::spray ? 0.0 : state_.velocity[i].squaredNorm(); }));
 }
 
 template <int D>
 Energies Fluid<D>::energies() const {
-  const double kinetic = ordered_reduce(static_cast<std::ptrdiff_t>(state_.size()), 0.0, [&](std::ptrdiff_t i) {
-    return 0.5 * constants_.mass * state_.velocity[i].squaredNorm();
-  });
+  const double kinetic = ordered_reduce(static_cast<std::ptrdiff_t>(state_.size()), 0.0,
+                                        [&](std::ptrdiff_t i) { return 0.5 * constants_.mass * state_.velocity[i].squaredNorm(); });
   return {kinetic, potential_};
 }
 

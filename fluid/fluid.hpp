@@ -6,18 +6,18 @@
 #include <string>
 #include <vector>
 
-#include "fluid/boundary.hpp"
-#include "fluid/conjugate_gradient.hpp"
-#include "fluid/motion.hpp"
-#include "fluid/multigrid.hpp"
+#include "base/step_proposal.hpp"
+#include "fluid/boundary/boundary.hpp"
+#include "fluid/boundary/wall_clipping.hpp"
+#include "fluid/boundary/walls.hpp"
+#include "fluid/motion/motion.hpp"
 #include "fluid/neighbours.hpp"
 #include "fluid/period.hpp"
-#include "fluid/sealed.hpp"
+#include "fluid/pressure/conjugate_gradient.hpp"
+#include "fluid/pressure/enclosed_regions.hpp"
+#include "fluid/pressure/multigrid.hpp"
 #include "fluid/state.hpp"
-#include "fluid/wall_clipping.hpp"
-#include "fluid/walls.hpp"
-#include "particles/interface.hpp"
-#include "particles/step_control.hpp"
+#include "proto/interface.hpp"
 
 namespace tern::fluid {
 
@@ -86,8 +86,8 @@ class Fluid {
   double volume_drift() const;
   std::size_t removed() const { return removed_; }  ///< left the domain
   std::size_t leaked() const { return leaked_; }    ///< went through a wall or the structure
-  double largest_speed() const;       ///< [m/s]
-  double largest_bulk_speed() const;  ///< spray left out [m/s]
+  double largest_speed() const;                     ///< [m/s]
+  double largest_bulk_speed() const;                ///< spray left out [m/s]
   std::size_t spray_particles() const;
   /// Pressure at a point, first order; nothing where fewer than half a kernel of fluid is around [Pa].
   std::optional<double> pressure_at(const Vector<D>& x) const;
@@ -117,14 +117,14 @@ class Fluid {
   void predict();
   void wrap_into_period();
   void sort_by_cell();
-  void correct_moments();                              // correction_matrix.cpp
-  void mark_free_surface();                            // free_surface.cpp
-  void apply_viscosity();                              // viscosity.cpp
-  void damp_velocity_noise();                          // velocity_noise.cpp
-  void compute_divergence();                           // divergence.cpp
-  void compute_density_source();                       // density_source.cpp
+  void correct_moments();         // correction_matrix.cpp
+  void mark_free_surface();       // free_surface.cpp
+  void apply_viscosity();         // viscosity.cpp
+  void damp_velocity_noise();     // velocity_noise.cpp
+  void compute_divergence();      // divergence.cpp
+  void compute_density_source();  // density_source.cpp
   void move_surface_at(const std::vector<Vector<D>>& velocity);
-  void assemble_pressure_matrix();                     // pressure_poisson.cpp: the rows of all that see no face of the structure
+  void assemble_pressure_matrix();  // pressure_poisson.cpp: the rows of all that see no face of the structure
   void assemble_pressure_matrix_at_structure(const DissipativeLoad<D>& load);  // and of the others
   void find_pools_that_yield(const DissipativeLoad<D>& load);
   double missing_support(int i) const;  ///< of a particle's kernel, where it is more than disorder
@@ -132,19 +132,19 @@ class Fluid {
   void assemble_pressure_source(const DissipativeLoad<D>& load);  // pressure_poisson.cpp
   /// kappa_ik of a patch that the particle sees with this weight A_k w~_ik [m^(D-2)].
   double yielding(const DissipativeLoad<D>& load, int k, double weight) const;
-  void prepare_pressure_solve();                       // pressure_poisson.cpp
-  void account_for_sealed_fluid();                     // sealed.cpp
-  void solve_pressure_poisson();                       // pressure_poisson.cpp
+  void prepare_pressure_solve();    // pressure_poisson.cpp
+  void account_for_sealed_fluid();  // sealed.cpp
+  void solve_pressure_poisson();    // pressure_poisson.cpp
   enum class Where { at_structure, elsewhere };
-  void apply_pressure_gradient(Where where);           // pressure_gradient.cpp
-  void settle_wall_contacts();                         // wall_contact.cpp
-  void shift_particles();                              // shifting.cpp
+  void apply_pressure_gradient(Where where);  // pressure_gradient.cpp
+  void settle_wall_contacts();                // wall_contact.cpp
+  void shift_particles();                     // shifting.cpp
   void hide_walls_behind_structure();
   void add_images(Band<D>& band);
   void count_leaks(const Faces<D>& faces, const FaceRows& rows);
   void remove_escaped();
-  void check_speed();                                  // speed_limit.cpp
-  void check_volume();                                 // speed_limit.cpp
+  void check_speed();   // speed_limit.cpp
+  void check_volume();  // speed_limit.cpp
   double density_time_scale() const;
 
   Constants<D> constants_;
@@ -154,8 +154,8 @@ class Fluid {
   Vector<D> domain_min_, domain_max_;
   Period<D> period_;
   double gravity_size_ = 0, speed_floor_ = 0;
-  double reference_speed_ = 0;   ///< of the scene; 0: not known [m/s]
-  int windows_of_collapse_ = 0;  ///< with a step far shorter than the reference speed asks for
+  double reference_speed_ = 0;      ///< of the scene; 0: not known [m/s]
+  int windows_of_collapse_ = 0;     ///< with a step far shorter than the reference speed asks for
   int windows_of_lost_volume_ = 0;  ///< beside bodies, with more or less of it than there can be
   Walls<D> walls_;
   ClippedWalls<D> seen_walls_;
@@ -182,29 +182,29 @@ class Fluid {
   Neighbours<D> neighbours_;
   FaceRows wall_rows_, surface_rows_;
   BoundarySums<D> boundary_;
-  std::vector<Matrix<D>> correction_;      ///< C = (M - T)^-1, identity for spray
+  std::vector<Matrix<D>> correction_;        ///< C = (M - T)^-1, identity for spray
   std::vector<Matrix<D>> fluid_correction_;  ///< C^F = (M^F)^-1 over fluid neighbours alone; 0 where these are too few
   std::vector<std::uint8_t> has_gradient_;   ///< C^F is not 0
-  std::vector<double> trace_;              ///< tr M / D in [0, 1]
+  std::vector<double> trace_;                ///< tr M / D in [0, 1]
   std::vector<Flag> flag_;
-  std::vector<std::uint8_t> active_;       ///< unknown of the pressure equation
+  std::vector<std::uint8_t> active_;                     ///< unknown of the pressure equation
   std::vector<std::uint8_t> near_surface_, near_spray_;  ///< a neighbour is not interior; is no unknown
-  std::vector<std::uint8_t> sum_form_;     ///< pressure gradient in sum form
-  std::vector<Vector<D>> unprojected_velocity_;  ///< u* before a trial
-  std::vector<Motion<D>> motion_;          ///< predicted
+  std::vector<std::uint8_t> sum_form_;                   ///< pressure gradient in sum form
+  std::vector<Vector<D>> unprojected_velocity_;          ///< u* before a trial
+  std::vector<Motion<D>> motion_;                        ///< predicted
   std::vector<std::array<Packed<D>, D>> half_gradient_;  ///< half the velocity gradient, by column; zero where there is none
   std::vector<double> divergence_, density_source_;
   EdgeMatrix matrix_;
   std::vector<double> source_, pressure_;
   Multigrid<D> multigrid_;
   SealedPools pools_;
-  SealedPools without_surface_;            ///< what no free surface ties, whether bodies yield to it or not
+  SealedPools without_surface_;  ///< what no free surface ties, whether bodies yield to it or not
   std::vector<float> missing_support_;
   std::vector<std::uint8_t> yields_to_level_;  ///< in the sum form, in a pool that bodies tie and no free surface; empty: nowhere
   ConjugateGradientWork work_;
-  std::vector<int> band_;                  ///< particle of each band entry
+  std::vector<int> band_;                                       ///< particle of each band entry
   bool pressure_prepared_ = false, velocity_complete_ = false;  ///< by the functions of this name, in this window
-  std::vector<Vector<D>> images_;          ///< of one particle in its walls
+  std::vector<Vector<D>> images_;                               ///< of one particle in its walls
   // Scratch of the sorting.
   std::vector<Vector<D>> sorted_vectors_;
   std::vector<double> sorted_numbers_;

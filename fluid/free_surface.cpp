@@ -1,9 +1,9 @@
 // Free surface and spray. tr M / D falls from 1 inside to 0.62 at a flat surface (Lee et al. 2008: div r). The mark only
 // chooses the form of the pressure gradient and of the shifting; the condition p = 0 itself is soft (pressure_poisson.cpp).
 
+#include "base/parallel.hpp"
 #include "fluid/eigenvalue.hpp"
 #include "fluid/fluid.hpp"
-#include "particles/parallel.hpp"
 
 namespace tern::fluid {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <omp.h>
 
-#include "particles/convex_corner.hpp"
-#include "particles/near_points.hpp"
-#include "particles/parallel.hpp"
+#include "base/parallel.hpp"
+#include "sph/convex_corner.hpp"
+#include "sph/near_points.hpp"
 
 namespace tern::fluid {
 namespace {
@@ -98,8 +98,8 @@ void complete_row(const Constants<D>& constants, const Period<D>& period, const 
 }  // namespace
 
 template <int D>
-void find_neighbours(const Constants<D>& constants, const Period<D>& period, const CellGrid<D>& grid,
-                     const CellContents& contents, const std::vector<Vector<D>>& position, Neighbours<D>& result) {
+void find_neighbours(const Constants<D>& constants, const Period<D>& period, const CellGrid<D>& grid, const CellContents& contents,
+                     const std::vector<Vector<D>>& position, Neighbours<D>& result) {
   const int n = static_cast<int>(position.size());
   const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
   for (auto* v : {&result.begin, &result.count}) v->resize(n);
@@ -160,9 +160,8 @@ void find_neighbours(const Constants<D>& constants, const Period<D>& period, con
         search(Vector<D>::Zero());
         if (period.any()) for_images<D>(period, position[i], low, high, constants.kernel.support(), search);
         if (!fits) break;
-        period.specialise([&](auto periodic) {
-          complete_row<decltype(periodic)::value, D>(constants, period, position, i, found, offset, result);
-        });
+        period.specialise(
+            [&](auto periodic) { complete_row<decltype(periodic)::value, D>(constants, period, position, i, found, offset, result); });
         next += filled_up(found);
       }
     }
@@ -170,9 +169,8 @@ void find_neighbours(const Constants<D>& constants, const Period<D>& period, con
 }
 
 template <int D>
-void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& period,
-                             const std::vector<Vector<D>>& position, const Faces<D>& faces, const FaceRows& rows,
-                             bool past_corners, Neighbours<D>& neighbours) {
+void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& period, const std::vector<Vector<D>>& position,
+                             const Faces<D>& faces, const FaceRows& rows, bool past_corners, Neighbours<D>& neighbours) {
   auto& [sight, affected, listed] = neighbours.cutting;
   const int n = static_cast<int>(position.size());
   const double support = constants.kernel.support();
@@ -215,8 +213,7 @@ void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& per
     const Vector<D> b = a + d;
     for (int entry = rows.begin[viewer]; entry < rows.begin[viewer] + rows.count[viewer]; ++entry) {
       const int k = rows.face[entry];
-      if (faces.two_sided[k] && patch_separates(faces, k, a, b) && !(past_corners && leaves_past_corner(k, a, other, b)))
-        return true;
+      if (faces.two_sided[k] && patch_separates(faces, k, a, b) && !(past_corners && leaves_past_corner(k, a, other, b))) return true;
     }
     return false;
   };
@@ -243,11 +240,11 @@ void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& per
   neighbours.beside_body.insert(neighbours.beside_body.end(), affected.begin(), affected.end());
 }
 
-#define TERN_INSTANTIATE(D)                                                                                            \
-  template void find_neighbours<D>(const Constants<D>&, const Period<D>&, const CellGrid<D>&, const CellContents&,     \
-                                   const std::vector<Vector<D>>&, Neighbours<D>&);                                     \
-  template void cut_pairs_through_faces<D>(const Constants<D>&, const Period<D>&, const std::vector<Vector<D>>&,       \
-                                           const Faces<D>&, const FaceRows&, bool, Neighbours<D>&);
+#define TERN_INSTANTIATE(D)                                                                                                       \
+  template void find_neighbours<D>(const Constants<D>&, const Period<D>&, const CellGrid<D>&, const CellContents&,                \
+                                   const std::vector<Vector<D>>&, Neighbours<D>&);                                                \
+  template void cut_pairs_through_faces<D>(const Constants<D>&, const Period<D>&, const std::vector<Vector<D>>&, const Faces<D>&, \
+                                           const FaceRows&, bool, Neighbours<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)
 #undef TERN_INSTANTIATE

@@ -8,7 +8,7 @@
 
 #include "fluid/period.hpp"
 #include "fluid/state.hpp"
-#include "particles/faces.hpp"
+#include "sph/faces.hpp"
 
 namespace tern::fluid {
 
@@ -21,10 +21,10 @@ struct Neighbours {
   std::vector<double> weight;  ///< V_j |w'_ij| / (r_ij M_xx): V_j grad w_ij = weight (r_j - r_i) [1/m^2]
 
   // Sums over fluid neighbours.
-  std::vector<double> number_density;              ///< w(0) V + sum V w [-]
-  std::vector<Matrix<D>> moment;                   ///< M = sum V grad w (r_j - r_i)^T [-]
-  std::vector<Vector<D>> kernel_gradient;          ///< sum V grad w [1/m]
-  std::vector<Vector<D>> concentration_gradient;   ///< sum V (1 + 0.2 (w/w(dx))^4) grad w [1/m]
+  std::vector<double> number_density;             ///< w(0) V + sum V w [-]
+  std::vector<Matrix<D>> moment;                  ///< M = sum V grad w (r_j - r_i)^T [-]
+  std::vector<Vector<D>> kernel_gradient;         ///< sum V grad w [1/m]
+  std::vector<Vector<D>> concentration_gradient;  ///< sum V (1 + 0.2 (w/w(dx))^4) grad w [1/m]
 
   std::vector<int> beside_body;  ///< particles that see a two-sided face or have lost a pair to one
 
@@ -40,7 +40,7 @@ struct Neighbours {
     std::vector<int> affected;  ///< particles whose rows are looked at
     std::vector<int> listed;    ///< per particle: 0 if not affected, else 1 + the number of its sight, or more
   };
-  std::array<std::vector<float>, D> coordinate;               ///< by axis
+  std::array<std::vector<float>, D> coordinate;                ///< by axis
   std::vector<std::array<std::vector<double>, D>> row_offset;  ///< by thread
   Cutting cutting;
 };
@@ -59,15 +59,14 @@ void for_row_in_turns(const Neighbours<D>& neighbours, std::ptrdiff_t i, Sum& ev
 /// Finds pairs and sums for all particles at `position`, which must be sorted by `contents` of `grid` and lie within the
 /// period. A pair across its end has the column of the real particle and the weight of the nearest image.
 template <int D>
-void find_neighbours(const Constants<D>& constants, const Period<D>& period, const CellGrid<D>& grid,
-                     const CellContents& contents, const std::vector<Vector<D>>& position, Neighbours<D>& neighbours);
+void find_neighbours(const Constants<D>& constants, const Period<D>& period, const CellGrid<D>& grid, const CellContents& contents,
+                     const std::vector<Vector<D>>& position, Neighbours<D>& neighbours);
 
 /// Takes out pairs whose connecting line passes through a two-sided face that either particle sees, and sums those rows
 /// anew. `rows` lists the faces seen by each particle. The fluid on one side of a plate does not see the fluid on the other.
 /// With `past_corners`, fluid past a convex corner is seen (convex_corner.hpp).
 template <int D>
-void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& period,
-                             const std::vector<Vector<D>>& position, const Faces<D>& faces, const FaceRows& rows,
-                             bool past_corners, Neighbours<D>& neighbours);
+void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& period, const std::vector<Vector<D>>& position,
+                             const Faces<D>& faces, const FaceRows& rows, bool past_corners, Neighbours<D>& neighbours);
 
 }  // namespace tern::fluid

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <type_traits>
 
-#include "particles/case_file.hpp"
-#include "particles/vector.hpp"
+#include "base/vector.hpp"
+#include "scene/case_file.hpp"
 
 namespace tern::fluid {
 
@@ -68,8 +68,7 @@ class Period {
 /// Calls visit(shift) for every whole number of periods, zero left out, by which a particle at x has to be moved to come
 /// within the support of the box [low, high] of all particles.
 template <int D, class Visit>
-void for_images(const Period<D>& period, const Vector<D>& x, const Vector<D>& low, const Vector<D>& high, double support,
-                Visit&& visit) {
+void for_images(const Period<D>& period, const Vector<D>& x, const Vector<D>& low, const Vector<D>& high, double support, Visit&& visit) {
   constexpr int combinations = D == 2 ? 9 : 27;
   for (int k = 1; k < combinations; ++k) {
     Vector<D> shift;

@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "particles/case_file.hpp"
-#include "particles/face_kernel.hpp"
-#include "particles/lattice_sums.hpp"
-#include "particles/time.hpp"
-#include "particles/vector.hpp"
+#include "base/time.hpp"
+#include "base/vector.hpp"
+#include "scene/case_file.hpp"
+#include "sph/face_kernel.hpp"
+#include "sph/lattice_sums.hpp"
 
 namespace tern::fluid {
 
@@ -39,10 +39,10 @@ struct Constants {
         lattice(lattice_sums<D>(kernel, fluid.spacing)) {}
 
   FluidNumerics numerics;
-  double spacing;        ///< dx [m]
-  double density;        ///< rho [kg/m^3]
-  double viscosity;      ///< kinematic, nu = mu/rho; 0 = inviscid [m^2/s]
-  double volume, mass;   ///< per particle [m^D], [kg/m^(3-D)]
+  double spacing;       ///< dx [m]
+  double density;       ///< rho [kg/m^3]
+  double viscosity;     ///< kinematic, nu = mu/rho; 0 = inviscid [m^2/s]
+  double volume, mass;  ///< per particle [m^D], [kg/m^(3-D)]
   Kernel<D> kernel;
   FaceKernel<D> faces;
   LatticeSums lattice;

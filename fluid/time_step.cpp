@@ -13,12 +13,12 @@
 
 #include <fmt/format.h>
 
+#include "base/error.hpp"
+#include "base/parallel.hpp"
+#include "base/timing.hpp"
+#include "fluid/boundary/mirror_images.hpp"
 #include "fluid/fluid.hpp"
-#include "fluid/mirror_images.hpp"
-#include "particles/convex_corner.hpp"
-#include "particles/error.hpp"
-#include "particles/parallel.hpp"
-#include "particles/timing.hpp"
+#include "sph/convex_corner.hpp"
 
 namespace tern::fluid {
 
@@ -169,8 +169,7 @@ template <int D>
 void Fluid<D>::end_window(const BandForce<D>& force) {
   if (!velocity_complete_) complete_velocity();
   ScopedTimer timer(timing_.correction);
-  for (std::size_t m = 0; m < force.force.size(); ++m)
-    predicted_velocity_[band_[m]] += (duration_s_ / constants_.mass) * force.force[m];
+  for (std::size_t m = 0; m < force.force.size(); ++m) predicted_velocity_[band_[m]] += (duration_s_ / constants_.mass) * force.force[m];
   settle_wall_contacts();
   check_speed();
   check_volume();
@@ -250,8 +249,12 @@ void Fluid<D>::sort_by_cell() {
   };
   const Box box = ordered_fold(
       n, Box{predicted_position_[0], predicted_position_[0]},
-      [&](std::ptrdiff_t i) { return Box{predicted_position_[i], predicted_position_[i]}; },
-      [](const Box& a, const Box& b) { return Box{a.low.cwiseMin(b.low), a.high.cwiseMax(b.high)}; });
+      [&](std::ptrdiff_t i) {
+        return Box{predicted_position_[i], predicted_position_[i]};
+      },
+      [](const Box& a, const Box& b) {
+        return Box{a.low.cwiseMin(b.low), a.high.cwiseMax(b.high)};
+      });
   grid_.reset(box.low, box.high, constants_.kernel.support());
   contents_.template fill<D>(grid_, predicted_position_);
   const auto reorder = [&](auto& values, auto& scratch) {
@@ -338,8 +341,8 @@ void Fluid<D>::remove_escaped() {
     ++kept;
   }
   if (kept == 0)
-    throw NumericalFailure(fmt::format("All fluid has left the domain by t = {:.6g} s; enlarge [domain] or close the walls.",
-                                       begin_s_ + duration_s_));
+    throw NumericalFailure(
+        fmt::format("All fluid has left the domain by t = {:.6g} s; enlarge [domain] or close the walls.", begin_s_ + duration_s_));
   for (auto* values : {&state_.position, &state_.velocity}) values->resize(kept);
   state_.pressure.resize(kept);
   state_.id.resize(kept);
@@ -365,23 +368,23 @@ StepProposal Fluid<D>::propose_step() const {
   return proposal;
 }
 
-#define TERN_INSTANTIATE(D)                                                      \
-  template void Fluid<D>::begin_window(Ticks, Ticks);                            \
-  template Band<D> Fluid<D>::see_surface(const Surface<D>&);                     \
-  template void Fluid<D>::prepare_pressure();                                    \
-  template BandPressure<D> Fluid<D>::solve_pressure(const DissipativeLoad<D>&);  \
-  template void Fluid<D>::complete_velocity();                                   \
-  template void Fluid<D>::end_window(const BandForce<D>&);                       \
-  template void Fluid<D>::pass_window();                                         \
-  template StepProposal Fluid<D>::propose_step() const;                          \
-  template std::optional<FluidExtent<D>> Fluid<D>::extent() const;               \
-  template void Fluid<D>::add_images(Band<D>&);                                   \
-  template void Fluid<D>::predict();                                             \
-  template void Fluid<D>::wrap_into_period();                                    \
-  template void Fluid<D>::sort_by_cell();                                        \
-  template void Fluid<D>::hide_walls_behind_structure();                         \
-  template void Fluid<D>::move_surface_at(const std::vector<Vector<D>>&);         \
-  template void Fluid<D>::count_leaks(const Faces<D>&, const FaceRows&);          \
+#define TERN_INSTANTIATE(D)                                                     \
+  template void Fluid<D>::begin_window(Ticks, Ticks);                           \
+  template Band<D> Fluid<D>::see_surface(const Surface<D>&);                    \
+  template void Fluid<D>::prepare_pressure();                                   \
+  template BandPressure<D> Fluid<D>::solve_pressure(const DissipativeLoad<D>&); \
+  template void Fluid<D>::complete_velocity();                                  \
+  template void Fluid<D>::end_window(const BandForce<D>&);                      \
+  template void Fluid<D>::pass_window();                                        \
+  template StepProposal Fluid<D>::propose_step() const;                         \
+  template std::optional<FluidExtent<D>> Fluid<D>::extent() const;              \
+  template void Fluid<D>::add_images(Band<D>&);                                 \
+  template void Fluid<D>::predict();                                            \
+  template void Fluid<D>::wrap_into_period();                                   \
+  template void Fluid<D>::sort_by_cell();                                       \
+  template void Fluid<D>::hide_walls_behind_structure();                        \
+  template void Fluid<D>::move_surface_at(const std::vector<Vector<D>>&);       \
+  template void Fluid<D>::count_leaks(const Faces<D>&, const FaceRows&);        \
   template void Fluid<D>::remove_escaped();
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

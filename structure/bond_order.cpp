@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "particles/error.hpp"
+#include "base/error.hpp"
 #include "structure/time_step.hpp"
 
 namespace tern::structure {

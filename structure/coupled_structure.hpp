@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "particles/case_file.hpp"
+#include "scene/case_file.hpp"
 #include "structure/structure.hpp"
 
 namespace tern::structure {
@@ -33,8 +33,7 @@ class CoupledStructure {
     duration_ = duration;
     if (algorithm_ == CouplingAlgorithm::cm0) {
       Surface<D> surface = at_begin_;
-      for (std::size_t k = 0; k < surface.position.size(); ++k)
-        surface.position[k] += 0.5 * seconds(duration) * surface.velocity[k];
+      for (std::size_t k = 0; k < surface.position.size(); ++k) surface.position[k] += 0.5 * seconds(duration) * surface.velocity[k];
       return surface;
     }
     Surface<D> trial = structure_.trial(begin, duration);

@@ -10,9 +10,9 @@ namespace {
 /// One component of the block at `row`: gradient and second derivatives of the displacement d, and gradient of the velocity v.
 /// Component by component, so that all sums stay in registers.
 template <int D, bool with_velocity>
-inline void gradients_of_component(const Stencil<D>& stencil, const Neighbour<D>* neighbour, const std::int32_t* offset,
-                                   const double* d, const double* v, Lanes (&gradient)[D],
-                                   Lanes (&second)[curvature_components<D>], Lanes (&velocity_gradient)[D]) {
+inline void gradients_of_component(const Stencil<D>& stencil, const Neighbour<D>* neighbour, const std::int32_t* offset, const double* d,
+                                   const double* v, Lanes (&gradient)[D], Lanes (&second)[curvature_components<D>],
+                                   Lanes (&velocity_gradient)[D]) {
   const Lanes own_d = load(d), own_v = with_velocity ? load(v) : Lanes{};
   for (std::uint32_t k = 0; k < stencil.count; ++k) {
     const Neighbour<D>& n = neighbour[k];

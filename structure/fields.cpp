@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "structure/energy.hpp"
+#include "structure/material/energy.hpp"
 #include "structure/time_step.hpp"
 
 namespace tern::structure {

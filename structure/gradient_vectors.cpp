@@ -5,7 +5,7 @@
 
 #include "structure/gradient_vectors.hpp"
 
-#include "particles/kernel.hpp"
+#include "sph/kernel.hpp"
 
 namespace tern::structure {
 namespace {
@@ -56,8 +56,7 @@ std::vector<DerivativeVectors<D>> least_squares(std::span<const Vector<D>> offse
 }  // namespace
 
 template <int D>
-std::vector<DerivativeVectors<D>> derivative_vectors(std::span<const Vector<D>> offsets, double volume,
-                                                     double smoothing_length) {
+std::vector<DerivativeVectors<D>> derivative_vectors(std::span<const Vector<D>> offsets, double volume, double smoothing_length) {
   const Kernel<D> kernel(smoothing_length);
   auto derivatives = least_squares<D, D + curvature_components<D>>(offsets, volume, kernel);
   if (derivatives.empty()) derivatives = least_squares<D, D>(offsets, volume, kernel);

@@ -6,13 +6,13 @@
 #include <span>
 #include <vector>
 
-#include "particles/vector.hpp"
+#include "base/vector.hpp"
 
 namespace tern::structure {
 
 /// Pairs of directions a <= b of a second derivative, in the order 00, 01, (02,) 11, (12, 22).
 template <int D>
-inline constexpr int curvature_components = D * (D + 1) / 2;
+inline constexpr int curvature_components = D*(D + 1) / 2;
 
 /// Position of the pair (a, b) in that order.
 template <int D>
@@ -23,15 +23,14 @@ constexpr int curvature_index(int a, int b) {
 
 template <int D>
 struct DerivativeVectors {
-  Vector<D> gradient = Vector<D>::Zero();                 ///< g_ij [1/m^(D+1)]
-  std::array<double, curvature_components<D>> curvature{}; ///< k_ij [1/m^(D+2)]
+  Vector<D> gradient = Vector<D>::Zero();                   ///< g_ij [1/m^(D+1)]
+  std::array<double, curvature_components<D>> curvature{};  ///< k_ij [1/m^(D+2)]
 };
 
 /// For the neighbours at `offsets` = X_j - X_i [m], each of volume `volume` [m^D]: exact for quadratic fields (C2); where
 /// the neighbours do not determine a quadratic, exact for linear fields only (C1), with zero second derivatives. Empty
 /// when they do not even determine a linear field.
 template <int D>
-std::vector<DerivativeVectors<D>> derivative_vectors(std::span<const Vector<D>> offsets, double volume,
-                                                     double smoothing_length);
+std::vector<DerivativeVectors<D>> derivative_vectors(std::span<const Vector<D>> offsets, double volume, double smoothing_length);
 
 }  // namespace tern::structure

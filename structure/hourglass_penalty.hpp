@@ -11,8 +11,7 @@ namespace tern::structure {
 /// Force on i divided by alpha E V_i V_j w_ij/|X_ij|^2. `x`: x_j - x_i, `inverse_square`: 1/|x|^2,
 /// `mismatch`: (F_i + F_j)/2 X_ji - x_ji.
 template <int D>
-inline void hourglass_penalty(const Lanes (&x)[D], const Lanes& inverse_square, const Lanes (&mismatch)[D],
-                              Lanes (&force)[D]) {
+inline void hourglass_penalty(const Lanes (&x)[D], const Lanes& inverse_square, const Lanes (&mismatch)[D], Lanes (&force)[D]) {
   Lanes along = x[0] * mismatch[0];
   for (int a = 1; a < D; ++a) along += x[a] * mismatch[a];
   along *= inverse_square;

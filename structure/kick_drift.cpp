@@ -29,8 +29,7 @@ void kick(const Reference<D>& reference, const Workspace<D>& work, double dt, St
     }
     for (int a = 0; a < D; ++a) {
       double* v = state.velocity[a].data() + i;
-      store(v, load(v) + dt * inverse_mass *
-                             (load(state.internal_force[a].data() + i) + load(work.external_force[a].data() + i)));
+      store(v, load(v) + dt * inverse_mass * (load(state.internal_force[a].data() + i) + load(work.external_force[a].data() + i)));
     }
   });
 }

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "particles/geometry.hpp"
+#include "scene/geometry.hpp"
 
 namespace tern::structure {
 
@@ -19,8 +19,7 @@ Loads<D>::Loads(const StructureCase& structure, const Reference<D>& reference, c
     if (input.kind == LoadCase::Kind::body_force) {
       for (std::size_t p = 0; p < reference.particle_row.size(); ++p) {
         const auto row = reference.particle_row[p];
-        if (reference.inverse_mass[row] > 0 && is_loaded(reference.particle_body[p], reference.position_of(row)))
-          load.row.push_back(row);
+        if (reference.inverse_mass[row] > 0 && is_loaded(reference.particle_body[p], reference.position_of(row))) load.row.push_back(row);
       }
     } else {
       for (std::size_t k = 0; k < attachment.row.size(); ++k)
@@ -34,20 +33,17 @@ Loads<D>::Loads(const StructureCase& structure, const Reference<D>& reference, c
 }
 
 template <int D>
-void Loads<D>::update(double t, const SurfaceAttachment<D>& attachment, const Reference<D>& reference,
-                      const State<D>& state, const Workspace<D>& work) {
+void Loads<D>::update(double t, const SurfaceAttachment<D>& attachment, const Reference<D>& reference, const State<D>& state,
+                      const Workspace<D>& work) {
   if (!any()) return;
   for (auto& axis : force_) std::fill(axis.begin(), axis.end(), 0);
-  const auto at = [&](const VectorExpression& value, int a, const Vector<D>& x) {
-    return value[a](t, x[0], x[1], D == 3 ? x[D - 1] : 0);
-  };
-  const bool follows = std::any_of(loads_.begin(), loads_.end(),
-                                   [](const Load& load) { return load.input.kind == LoadCase::Kind::pressure; });
+  const auto at = [&](const VectorExpression& value, int a, const Vector<D>& x) { return value[a](t, x[0], x[1], D == 3 ? x[D - 1] : 0); };
+  const bool follows =
+      std::any_of(loads_.begin(), loads_.end(), [](const Load& load) { return load.input.kind == LoadCase::Kind::pressure; });
   const Surface<D> surface = follows ? present_surface(attachment, reference, state, work) : Surface<D>{};
   for (const Load& load : loads_) {
     for (const auto row : load.row)
-      for (int a = 0; a < D; ++a)
-        force_[a][row] += reference.volume[row] * at(load.input.value, a, reference.position_of(row));
+      for (int a = 0; a < D; ++a) force_[a][row] += reference.volume[row] * at(load.input.value, a, reference.position_of(row));
     for (const auto k : load.point) {
       const auto row = attachment.row[k];
       const Vector<D> x = reference.position_of(row) + attachment.offset[k];

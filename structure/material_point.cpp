@@ -7,18 +7,19 @@
 
 #include <algorithm>
 
-#include "particles/error.hpp"
-#include "particles/kernel.hpp"
+#include "base/error.hpp"
+#include "sph/kernel.hpp"
 
 namespace tern::structure {
 
 template <int D>
 MaterialPoint find_material_point(const Reference<D>& reference, const std::string& body_name, const Vector<D>& at) {
-  const auto body = std::find_if(reference.bodies.begin(), reference.bodies.end(),
-                                 [&](const Body& b) { return b.name == body_name; });
+  const auto body = std::find_if(reference.bodies.begin(), reference.bodies.end(), [&](const Body& b) { return b.name == body_name; });
   if (body == reference.bodies.end())
-    throw BadInput(fmt::format("A gauge asks for body '{}', but no elastic body has this name; name one of "
-                               "[[structure.body]].", body_name));
+    throw BadInput(
+        fmt::format("A gauge asks for body '{}', but no elastic body has this name; name one of "
+                    "[[structure.body]].",
+                    body_name));
   const Kernel<D> kernel(body->smoothing_length);
   using Basis = Eigen::Matrix<double, D + 1, 1>;
   MaterialPoint point;
@@ -40,9 +41,10 @@ MaterialPoint find_material_point(const Reference<D>& reference, const std::stri
   }
   const Eigen::FullPivLU<Eigen::Matrix<double, D + 1, D + 1>> factor(moments);
   if (nearest > body->spacing || !factor.isInvertible())
-    throw BadInput(fmt::format("A gauge point lies {:.3g} m from the nearest particle of body '{}', but it must lie in the "
-                               "body (within one spacing, {:.3g} m); correct the gauge's `at`.",
-                               nearest, body_name, body->spacing));
+    throw BadInput(
+        fmt::format("A gauge point lies {:.3g} m from the nearest particle of body '{}', but it must lie in the "
+                    "body (within one spacing, {:.3g} m); correct the gauge's `at`.",
+                    nearest, body_name, body->spacing));
   const Basis solution = factor.solve(Basis::Unit(0));
   for (std::size_t n = 0; n < bases.size(); ++n) point.weight[n] *= bases[n].dot(solution);
   return point;

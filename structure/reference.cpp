@@ -10,9 +10,9 @@
 #include <map>
 #include <unordered_map>
 
-#include "particles/error.hpp"
-#include "particles/geometry.hpp"
-#include "particles/kernel.hpp"
+#include "base/error.hpp"
+#include "scene/geometry.hpp"
+#include "sph/kernel.hpp"
 #include "structure/gradient_vectors.hpp"
 
 namespace tern::structure {
@@ -34,9 +34,9 @@ constexpr Content face = 2;
 template <int D>
 struct Lattice {
   std::array<int, D> size{};
-  std::vector<std::int32_t> row;      // per cell, no_row where empty
-  std::vector<Content> content;       // per cell
-  std::vector<std::uint32_t> pattern; // per cell: which neighbours it has, an index into the derivative vectors
+  std::vector<std::int32_t> row;       // per cell, no_row where empty
+  std::vector<Content> content;        // per cell
+  std::vector<std::uint32_t> pattern;  // per cell: which neighbours it has, an index into the derivative vectors
 
   /// Lines run along the longest side.
   int line_direction() const { return static_cast<int>(std::max_element(size.begin(), size.end()) - size.begin()); }
@@ -179,9 +179,8 @@ Vector<D> offset_between(const Lattice<D>& lattice, const Cell<D>& cell, const C
 
 /// Derivative vectors for every occurring neighbourhood; one entry per offset, zero where there is no neighbour.
 template <int D>
-std::vector<std::vector<DerivativeVectors<D>>> derivatives_of(const std::vector<Cell<D>>& cells,
-                                                              const std::vector<Cell<D>>& offsets, const Body& body,
-                                                              Lattice<D>& lattice) {
+std::vector<std::vector<DerivativeVectors<D>>> derivatives_of(const std::vector<Cell<D>>& cells, const std::vector<Cell<D>>& offsets,
+                                                              const Body& body, Lattice<D>& lattice) {
   std::map<std::vector<Content>, std::uint32_t> known;
   std::vector<std::vector<DerivativeVectors<D>>> derivatives;
   lattice.pattern.assign(lattice.row.size(), 0);
@@ -199,10 +198,10 @@ std::vector<std::vector<DerivativeVectors<D>>> derivatives_of(const std::vector<
     if (!is_new) continue;
     const auto found = derivative_vectors<D>(relative, std::pow(body.spacing, D), body.smoothing_length);
     if (found.empty() && own == free_particle)
-      throw BadInput(fmt::format(
-          "Body '{}': a particle has {} neighbours within {:.3g} m, which do not span {} dimensions, so no strain can be "
-          "computed there; make the spacing ({:.3g} m) at most half of the smallest thickness (a quarter is recommended).",
-          body.name, relative.size(), 2 * body.smoothing_length, D, body.spacing));
+      throw BadInput(
+          fmt::format("Body '{}': a particle has {} neighbours within {:.3g} m, which do not span {} dimensions, so no strain can be "
+                      "computed there; make the spacing ({:.3g} m) at most half of the smallest thickness (a quarter is recommended).",
+                      body.name, relative.size(), 2 * body.smoothing_length, D, body.spacing));
     derivatives.emplace_back(offsets.size());
     if (found.empty()) continue;
     for (std::size_t o = 0, n = 0; o < offsets.size(); ++o)
@@ -262,9 +261,8 @@ class StencilStore {
 };
 
 template <int D>
-void add_blocks(const std::vector<Cell<D>>& cells, const StructureNumerics& numerics, std::uint32_t body_index,
-                std::int32_t first_row, std::int32_t end_row, Lattice<D>& lattice, StencilStore<D>& store,
-                Reference<D>& reference) {
+void add_blocks(const std::vector<Cell<D>>& cells, const StructureNumerics& numerics, std::uint32_t body_index, std::int32_t first_row,
+                std::int32_t end_row, Lattice<D>& lattice, StencilStore<D>& store, Reference<D>& reference) {
   const Body& body = reference.bodies[body_index];
   const Kernel<D> kernel(body.smoothing_length);
   const auto offsets = offsets_within<D>(kernel.support() / body.spacing);
@@ -314,10 +312,8 @@ void add_blocks(const std::vector<Cell<D>>& cells, const StructureNumerics& nume
         for (int a = 0; a < D; ++a) entry.pair.half_offset[a][lane] = 0.5 * x[a];
         if (!is_free && other != free_particle) continue;
         const double r = x.norm();
-        entry.pair.penalty[lane] =
-            numerics.hourglass_penalty * body.material.young_modulus * volume * volume * kernel.value(r) / (r * r);
-        entry.pair.diffusion[lane] =
-            numerics.riemann_diffusion * body.material.density * volume * volume * kernel.gradient_weight(r) * r;
+        entry.pair.penalty[lane] = numerics.hourglass_penalty * body.material.young_modulus * volume * volume * kernel.value(r) / (r * r);
+        entry.pair.diffusion[lane] = numerics.riemann_diffusion * body.material.density * volume * volume * kernel.gradient_weight(r) * r;
       }
     }
     block.stencil = store.add(entries, gradient_sum, curvature_sum);
@@ -340,8 +336,10 @@ void add_clamps(const StructureCase& structure, const std::vector<Vector<D>>& po
       clamp.row.push_back(reference.particle_row[p]);
     }
     if (clamp.row.empty())
-      throw BadInput(fmt::format("The clamp '{}' holds no particle of body '{}'; enlarge its region to at least one spacing "
-                                 "({:.3g} m) of the body.", clamp.name, input.body, reference.bodies[clamp.body].spacing));
+      throw BadInput(
+          fmt::format("The clamp '{}' holds no particle of body '{}'; enlarge its region to at least one spacing "
+                      "({:.3g} m) of the body.",
+                      clamp.name, input.body, reference.bodies[clamp.body].spacing));
     reference.clamps.push_back(std::move(clamp));
   }
 }
@@ -364,8 +362,7 @@ Reference<D> build_reference(const StructureCase& structure) {
     Body body{.name = input.name,
               .shape = input.shape,
               .clamps = input.clamps,
-              .material = Material::isotropic(input.density, input.young_modulus, input.poisson_ratio, input.law,
-                                              input.plane_stress),
+              .material = Material::isotropic(input.density, input.young_modulus, input.poisson_ratio, input.law, input.plane_stress),
               .spacing = input.spacing,
               .smoothing_length = structure.numerics.smoothing_length_ratio * input.spacing,
               .mass_damping = input.mass_damping,
@@ -373,8 +370,10 @@ Reference<D> build_reference(const StructureCase& structure) {
               .count = 0};
     const auto filled = fill_lattice<D>(input.shape, input.spacing);
     if (filled.empty())
-      throw BadInput(fmt::format("Body '{}' holds no particle at spacing {:.3g} m; make the spacing at most half of its "
-                                 "smallest thickness.", input.name, input.spacing));
+      throw BadInput(
+          fmt::format("Body '{}' holds no particle at spacing {:.3g} m; make the spacing at most half of its "
+                      "smallest thickness.",
+                      input.name, input.spacing));
     body.count = filled.size();
     Lattice<D>& lattice = lattices[reference.bodies.size()];
     cells.push_back(cells_of<D>(filled, input.spacing, lattice.size));
@@ -398,8 +397,8 @@ Reference<D> build_reference(const StructureCase& structure) {
     const Body& body = reference.bodies[reference.particle_body[p]];
     for (int a = 0; a < D; ++a) reference.position[a][row] = points[p][a];
     reference.mass[row] = body.material.density * std::pow(body.spacing, D);
-    const bool clamped = std::any_of(body.clamps.begin(), body.clamps.end(),
-                                     [&](const Shape& clamp) { return contains<D>(clamp, points[p]); });
+    const bool clamped =
+        std::any_of(body.clamps.begin(), body.clamps.end(), [&](const Shape& clamp) { return contains<D>(clamp, points[p]); });
     if (clamped) continue;
     reference.inverse_mass[row] = 1 / reference.mass[row];
     reference.volume[row] = std::pow(body.spacing, D);

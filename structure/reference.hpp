@@ -18,12 +18,12 @@
 #include <string>
 #include <vector>
 
-#include "particles/case_file.hpp"
-#include "particles/rigid_motion.hpp"
-#include "particles/vector.hpp"
+#include "base/vector.hpp"
+#include "scene/case_file.hpp"
+#include "scene/rigid_motion.hpp"
 #include "structure/gradient_vectors.hpp"
 #include "structure/lanes.hpp"
-#include "structure/material.hpp"
+#include "structure/material/material.hpp"
 
 namespace tern::structure {
 
@@ -32,8 +32,8 @@ inline constexpr int margin_rows = lane_count;
 /// One neighbour of each row of a block. Zero weights where a lane has no such neighbour.
 template <int D>
 struct Neighbour {
-  Lanes gradient[D];         ///< V_j g_ij [1/m]
-  Lanes mirror_gradient[D];  ///< V_i V_j g_ji [m^(D-1)]
+  Lanes gradient[D];                                ///< V_j g_ij [1/m]
+  Lanes mirror_gradient[D];                         ///< V_i V_j g_ji [m^(D-1)]
   Lanes curvature[curvature_components<D>];         ///< V_j k_ij [1/m^2]
   Lanes mirror_curvature[curvature_components<D>];  ///< V_i V_j k_ji [m^(D-2)]
 };
@@ -50,9 +50,9 @@ struct Pair {
 /// the `pairs` last ones of the `count` neighbours are those in later rows.
 template <int D>
 struct Stencil {
-  std::uint32_t first = 0, count = 0;       ///< range of Reference::neighbours, row_offset and pair_slot
-  std::uint32_t first_pair = 0, pairs = 0;  ///< range of Reference::pairs
-  Lanes gradient_sum[D] = {};               ///< V_i sum_j V_j g_ij
+  std::uint32_t first = 0, count = 0;                 ///< range of Reference::neighbours, row_offset and pair_slot
+  std::uint32_t first_pair = 0, pairs = 0;            ///< range of Reference::pairs
+  Lanes gradient_sum[D] = {};                         ///< V_i sum_j V_j g_ij
   Lanes curvature_sum[curvature_components<D>] = {};  ///< V_i sum_j V_j k_ij
 };
 
@@ -68,10 +68,10 @@ struct Body {
   Shape shape;
   std::vector<Shape> clamps;
   Material material;
-  double spacing = 0;                       ///< dx_s [m]
-  double smoothing_length = 0;              ///< h_0 [m]
-  double mass_damping = 0;                  ///< [1/s]
-  std::size_t first = 0, count = 0;         ///< range of Reference::particle_row
+  double spacing = 0;                ///< dx_s [m]
+  double smoothing_length = 0;       ///< h_0 [m]
+  double mass_damping = 0;           ///< [1/s]
+  std::size_t first = 0, count = 0;  ///< range of Reference::particle_row
 };
 
 /// A named clamp: who is in it and how it moves.
@@ -85,19 +85,19 @@ struct Clamp {
 template <int D>
 struct Reference {
   std::vector<Body> bodies;
-  std::vector<std::int32_t> particle_row;   ///< row of each particle, in the order of the bodies and their lattices
+  std::vector<std::int32_t> particle_row;  ///< row of each particle, in the order of the bodies and their lattices
   std::vector<std::uint32_t> particle_body;
-  std::size_t rows = 0;                     ///< length of every row array, margins included
+  std::size_t rows = 0;                         ///< length of every row array, margins included
   std::array<std::vector<double>, D> position;  ///< X [m]
-  std::vector<double> mass;                 ///< [kg/m^(3-D)], 0 in rows without particle
-  std::vector<double> inverse_mass;         ///< 0 where clamped or without particle
-  std::vector<double> volume;               ///< V [m^D], 0 where clamped or without particle
+  std::vector<double> mass;                     ///< [kg/m^(3-D)], 0 in rows without particle
+  std::vector<double> inverse_mass;             ///< 0 where clamped or without particle
+  std::vector<double> volume;                   ///< V [m^D], 0 where clamped or without particle
   std::vector<Block> blocks;
   std::vector<Stencil<D>> stencils;
   std::vector<Neighbour<D>> neighbours;
   std::vector<Pair<D>> pairs;
-  std::vector<std::int32_t> row_offset;     ///< first row of the neighbours minus first row of the block
-  std::vector<std::int32_t> pair_slot;      ///< which array of Workspace::pair_force the pair is in: one per lattice offset
+  std::vector<std::int32_t> row_offset;  ///< first row of the neighbours minus first row of the block
+  std::vector<std::int32_t> pair_slot;   ///< which array of Workspace::pair_force the pair is in: one per lattice offset
   std::int32_t pair_slots = 0;
   std::vector<Clamp> clamps;
   bool has_penalty = false, has_diffusion = false, has_damping = false;

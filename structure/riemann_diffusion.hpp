@@ -13,9 +13,8 @@ namespace tern::structure {
 /// Force on i divided by chi rho_0 V_i V_j |w'|. `x`: x_j - x_i, `inverse_square`: 1/|x|^2, `jump`: v_j - v_i,
 /// `reconstructed`: Dv_ij.
 template <int D>
-inline void riemann_diffusion(const Lanes (&x)[D], const Lanes& inverse_square, const Lanes (&jump)[D],
-                              const Lanes (&reconstructed)[D], double pressure_speed, double shear_speed,
-                              Lanes (&force)[D]) {
+inline void riemann_diffusion(const Lanes (&x)[D], const Lanes& inverse_square, const Lanes (&jump)[D], const Lanes (&reconstructed)[D],
+                              double pressure_speed, double shear_speed, Lanes (&force)[D]) {
   Lanes normal = x[0] * reconstructed[0], plain_normal = x[0] * jump[0], product = jump[0] * reconstructed[0];
   for (int a = 1; a < D; ++a) {
     normal += x[a] * reconstructed[a];

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-#include "particles/error.hpp"
+#include "base/error.hpp"
 #include "structure/time_step.hpp"
 
 namespace tern::structure {
@@ -51,15 +51,15 @@ double stable_sub_step(const Reference<D>& reference, double courant, const Stat
       }
     }
     const double at_rest = body.material.pressure_wave_speed();
-    const double signal_speed = std::max({at_rest, body.material.wave_speed_at(std::max(smallest, least_stretch)),
-                                          body.material.wave_speed_at(largest)}) + std::sqrt(speed);
+    const double signal_speed =
+        std::max({at_rest, body.material.wave_speed_at(std::max(smallest, least_stretch)), body.material.wave_speed_at(largest)}) +
+        std::sqrt(speed);
     if (!(at_rest > collapse * signal_speed))
       throw NumericalFailure(fmt::format(
           "The sub-step of body '{}' has collapsed to {:.2g} of that at rest at t = {:.6g} s: particle {} moves at {:.3g} m/s, particle {} "
           "is stretched to {:.3g} of its length, the pressure wave at rest runs at {:.3g} m/s. A particle has been flung off or torn out; "
           "the load is too violent for this material and resolution. Refine [structure] spacing ({:.3g} m), or make the body stiffer.",
-          body.name, at_rest / signal_speed, seconds(state.time), fastest, std::sqrt(speed), longest, largest, at_rest,
-          body.spacing));
+          body.name, at_rest / signal_speed, seconds(state.time), fastest, std::sqrt(speed), longest, largest, at_rest, body.spacing));
     dt = std::min(dt, courant * body.spacing / signal_speed);
   }
   return dt;

@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
-#include "particles/interface.hpp"
-#include "particles/time.hpp"
+#include "base/time.hpp"
+#include "proto/interface.hpp"
 #include "structure/reference.hpp"
 #include "structure/structure.hpp"
 
@@ -17,16 +17,16 @@ using RowVectors = std::array<std::vector<double>, D>;  ///< one array of rows p
 template <int D>
 struct State {
   Ticks time = 0;
-  RowVectors<D> displacement;    ///< x - X [m]
-  RowVectors<D> velocity;        ///< [m/s]
-  RowVectors<D> internal_force;  ///< elastic + diffusion + penalty at `displacement` [N/m^(3-D)]
-  bool force_is_elastic = false; ///< internal_force is the elastic part alone
-  bool undisturbed = true;       ///< as it was built: nothing has moved or loaded it yet
-  SurfaceLoad<D> load;           ///< of the last window
-  double interface_work = 0;     ///< [J/m^(3-D)] since t = 0
+  RowVectors<D> displacement;     ///< x - X [m]
+  RowVectors<D> velocity;         ///< [m/s]
+  RowVectors<D> internal_force;   ///< elastic + diffusion + penalty at `displacement` [N/m^(3-D)]
+  bool force_is_elastic = false;  ///< internal_force is the elastic part alone
+  bool undisturbed = true;        ///< as it was built: nothing has moved or loaded it yet
+  SurfaceLoad<D> load;            ///< of the last window
+  double interface_work = 0;      ///< [J/m^(3-D)] since t = 0
   double gravity_work = 0;
-  double load_work = 0;          ///< of tractions, pressures and body loads
-  double clamp_work = 0;         ///< of clamps that move
+  double load_work = 0;               ///< of tractions, pressures and body loads
+  double clamp_work = 0;              ///< of clamps that move
   std::vector<Lanes> diffusion_loss;  ///< per block: energy dissipated by the diffusion in its pairs
   std::vector<Lanes> penalty_store;   ///< per block: energy taken up by the penalty in its pairs
   std::vector<Lanes> damping_loss;    ///< per block: energy dissipated by the mass damping; empty without

@@ -9,11 +9,11 @@
 #include <cmath>
 #include <cstring>
 
-#include "particles/error.hpp"
-#include "structure/energy.hpp"
-#include "structure/implicit_step.hpp"
-#include "structure/integrator_choice.hpp"
+#include "base/error.hpp"
+#include "structure/implicit/implicit_step.hpp"
+#include "structure/implicit/integrator_choice.hpp"
 #include "structure/loads.hpp"
+#include "structure/material/energy.hpp"
 #include "structure/material_point.hpp"
 #include "structure/reference.hpp"
 #include "structure/surface_points.hpp"
@@ -34,8 +34,8 @@ struct Structure<D>::Parts {
 
   State<D> state, saved;
   Workspace<D> work;
-  Ticks duration = 0;    // of the present window
-  int sub_steps = 0;     // explicit ones it takes, or would take
+  Ticks duration = 0;                         // of the present window
+  int sub_steps = 0;                          // explicit ones it takes, or would take
   std::unique_ptr<ImplicitStep<D>> implicit;  // null when the integrator is explicit
   IntegratorChoice choice;
   bool always_implicit = false, implicit_window = false;
@@ -60,16 +60,13 @@ struct Structure<D>::Parts {
         state.undisturbed &= state.velocity[a][row] == 0;
       }
     }
-    if (scene.structure->numerics.integrator != Integrator::explicit_steps)
-      implicit = std::make_unique<ImplicitStep<D>>(reference);
+    if (scene.structure->numerics.integrator != Integrator::explicit_steps) implicit = std::make_unique<ImplicitStep<D>>(reference);
     always_implicit = scene.structure->numerics.integrator == Integrator::implicit_steps;
     all_forces();
   }
 
   /// Internal force of the present state with everything explicit steps need.
-  void all_forces() {
-    internal_forces(reference, seconds(state.time), 0, state, work);
-  }
+  void all_forces() { internal_forces(reference, seconds(state.time), 0, state, work); }
 
   /// Deformation gradient and stress of the present state into the workspace.
   void deform() {
@@ -131,8 +128,7 @@ struct Structure<D>::Parts {
     }
     const ImplicitCounts before = implicit ? implicit->counts() : ImplicitCounts{};
     advance_window(reference, duration, sub_steps, implicit_window ? implicit.get() : nullptr, state, work);
-    if (implicit_window)
-      choice.add(implicit->counts().evaluations - before.evaluations, implicit->counts().factors - before.factors);
+    if (implicit_window) choice.add(implicit->counts().evaluations - before.evaluations, implicit->counts().factors - before.factors);
     double total = 0, by_gravity = 0, by_loads = 0;
     for (int a = 0; a < D; ++a)
       for (const auto row : reference.particle_row) {
@@ -188,8 +184,8 @@ template <int D>
 void Structure<D>::advance(const SurfaceLoad<D>& load) {
   Parts& p = *parts_;
   assert(load.force.size() == p.attachment.row.size());
-  const bool same = load.force.empty() || std::memcmp(load.force.data(), p.state.load.force.data(),
-                                                      load.force.size() * sizeof load.force[0]) == 0;
+  const bool same =
+      load.force.empty() || std::memcmp(load.force.data(), p.state.load.force.data(), load.force.size() * sizeof load.force[0]) == 0;
   if (same) return;
   p.state = p.saved;
   p.state.load = load;
@@ -264,14 +260,12 @@ template <int D>
 Vector<D> Structure<D>::displacement(const MaterialPoint& point) const {
   Vector<D> d = Vector<D>::Zero();
   for (std::size_t n = 0; n < point.particle.size(); ++n)
-    for (int a = 0; a < D; ++a)
-      d[a] += point.weight[n] * parts_->state.displacement[a][parts_->reference.particle_row[point.particle[n]]];
+    for (int a = 0; a < D; ++a) d[a] += point.weight[n] * parts_->state.displacement[a][parts_->reference.particle_row[point.particle[n]]];
   return d;
 }
 
 template <int D>
-Reaction Structure<D>::reaction(const std::string& body, const std::string& clamp,
-                                const std::array<double, 3>& about) const {
+Reaction Structure<D>::reaction(const std::string& body, const std::string& clamp, const std::array<double, 3>& about) const {
   const Reference<D>& reference = parts_->reference;
   Reaction reaction;
   const auto add = [&](std::int32_t row) {
@@ -301,9 +295,10 @@ Reaction Structure<D>::reaction(const std::string& body, const std::string& clam
     }
   }
   if (!found)
-    throw BadInput(fmt::format("A gauge asks for the reaction of {}, which does not exist; name a [[structure.body]] or one "
-                               "of its [[structure.clamp]]s.",
-                               clamp.empty() ? "body '" + body + "'" : "clamp '" + clamp + "' of body '" + body + "'"));
+    throw BadInput(
+        fmt::format("A gauge asks for the reaction of {}, which does not exist; name a [[structure.body]] or one "
+                    "of its [[structure.clamp]]s.",
+                    clamp.empty() ? "body '" + body + "'" : "clamp '" + clamp + "' of body '" + body + "'"));
   return reaction;
 }
 

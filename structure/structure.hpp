@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "particles/case_file.hpp"
-#include "particles/interface.hpp"
-#include "particles/time.hpp"
-#include "particles/vector.hpp"
+#include "base/time.hpp"
+#include "base/vector.hpp"
+#include "proto/interface.hpp"
+#include "scene/case_file.hpp"
 
 namespace tern::structure {
 
@@ -104,8 +104,8 @@ class Structure {
   std::size_t particles() const;
   std::size_t surface_points() const;
   const Evaluations& evaluations() const;
-  int sub_steps() const;                ///< of the last window
-  double largest_sub_step() const;      ///< stable sub-step in the present state [s]
+  int sub_steps() const;            ///< of the last window
+  double largest_sub_step() const;  ///< stable sub-step in the present state [s]
   Energies energies() const;
   Momentum momentum() const;
   Fields<D> fields() const;

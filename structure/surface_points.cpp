@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "particles/geometry.hpp"
+#include "scene/geometry.hpp"
 #include "structure/time_step.hpp"
 
 namespace tern::structure {
@@ -75,8 +75,8 @@ std::vector<Vector<D>> surface_velocity(const SurfaceAttachment<D>& attachment, 
 }
 
 template <int D>
-Surface<D> present_surface(const SurfaceAttachment<D>& attachment, const Reference<D>& reference,
-                           const State<D>& state, const Workspace<D>& work) {
+Surface<D> present_surface(const SurfaceAttachment<D>& attachment, const Reference<D>& reference, const State<D>& state,
+                           const Workspace<D>& work) {
   const std::size_t count = attachment.row.size();
   Surface<D> surface;
   surface.velocity = surface_velocity(attachment, state);
@@ -101,9 +101,7 @@ template SurfaceAttachment<2> attach_surface<2>(const Reference<2>&, const std::
 template SurfaceAttachment<3> attach_surface<3>(const Reference<3>&, const std::optional<FluidCase>&);
 template std::vector<Vector<2>> surface_velocity<2>(const SurfaceAttachment<2>&, const State<2>&);
 template std::vector<Vector<3>> surface_velocity<3>(const SurfaceAttachment<3>&, const State<3>&);
-template Surface<2> present_surface<2>(const SurfaceAttachment<2>&, const Reference<2>&, const State<2>&,
-                                       const Workspace<2>&);
-template Surface<3> present_surface<3>(const SurfaceAttachment<3>&, const Reference<3>&, const State<3>&,
-                                       const Workspace<3>&);
+template Surface<2> present_surface<2>(const SurfaceAttachment<2>&, const Reference<2>&, const State<2>&, const Workspace<2>&);
+template Surface<3> present_surface<3>(const SurfaceAttachment<3>&, const Reference<3>&, const State<3>&, const Workspace<3>&);
 
 }  // namespace tern::structure

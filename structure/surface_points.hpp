@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "particles/interface.hpp"
+#include "proto/interface.hpp"
 #include "structure/state.hpp"
 
 namespace tern::structure {
@@ -14,10 +14,10 @@ namespace tern::structure {
 template <int D>
 struct SurfaceAttachment {
   SurfaceProperties properties;
-  std::vector<std::int32_t> row;         ///< of the carrying particle
-  std::vector<Vector<D>> offset;         ///< X_k - X_j [m]
-  std::vector<Vector<D>> normal;         ///< N_k
-  std::vector<double> area;              ///< A_k [m^(D-1)]
+  std::vector<std::int32_t> row;  ///< of the carrying particle
+  std::vector<Vector<D>> offset;  ///< X_k - X_j [m]
+  std::vector<Vector<D>> normal;  ///< N_k
+  std::vector<double> area;       ///< A_k [m^(D-1)]
 };
 
 /// Samples every body at its own spacing, or that of the fluid where it is smaller, leaving out what lies inside its clamps.
@@ -26,8 +26,8 @@ SurfaceAttachment<D> attach_surface(const Reference<D>& reference, const std::op
 
 /// The surface in the present state; `work` holds the deformation gradient of that state.
 template <int D>
-Surface<D> present_surface(const SurfaceAttachment<D>& attachment, const Reference<D>& reference,
-                           const State<D>& state, const Workspace<D>& work);
+Surface<D> present_surface(const SurfaceAttachment<D>& attachment, const Reference<D>& reference, const State<D>& state,
+                           const Workspace<D>& work);
 
 /// Velocities of the surface points in a state [m/s].
 template <int D>

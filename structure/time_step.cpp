@@ -3,16 +3,16 @@
 
 #include "structure/time_step.hpp"
 
-#include "structure/implicit_step.hpp"
+#include "structure/implicit/implicit_step.hpp"
 
 namespace tern::structure {
 
 template <int D>
 void internal_forces(const Reference<D>& reference, double time_s, double dt, State<D>& state, Workspace<D>& work) {
-  deformation_gradient(reference, state, work);                  // F_i, K_i, and L_i for the reconstruction
-  first_piola_kirchhoff(reference, state, time_s, work);         // P, Q of W(F, K)
-  stabilising_forces(reference, dt, state, work);                // Riemann diffusion, hourglass penalty
-  elastic_force(reference, work, state);                         // -dE/dx of sum V W(F, K)
+  deformation_gradient(reference, state, work);           // F_i, K_i, and L_i for the reconstruction
+  first_piola_kirchhoff(reference, state, time_s, work);  // P, Q of W(F, K)
+  stabilising_forces(reference, dt, state, work);         // Riemann diffusion, hourglass penalty
+  elastic_force(reference, work, state);                  // -dE/dx of sum V W(F, K)
   work.evaluations.elastic_force += reference.rows;
   state.force_is_elastic = !reference.has_diffusion && !reference.has_penalty;
 }
@@ -25,9 +25,9 @@ void verlet(const Reference<D>& reference, double duration, int sub_steps, State
     // The kick that ends a sub-step and the one that begins the next are the same force for half a step each.
     kick(reference, work, n == 0 ? 0.5 * dt : dt, state);
     drift(reference, dt, state);
-    state.clamp_work += 0.5 * dt * clamp_power(reference, state);            // by the forces at the begin of the drift
+    state.clamp_work += 0.5 * dt * clamp_power(reference, state);  // by the forces at the begin of the drift
     internal_forces(reference, begin + (n + 1) * dt, dt, state, work);
-    state.clamp_work += 0.5 * dt * clamp_power(reference, state);            // and at its end
+    state.clamp_work += 0.5 * dt * clamp_power(reference, state);  // and at its end
   }
   kick(reference, work, 0.5 * dt, state);
 }
@@ -36,8 +36,8 @@ namespace {
 
 /// One implicit step that stands for `sub_steps` explicit ones; failing that, two of half its length, and at last those.
 template <int D>
-void implicit_or_explicit(const Reference<D>& reference, double duration, int sub_steps, int halvings,
-                          ImplicitStep<D>& implicit, State<D>& state, Workspace<D>& work) {
+void implicit_or_explicit(const Reference<D>& reference, double duration, int sub_steps, int halvings, ImplicitStep<D>& implicit,
+                          State<D>& state, Workspace<D>& work) {
   if (implicit.advance(reference, duration, state, work)) return;
   if (halvings > 0 && sub_steps > 1) {
     const int half = (sub_steps + 1) / 2;
@@ -60,8 +60,7 @@ void advance_window(const Reference<D>& reference, Ticks duration, int sub_steps
     constexpr int halvings = 2;
     const int steps = (sub_steps + largest_implicit_ratio - 1) / largest_implicit_ratio;
     const int each = (sub_steps + steps - 1) / steps;
-    for (int n = 0; n < steps; ++n)
-      implicit_or_explicit(reference, seconds(duration) / steps, each, halvings, *implicit, state, work);
+    for (int n = 0; n < steps; ++n) implicit_or_explicit(reference, seconds(duration) / steps, each, halvings, *implicit, state, work);
   }
   state.time += duration;
 }

@@ -2,7 +2,7 @@
 // The equations of motion of the structure, one function per equation, each in the file named after it.
 // All loop over blocks of four rows and only gather: the bits do not depend on the number of threads.
 
-#include "particles/vector.hpp"
+#include "base/vector.hpp"
 #include "structure/state.hpp"
 
 namespace tern::structure {

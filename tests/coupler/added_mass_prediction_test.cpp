@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "coupler/added_mass.hpp"
+#include "coupler/stability/added_mass.hpp"
+#include "fixtures/interface_scenes.hpp"
 #include "structure/structure.hpp"
-#include "tests/coupler/scenes.hpp"
 
 namespace tern::coupler::testing {
 namespace {

@@ -8,10 +8,10 @@
 #include <algorithm>
 #include <numbers>
 
+#include "base/error.hpp"
 #include "coupler/window.hpp"
+#include "fixtures/interface_scenes.hpp"
 #include "fluid/fluid.hpp"
-#include "particles/error.hpp"
-#include "tests/coupler/scenes.hpp"
 
 namespace tern::coupler::testing {
 namespace {
@@ -22,8 +22,12 @@ constexpr double dx = 0.01, rho = 1000;
 class Piston {
  public:
   Piston(double width, double mass, double stiffness, double velocity, CouplingAlgorithm algorithm)
-      : points_(static_cast<int>(std::lround(width / point_spacing))), width_(width), mass_(mass), stiffness_(stiffness),
-        algorithm_(algorithm), velocity_(velocity) {
+      : points_(static_cast<int>(std::lround(width / point_spacing))),
+        width_(width),
+        mass_(mass),
+        stiffness_(stiffness),
+        algorithm_(algorithm),
+        velocity_(velocity) {
     load_.force.assign(points_, Vector<2>::Zero());
   }
 
@@ -95,7 +99,7 @@ struct Column {
   int across = 10, high = 20;  ///< in dx
   double mass_ratio = 1;       ///< M = rho h/m_s
   double gravity = 0;
-  double stiffness = 0;        ///< k per area [Pa/m]
+  double stiffness = 0;  ///< k per area [Pa/m]
   double piston_velocity = 0, water_velocity = 0;
   double step = 1e-3;
   CouplingAlgorithm algorithm = CouplingAlgorithm::cm2;
@@ -200,7 +204,8 @@ TEST(AddedMass, ExplicitCouplingHoldsForAHeavyPistonAndRunsAwayForALightOne) {
   ASSERT_GT(windows, 10u);
   EXPECT_TRUE(light.failed);
   EXPECT_GT(std::abs(jump(light, windows - 1)), 1e3 * push);
-  for (std::size_t n = 2; n < std::min<std::size_t>(windows, 20); ++n) EXPECT_LT(jump(light, n) * jump(light, n - 1), 0) << "alternates, window " << n;
+  for (std::size_t n = 2; n < std::min<std::size_t>(windows, 20); ++n)
+    EXPECT_LT(jump(light, n) * jump(light, n - 1), 0) << "alternates, window " << n;
 }
 
 // One particle of fluid is smeared over the face, so the threshold need not be M = 1 to the last per cent.
@@ -293,7 +298,10 @@ TEST(AddedMass, TheLoadAtRestIsTheWeightOfTheWaterUpToTheCorners) {
 // them: 1.015 to 1.054, and a third to two thirds of the swing left after three periods. Without images: 0.978 to 0.993.
 // Seen to fail: with walls that are not clipped; without images.
 TEST(AddedMass, ShowsInThePeriodOfAPistonOnASpring) {
-  struct Sample { int across; double mass_ratio; };
+  struct Sample {
+    int across;
+    double mass_ratio;
+  };
   for (const auto& [across, m] : {Sample{10, 0.5}, {10, 5}, {10, 20}, {20, 5}}) {
     Column column;
     column.across = across;

@@ -1,6 +1,6 @@
 // The trials of CM3 on maps whose fixed point is known.
 
-#include "coupler/fixed_point.hpp"
+#include "coupler/acceleration/fixed_point.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <functional>
 #include <limits>
 
-#include "particles/error.hpp"
+#include "base/error.hpp"
 
 namespace tern::coupler {
 namespace {
@@ -38,7 +38,10 @@ Map modes(double ratio, int n) {
 
 // Optimal fixed relaxation takes 10, 13, 38, 68 and 312 iterations for these. Seen to fail: without the changes of this window.
 TEST(FixedPoint, AgreesInFewTrialsAtAnyMassRatio) {
-  struct Row { double ratio; int aitken, quasi_newton; };
+  struct Row {
+    double ratio;
+    int aitken, quasi_newton;
+  };
   for (const Row& row : {Row{0.5, 10, 8}, {1, 13, 9}, {5, 22, 13}, {10, 35, 16}, {50, 50, 24}}) {
     for (auto acceleration : {Acceleration::aitken, Acceleration::iqn_ils}) {
       if (acceleration == Acceleration::aitken && row.ratio == 50) continue;  // not within 50 trials
@@ -137,7 +140,9 @@ TEST(FixedPoint, StopsWithItsResidualWhenTheSidesNeverAgree) {
 TEST(FixedPoint, NoLoadOnBothSidesIsAgreementAtOnce) {
   FixedPoint iteration(Acceleration::iqn_ils, 1e-4);
   Eigen::VectorXd x = Eigen::VectorXd::Zero(5);
-  EXPECT_EQ(trials_to_agree(iteration, [](const Eigen::VectorXd& y) { return y; }, x), 1);
+  EXPECT_EQ(trials_to_agree(
+                iteration, [](const Eigen::VectorXd& y) { return y; }, x),
+            1);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 
 #include "coupler/window.hpp"
 #include "fluid/fluid.hpp"
-#include "particles/step_control.hpp"
+#include "run/step_control.hpp"
 #include "structure/coupled_structure.hpp"
 
 namespace tern::coupler::testing {

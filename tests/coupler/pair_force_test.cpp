@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "coupler/riemann.hpp"
-#include "coupler/velocity_divergence_mitigation.hpp"
-#include "tests/coupler/scenes.hpp"
+#include "coupler/schemes/riemann.hpp"
+#include "coupler/schemes/velocity_divergence_mitigation.hpp"
+#include "fixtures/interface_scenes.hpp"
 
 namespace tern::coupler::testing {
 namespace {
@@ -161,8 +161,7 @@ double riemann_on_a_wall(double limiter, double approach, double drift) {
 TEST(RiemannDissipation, IsHalfEtaRhoTimesTheApproachSquaredWhateverTheSoundSpeed) {
   // Within what the face kernel transfers of a pressure on this lattice.
   const double expected = 0.5 * 3 * 1100 * 0.8 * 0.8;
-  for (double drift : {0.0, 1.0, 7.0})
-    EXPECT_NEAR(riemann_on_a_wall(3, 0.8, drift), expected, 2e-3 * expected) << "drift " << drift;
+  for (double drift : {0.0, 1.0, 7.0}) EXPECT_NEAR(riemann_on_a_wall(3, 0.8, drift), expected, 2e-3 * expected) << "drift " << drift;
   EXPECT_NEAR(riemann_on_a_wall(3, 0.8, 7), riemann_on_a_wall(3, 0.8, 0), 1e-9 * expected);
   EXPECT_NEAR(riemann_on_a_wall(3, 0.4, 1), 0.25 * riemann_on_a_wall(3, 0.8, 1), 1e-9 * expected);
 }
@@ -195,8 +194,7 @@ TEST(RiemannDissipation, IsThePowerThePairsTakeFromBothSides) {
     const auto load = step.dissipative_load(0, duration, r.surface, r.band);
     double power = 0;
     for (std::size_t i = 0; i < r.band.id.size(); ++i) power += load.force[i].dot(r.band.velocity[i]);
-    for (std::size_t k = 0; k < r.surface.position.size(); ++k)
-      power += step.surface_load().force[k].dot(r.surface.velocity[k]);
+    for (std::size_t k = 0; k < r.surface.position.size(); ++k) power += step.surface_load().force[k].dot(r.surface.velocity[k]);
     EXPECT_GT(step.audit().riemann_dissipation, 0);
     EXPECT_NEAR(step.audit().riemann_dissipation, -power * duration, 1e-12 * std::abs(power * duration)) << "seed " << seed;
   }
@@ -258,8 +256,7 @@ void check_mitigation(unsigned seed, VemForm form) {
   for (const auto& f : step.surface_load().force) sum += f, size += f.norm();
   EXPECT_LT(sum.norm() / size, 1e-13);
   bool pulls = false;
-  for (std::size_t k = 0; k < r.surface.position.size(); ++k)
-    pulls = pulls || step.surface_load().force[k].dot(r.surface.normal[k]) > 0;
+  for (std::size_t k = 0; k < r.surface.position.size(); ++k) pulls = pulls || step.surface_load().force[k].dot(r.surface.normal[k]) > 0;
   EXPECT_EQ(pulls, form == VemForm::sum) << "pairmax pushes apart only";
 }
 

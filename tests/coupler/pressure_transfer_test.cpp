@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/coupler/scenes.hpp"
+#include "fixtures/interface_scenes.hpp"
 
 namespace tern::coupler::testing {
 namespace {

@@ -11,10 +11,10 @@
 #include <numeric>
 
 #include "coupler/window.hpp"
+#include "fixtures/scratch_directory.hpp"
 #include "fluid/fluid.hpp"
-#include "particles/recorder.hpp"
+#include "run/recorder.hpp"
 #include "structure/coupled_structure.hpp"
-#include "tests/particles/scratch_directory.hpp"
 
 extern char** environ;
 
@@ -33,8 +33,8 @@ struct LastFrame {
 bool run_three(const std::string& out, const std::vector<std::string>& options) {
   std::vector<pid_t> processes;
   for (const std::string role : {"coupler", "fluid", "structure"}) {
-    std::vector<std::string> words{TERN_BUILD_DIR "/tern-" + role, case_path,    "--out",  out,
-                                   "--endpoint",                   "ipc://" + out + "/tern.sock", "--quiet"};
+    std::vector<std::string> words{TERN_BUILD_DIR "/tern-" + role, case_path, "--out", out, "--endpoint",
+                                   "ipc://" + out + "/tern.sock",  "--quiet"};
     words.insert(words.end(), options.begin(), options.end());
     std::vector<char*> arguments;
     for (auto& word : words) arguments.push_back(word.data());
@@ -174,7 +174,9 @@ TEST(ProcessSplit, AnExplicitRunInOneProcessAndInThreeGivesTheSameBits) {
 TEST(ProcessSplit, ARepeatedWindowInOneProcessAndInThreeGivesTheSameBits) {
   const ScratchDirectory out;
   CaseOptions options;
-  options.overrides = {{"coupling.algorithm", "auto"}, {"structure.body.plate.density", "100"}, {"end_time", "0.06"},
+  options.overrides = {{"coupling.algorithm", "auto"},
+                       {"structure.body.plate.density", "100"},
+                       {"end_time", "0.06"},
                        {"structure.numerics.integrator", "explicit"}};
   std::vector<std::string> words;
   for (const auto& [key, value] : options.overrides) words.insert(words.end(), {"--set", key + "=" + value});
@@ -186,8 +188,10 @@ TEST(ProcessSplit, ARepeatedWindowInOneProcessAndInThreeGivesTheSameBits) {
 // 11 250 particles: enough for every parallel loop of the fluid to be one.
 TEST(ProcessSplit, TwoRunsAndOneAndTwoThreadsGiveTheSameBits) {
   const ScratchDirectory first, second, threaded;
-  const std::vector<std::string> fine = {"--set", "fluid.spacing=0.002", "--set", "structure.body.plate.spacing=0.002",
-                                         "--set", "fluid.body.0.shape.box.max=[0.2, 0.225]", "--until", "0.006"};
+  const std::vector<std::string> fine = {"--set",   "fluid.spacing=0.002",
+                                         "--set",   "structure.body.plate.spacing=0.002",
+                                         "--set",   "fluid.body.0.shape.box.max=[0.2, 0.225]",
+                                         "--until", "0.006"};
   const auto with_threads = [&](const char* threads) {
     auto words = fine;
     words.insert(words.end(), {"--threads", threads});

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "tests/coupler/scenes.hpp"
+#include "fixtures/interface_scenes.hpp"
 
 namespace tern::coupler::testing {
 namespace {
@@ -21,8 +21,7 @@ SurfaceProperties five_points() {
 
 Surface<2> row(std::size_t n) {
   Surface<2> surface;
-  for (std::size_t k = 0; k < n; ++k)
-    add_point<2>(surface, {0.1 * static_cast<double>(k), 0.0}, {0.0, 1.0}, 0.5 * dx);
+  for (std::size_t k = 0; k < n; ++k) add_point<2>(surface, {0.1 * static_cast<double>(k), 0.0}, {0.0, 1.0}, 0.5 * dx);
   return surface;
 }
 

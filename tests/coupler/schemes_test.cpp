@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/coupler/scenes.hpp"
+#include "fixtures/interface_scenes.hpp"
 
 namespace tern::coupler::testing {
 namespace {
@@ -65,8 +65,8 @@ TEST(SchemeAtRest, PutsTheHydrostaticPressureOnAFlatFace) {
       EXPECT_NEAR(space.mean / exact, 1, mean_band) << name << ", disorder " << disorder << ", 3D";
       const double spread_band = !pairs ? 1e-12 : disorder > 0 ? 0.15 : 1e-4;
       EXPECT_LT(plane.spread / exact, spread_band) << name << ", disorder " << disorder;
-      std::printf("[ %-7s disorder %.2f: load %.5f (2D), %.5f (3D) of rho g H, points within %.1e ]\n", name, disorder,
-                  plane.mean / exact, space.mean / exact, plane.spread / exact);
+      std::printf("[ %-7s disorder %.2f: load %.5f (2D), %.5f (3D) of rho g H, points within %.1e ]\n", name, disorder, plane.mean / exact,
+                  space.mean / exact, plane.spread / exact);
     }
 }
 

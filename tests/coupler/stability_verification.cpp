@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/coupler/coupled_scenes.hpp"
+#include "fixtures/coupled_scenes.hpp"
 
 namespace tern::coupler::testing {
 namespace {
@@ -13,8 +13,13 @@ using Verdict = CoupledOutcome::Verdict;
 // Seen to fail: with CM2 for light bodies; with the velocity of the structure at the end of a window taken as it is; the last,
 // with changes of earlier windows that are new by 1e-3 made use of.
 TEST(Stability, IsBoundedByDefaultFromLightToHeavy) {
-  for (const CoupledScene& s : {CoupledScene{0.01, 4, 1e7, 2}, {0.01, 8, 1e5, 1}, {0.1, 4, 1e7, 1}, {0.1, 4, 1e5, 2},
-                                {1, 4, 1e7, 2}, {10, 4, 1e9, 1}, {0.1, 2, 1e5, 2}}) {
+  for (const CoupledScene& s : {CoupledScene{0.01, 4, 1e7, 2},
+                                {0.01, 8, 1e5, 1},
+                                {0.1, 4, 1e7, 1},
+                                {0.1, 4, 1e5, 2},
+                                {1, 4, 1e7, 2},
+                                {10, 4, 1e9, 1},
+                                {0.1, 2, 1e5, 2}}) {
     SCOPED_TRACE(describe(s));
     const CoupledOutcome outcome = run(s, 0.06);
     EXPECT_EQ(outcome.verdict, Verdict::bounded) << outcome.largest_speed << " " << outcome.unrest << " " << outcome.message;
@@ -32,9 +37,7 @@ TEST(Stability, NoWaterFallsIntoTheEndOfALightPlate) {
 
 // A particle that touches a held face in one trial and not in the next changes the answer by its impulse. Measured: 4.1 trials a window.
 // Seen to fail: with the contacts of the trial before taken out of the load, instead of its own (6.0).
-TEST(Stability, ContactsOfALightPlateTakeNoMoreTrialsThanItsPressure) {
-  EXPECT_LT(run({0.01, 4, 1e7, 2}, 0.06).trials, 5);
-}
+TEST(Stability, ContactsOfALightPlateTakeNoMoreTrialsThanItsPressure) { EXPECT_LT(run({0.01, 4, 1e7, 2}, 0.06).trials, 5); }
 
 // A body that does not yield ties no level of the pressure either.
 // Seen to fail: with what the level does to particles in the equation of every sealed fluid, whether a body yields or not.

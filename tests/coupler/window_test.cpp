@@ -51,8 +51,8 @@ std::vector<std::string> calls_of_one_window(BothSides sides) {
 }
 
 TEST(Window, TheFluidEndsItsWindowBeforeTheStructureBecauseItComputesLonger) {
-  EXPECT_EQ(calls_of_one_window({}), (std::vector<std::string>{"begin_window", "predict_surface", "see_surface", "solve_pressure",
-                                                              "end_window", "apply"}));
+  EXPECT_EQ(calls_of_one_window({}),
+            (std::vector<std::string>{"begin_window", "predict_surface", "see_surface", "solve_pressure", "end_window", "apply"}));
 }
 
 TEST(Window, ASurfaceOutOfReachIsPassedByTheFluidBeforeTheStructureGetsItsLoad) {

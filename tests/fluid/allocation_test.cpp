@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/fluid/scenes.hpp"
+#include "fixtures/fluid_scenes.hpp"
 
 namespace {
 
@@ -25,7 +25,9 @@ void* allocate(std::size_t size, std::size_t alignment) {
 
 // Not inlined: else the compiler sees memory of operator new go to free().
 [[gnu::noinline]] void* operator new(std::size_t size) { return allocate(size, alignof(std::max_align_t)); }
-[[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment) { return allocate(size, static_cast<std::size_t>(alignment)); }
+[[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment) {
+  return allocate(size, static_cast<std::size_t>(alignment));
+}
 [[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }

@@ -4,7 +4,7 @@
 
 #include <map>
 
-#include "tests/fluid/scenes.hpp"
+#include "fixtures/fluid_scenes.hpp"
 
 namespace tern::fluid::testing {
 namespace {
@@ -33,8 +33,7 @@ int crossing_pairs(const Fluid<2>& fluid) {
   const auto& pairs = fluid.neighbours();
   int crossing = 0;
   for (std::size_t i = 0; i < x.size(); ++i)
-    for (int k = pairs.begin[i]; k < pairs.begin[i] + pairs.count[i]; ++k)
-      crossing += (x[i][0] < 0.525) != (x[pairs.column[k]][0] < 0.525);
+    for (int k = pairs.begin[i]; k < pairs.begin[i] + pairs.count[i]; ++k) crossing += (x[i][0] < 0.525) != (x[pairs.column[k]][0] < 0.525);
   return crossing;
 }
 
@@ -52,8 +51,7 @@ TEST(ThinObstacle, KeepsThePressureOfOneSideFromTheOther) {
     std::map<std::uint32_t, double> alone;
     const Fluid<2> reference = divided_tank(0, size_of_jitter);
     const auto left = static_cast<std::uint32_t>(reference.state().size());
-    for (std::size_t i = 0; i < reference.state().size(); ++i)
-      alone[reference.state().id[i]] = reference.state().pressure[i];
+    for (std::size_t i = 0; i < reference.state().size(); ++i) alone[reference.state().id[i]] = reference.state().pressure[i];
     for (double right : {0.4, 0.8}) {
       const Fluid<2> fluid = divided_tank(right, size_of_jitter);
       double largest = 0, right_bottom = 0;

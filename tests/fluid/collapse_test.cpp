@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "particles/error.hpp"
-#include "tests/fluid/scenes.hpp"
+#include "base/error.hpp"
+#include "fixtures/fluid_scenes.hpp"
 
 namespace tern::fluid::testing {
 namespace {

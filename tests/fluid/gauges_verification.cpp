@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "fluid/probe.hpp"
-#include "tests/fluid/scenes.hpp"
+#include "fixtures/fluid_scenes.hpp"
+#include "fluid/gauges/probe.hpp"
 
 namespace tern::fluid::testing {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/fluid/scenes.hpp"
+#include "fixtures/fluid_scenes.hpp"
 
 namespace tern::fluid::testing {
 namespace {
@@ -146,9 +146,7 @@ TEST(Laplacian, OfASquareIsTwoOnALattice) {
   EXPECT_NEAR(value * fluid2.constants().lattice.gradient_moment, 1.9948, 5.1e-5);
   Fluid<3> fluid3(block<3>(9));
   solve(fluid3, 1e-3);
-  EXPECT_NEAR(
-      laplacian<3>(fluid3, Vector<3>::Constant(4.5), [](const Vector<3>& x) { return std::pow(x[2] - 4.5, 2); }), 2,
-      1e-6);
+  EXPECT_NEAR(laplacian<3>(fluid3, Vector<3>::Constant(4.5), [](const Vector<3>& x) { return std::pow(x[2] - 4.5, 2); }), 2, 1e-6);
 }
 
 // The relative error of a wave is -K_4 k^2/24, K_4 the fourth moment of the kernel, 1.667 h^2 in the continuum: -0.069

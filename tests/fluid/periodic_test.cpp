@@ -6,7 +6,7 @@
 
 #include <map>
 
-#include "tests/fluid/scenes.hpp"
+#include "fixtures/fluid_scenes.hpp"
 
 namespace tern::fluid::testing {
 namespace {
@@ -20,8 +20,7 @@ std::vector<std::map<std::uint32_t, double>> pairs_by_label(const Fluid<D>& flui
   const auto& pairs = fluid.neighbours();
   const auto& id = fluid.state().id;
   for (std::size_t i = 0; i < id.size(); ++i)
-    for (int k = pairs.begin[i]; k < pairs.begin[i] + pairs.count[i]; ++k)
-      rows[id[i]][id[pairs.column[k]]] = pairs.weight[k];
+    for (int k = pairs.begin[i]; k < pairs.begin[i] + pairs.count[i]; ++k) rows[id[i]][id[pairs.column[k]]] = pairs.weight[k];
   return rows;
 }
 
@@ -139,8 +138,7 @@ TEST(PeriodicChannel, IsDividedByAnObstacleAtTheEndOfThePeriod) {
   const auto& x = fluid.state().position;
   const auto& pairs = fluid.neighbours();
   for (std::size_t i = 0; i < x.size(); ++i)
-    for (int k = pairs.begin[i]; k < pairs.begin[i] + pairs.count[i]; ++k)
-      ASSERT_LT(std::abs(x[pairs.column[k]][0] - x[i][0]), 0.5);
+    for (int k = pairs.begin[i]; k < pairs.begin[i] + pairs.count[i]; ++k) ASSERT_LT(std::abs(x[pairs.column[k]][0] - x[i][0]), 0.5);
   run(fluid, 0.1, [] {});
   EXPECT_EQ(fluid.leaked(), 0u);
 }
@@ -179,8 +177,7 @@ TEST(PeriodicBox, TakesAtMostTenIterationsOfThePressureSolve) {
     EXPECT_EQ(fluid.fallback_solves(), 0);
   }
   for (auto [nx, ny] : {std::pair{14, 300}, std::pair{37, 90}}) {
-    Case c = scene(2, 1.0 / nx, {box({0, 0, 0}, {1, 1.0 * ny / nx, 0})},
-                   {tank({0, 0, 0}, {1, 1.0 * ny / nx, 0}, {"x_min", "x_max"})}, 0);
+    Case c = scene(2, 1.0 / nx, {box({0, 0, 0}, {1, 1.0 * ny / nx, 0})}, {tank({0, 0, 0}, {1, 1.0 * ny / nx, 0}, {"x_min", "x_max"})}, 0);
     make_periodic(c, {0, -1, 0}, {1, 1 + 1.0 * ny / nx, 0}, "x");
     c.fluid->bodies[0].velocity = {Expression("sin(2*pi*x)*cos(7*y)"), Expression("sin(5*y)"), Expression()};
     Fluid<2> fluid(c);

@@ -5,7 +5,7 @@
 
 #include <Eigen/SparseCholesky>
 
-#include "tests/fluid/scenes.hpp"
+#include "fixtures/fluid_scenes.hpp"
 
 namespace tern::fluid::testing {
 namespace {
@@ -187,8 +187,7 @@ TEST(SealedBox, HasAPressureOfMeanZeroAndTheSlopeOfTheWeight) {
       EXPECT_LT(std::abs(ordered_sum(pressure)) / static_cast<double>(pressure.size()), 1e-9 * density * gravity);
     }
     EXPECT_EQ(fluid.fallback_solves(), 0);
-    EXPECT_NEAR(fit_pressure(fluid, 2.0).slope, -density * gravity,
-                (size_of_jitter > 0 ? 0.02 : 5e-4) * density * gravity);
+    EXPECT_NEAR(fit_pressure(fluid, 2.0).slope, -density * gravity, (size_of_jitter > 0 ? 0.02 : 5e-4) * density * gravity);
   }
 }
 

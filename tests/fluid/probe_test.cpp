@@ -1,11 +1,11 @@
 // Gauges on the fluid against fields that are known.
 
-#include "fluid/probe.hpp"
+#include "fluid/gauges/probe.hpp"
 
 #include <gtest/gtest.h>
 
-#include "fluid/output.hpp"
-#include "tests/fluid/scenes.hpp"
+#include "fixtures/fluid_scenes.hpp"
+#include "fluid/process/output.hpp"
 
 namespace tern::fluid::testing {
 namespace {
@@ -79,8 +79,8 @@ TEST(WallForce, OfStillWaterIsItsWeightAndThePressureOnItsSides) {
   EXPECT_NEAR(probe.force(wall, Vector<2>(0, 0)).moment[2], -weight * 0.5, 0.005 * weight);
 
   // The same water between three walls of their own: force and moment of one side about its foot.
-  Case c = scene(2, 0.02, {box({0, 0, 0}, {1, depth, 0})}, {obstacle({-0.1, -0.1, 0}, {1.1, 0, 0}), obstacle({-0.1, 0, 0}, {0, 1, 0}),
-                                                            obstacle({1, 0, 0}, {1.1, 1, 0})});
+  Case c = scene(2, 0.02, {box({0, 0, 0}, {1, depth, 0})},
+                 {obstacle({-0.1, -0.1, 0}, {1.1, 0, 0}), obstacle({-0.1, 0, 0}, {0, 1, 0}), obstacle({1, 0, 0}, {1.1, 1, 0})});
   for (int k = 0; k < 3; ++k) c.walls[k].name = std::array{"floor", "left", "right"}[k];
   Fluid<2> parts(c);
   parts.set_state(fluid.state());

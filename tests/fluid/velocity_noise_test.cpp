@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/fluid/scenes.hpp"
+#include "fixtures/fluid_scenes.hpp"
 
 namespace tern::fluid::testing {
 namespace {
@@ -76,16 +76,16 @@ TEST(VelocityNoise, ConservesBothMomentaAndTakesEnergy) {
   fluid.set_state(with_velocity(fluid, [&](const Vector<2>&) { return Vector<2>(normal(random), normal(random)); }));
   const State<2> before = fluid.state();
   std::vector<Vector<2>> middle(before.size());
-  for (std::size_t i = 0; i < before.size(); ++i) middle[before.id[i]] = before.position[i] + 0.5 * seconds(to_ticks(dt)) * before.velocity[i];
+  for (std::size_t i = 0; i < before.size(); ++i)
+    middle[before.id[i]] = before.position[i] + 0.5 * seconds(to_ticks(dt)) * before.velocity[i];
   const Vector<2> momentum = fluid.momentum();
   const double spin = angular_momentum(before, middle), energy = fluid.energies().kinetic;
   step(fluid, dt);
   EXPECT_LT((fluid.momentum() - momentum).norm(), 1e-12 * density * 256);
   EXPECT_NEAR(angular_momentum(fluid.state(), middle), spin, 1e-10 * 256 * 16);
   // Noise loses energy at about twice the share per step that the differences lose.
-  const double share = 0.2 * seconds(to_ticks(dt)) * std::sqrt(ordered_max(256, 0.0, [&](std::ptrdiff_t i) {
-                         return before.velocity[i].squaredNorm();
-                       })) / 0.15;
+  const double share = 0.2 * seconds(to_ticks(dt)) *
+                       std::sqrt(ordered_max(256, 0.0, [&](std::ptrdiff_t i) { return before.velocity[i].squaredNorm(); })) / 0.15;
   const double lost = 1 - fluid.energies().kinetic / energy;
   EXPECT_GT(lost, 0.5 * share);
   EXPECT_LT(lost, 4 * share);

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/fluid/scenes.hpp"
+#include "fixtures/fluid_scenes.hpp"
 
 namespace tern::fluid::testing {
 namespace {

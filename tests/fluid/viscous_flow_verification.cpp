@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/fluid/scenes.hpp"
+#include "fixtures/fluid_scenes.hpp"
 
 namespace tern::fluid::testing {
 namespace {
@@ -22,8 +22,7 @@ Case poiseuille(int n, double nu, double g) {
 /// u(y, t) = g y (1 - y)/(2 nu) - sum_odd 4 g/(nu (k pi)^3) sin(k pi y) exp(-(k pi)^2 nu t)
 double starting_profile(double y, double t, double nu, double g) {
   double u = 0.5 * g / nu * y * (1 - y);
-  for (int k = 1; k < 60; k += 2)
-    u -= 4 * g / (nu * std::pow(k * pi, 3)) * std::sin(k * pi * y) * std::exp(-std::pow(k * pi, 2) * nu * t);
+  for (int k = 1; k < 60; k += 2) u -= 4 * g / (nu * std::pow(k * pi, 3)) * std::sin(k * pi * y) * std::exp(-std::pow(k * pi, 2) * nu * t);
   return u;
 }
 
@@ -92,7 +91,9 @@ TEST(TaylorGreen, DecaysAtTheRateOfItsViscosity) {
     std::printf("\n");
     before = error;
     coarser = n;
-    if (n == 50) { EXPECT_LT(std::abs(error), 0.02); }
+    if (n == 50) {
+      EXPECT_LT(std::abs(error), 0.02);
+    }
   }
 }
 
@@ -121,8 +122,7 @@ TEST(DropUnderCentralGravity, StaysRound) {
   double pressure = 0;
   int samples = 0;
   run(fluid, 2.0, [&] {
-    if (seconds(fluid.state().time) > 0.5)
-      pressure += fluid.pressure_at(Vector<2>::Zero()).value(), ++samples;
+    if (seconds(fluid.state().time) > 0.5) pressure += fluid.pressure_at(Vector<2>::Zero()).value(), ++samples;
   });
   const Matrix<2> m = second_moments();
   double farthest = 0, edge = 1e300;
@@ -131,8 +131,8 @@ TEST(DropUnderCentralGravity, StaysRound) {
     farthest = std::max(farthest, r);
     if (fluid.flags()[i] != Flag::interior) edge = std::min(edge, r);
   }
-  std::printf("drop: axes %.4f, %.4f, pressure %.4f of rho k R^2/2, radius %.4f to %.4f, kinetic energy %.2e\n",
-              2 * std::sqrt(m(0, 0)), 2 * std::sqrt(m(1, 1)), pressure / samples / (density * 10 * 0.125), edge, farthest,
+  std::printf("drop: axes %.4f, %.4f, pressure %.4f of rho k R^2/2, radius %.4f to %.4f, kinetic energy %.2e\n", 2 * std::sqrt(m(0, 0)),
+              2 * std::sqrt(m(1, 1)), pressure / samples / (density * 10 * 0.125), edge, farthest,
               fluid.energies().kinetic / (density * 10 * 0.25 * 0.25));
   EXPECT_NEAR(m(0, 0) / m(1, 1), 1, 0.02);
   EXPECT_NEAR(m(0, 1) / m(1, 1), 0, 0.01);

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "fluid/mirror_images.hpp"
-#include "fluid/wall_clipping.hpp"
-#include "tests/fluid/scenes.hpp"
+#include "fixtures/fluid_scenes.hpp"
+#include "fluid/boundary/mirror_images.hpp"
+#include "fluid/boundary/wall_clipping.hpp"
 
 namespace tern::fluid::testing {
 namespace {

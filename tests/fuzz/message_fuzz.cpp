@@ -6,8 +6,8 @@
 #include <map>
 #include <span>
 
-#include "proto/convert.hpp"
-#include "proto/message_check.hpp"
+#include "proto/wire/convert.hpp"
+#include "proto/wire/message_check.hpp"
 
 namespace {
 

@@ -2,7 +2,7 @@
 // received, when the socket is opened, or when a frame is written. What the others then do is what the test is about.
 //
 //   TERN_FAULT_PROCESS  base name of the program, or of the script it runs, e.g. tern-fluid
-//   TERN_FAULT_AT       open | send:FIELD:N | receive:FIELD:N | frame:N    FIELD: number of the body in proto/tern.proto
+//   TERN_FAULT_AT       open | send:FIELD:N | receive:FIELD:N | frame:N    FIELD: number of the body in proto/wire/tern.proto
 //   TERN_FAULT_DO       kill | stop | stuck | exit | full | nan | step | oversized | garbage    (the last four: of a message sent)
 
 #include <dlfcn.h>

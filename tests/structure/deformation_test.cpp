@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "particles/error.hpp"
+#include "base/error.hpp"
+#include "fixtures/structure_scenes.hpp"
 #include "structure/gradient_vectors.hpp"
-#include "tests/structure/scenes.hpp"
 
 namespace tern::structure::testing {
 namespace {
@@ -70,8 +70,7 @@ void affine_patch() {
   a(1, 0) = -0.1;
   set_rows<D>(reference, state.displacement, [&](const Vector<D>& x) -> Vector<D> { return a * x - x; });
   deformation_gradient(reference, state, work);
-  for (const auto row : reference.particle_row)
-    EXPECT_LT((deformation_gradient_of<D>(work, row) - a).norm(), 1e-12);
+  for (const auto row : reference.particle_row) EXPECT_LT((deformation_gradient_of<D>(work, row) - a).norm(), 1e-12);
 }
 
 // Seen to fail: with the first neighbour left out of the sum F is off by 1e-3.

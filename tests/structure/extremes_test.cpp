@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/structure/extremes.hpp"
+#include "fixtures/extremes.hpp"
 
 namespace tern::structure::testing {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "structure/implicit_step.hpp"
-#include "tests/structure/scenes.hpp"
+#include "fixtures/structure_scenes.hpp"
+#include "structure/implicit/implicit_step.hpp"
 
 namespace tern::structure::testing {
 namespace {
@@ -35,8 +35,7 @@ double tangent_error(StructureCase structure) {
   force_at(0);
   tangent.assemble(reference, work, 0);
   const double step = 1e-4;
-  const Eigen::VectorXd change =
-      (8 * (force_at(step) - force_at(-step)) - (force_at(2 * step) - force_at(-2 * step))) / (12 * step);
+  const Eigen::VectorXd change = (8 * (force_at(step) - force_at(-step)) - (force_at(2 * step) - force_at(-2 * step))) / (12 * step);
   const Eigen::VectorXd product = tangent.lower().template selfadjointView<Eigen::Lower>() * u;
   return (product + change).cwiseAbs().maxCoeff() / product.cwiseAbs().maxCoeff();
 }
@@ -102,8 +101,7 @@ TEST(ImplicitStep, MovesThePlateAsExplicitStepsDo) {
 TEST(ImplicitStep, KeepsTheEnergyOfASmallVibration) {
   Case c = plate();
   c.structure->numerics.integrator = Integrator::implicit_steps;
-  c.structure->bodies[0].velocity[0] =
-      Expression("0.003*(cosh(20.83449*y)-cos(20.83449*y)-0.7340955*(sinh(20.83449*y)-sin(20.83449*y)))");
+  c.structure->bodies[0].velocity[0] = Expression("0.003*(cosh(20.83449*y)-cos(20.83449*y)-0.7340955*(sinh(20.83449*y)-sin(20.83449*y)))");
   Structure<2> structure(c);
   const double before = structure.energies().kinetic;
   for (int n = 0; n < 800; ++n) structure.trial(structure.time(), to_ticks(0.25e-3));

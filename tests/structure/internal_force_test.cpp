@@ -4,8 +4,8 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "structure/energy.hpp"
-#include "tests/structure/scenes.hpp"
+#include "fixtures/structure_scenes.hpp"
+#include "structure/material/energy.hpp"
 
 namespace tern::structure::testing {
 namespace {
@@ -95,9 +95,7 @@ StructureCase ball() {
 }
 
 // Seen to fail: as above; the error is 4.2.
-TEST(InternalForce, IsTheNegativeGradientOfTheStrainEnergyInABall) {
-  EXPECT_LT(gradient_error<2>(ball<2>()), 1e-8) << "seed " << seed;
-}
+TEST(InternalForce, IsTheNegativeGradientOfTheStrainEnergyInABall) { EXPECT_LT(gradient_error<2>(ball<2>()), 1e-8) << "seed " << seed; }
 
 template <int D>
 void expect_no_net_force(const StructureCase& structure) {
@@ -176,7 +174,6 @@ TEST(Momentum, OfATumblingBodyIsKeptToRoundOffOverTenThousandSteps) {
   EXPECT_LT(linear_3d, 1e-12);
   EXPECT_LT(angular_3d, 1e-12);
 }
-
 
 /// Eigenvalues of the stiffness at rest of a free body over E, smallest first, without diffusion and penalty.
 template <int D>

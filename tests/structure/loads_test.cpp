@@ -4,8 +4,8 @@
 
 #include <numbers>
 
-#include "particles/error.hpp"
-#include "tests/structure/scenes.hpp"
+#include "base/error.hpp"
+#include "fixtures/structure_scenes.hpp"
 
 namespace tern::structure::testing {
 namespace {
@@ -95,8 +95,7 @@ TEST(Pressure, TurnsWithTheSurface) {
   c.structure->loads[0].region = box({7.9, -1, 0}, {9, 5, 0});
   c.structure->loads[0].value[0] = Expression("t < pi ? 0 : 100");  // 0.5 rad/s turn it by a right angle in pi s
   Structure<2> structure(c);
-  while (seconds(structure.time()) < std::numbers::pi)
-    structure.trial(structure.time(), to_ticks(5 * structure.largest_sub_step()));
+  while (seconds(structure.time()) < std::numbers::pi) structure.trial(structure.time(), to_ticks(5 * structure.largest_sub_step()));
   const Momentum before = structure.momentum();
   const double begin = seconds(structure.time());
   structure.trial(structure.time(), to_ticks(5 * structure.largest_sub_step()));
@@ -122,8 +121,7 @@ TEST(BodyForce, EqualsTheWeightOfTheSameDensity) {
     b.trial(n * window, window);
   }
   const auto fa = a.fields(), fb = b.fields();
-  for (std::size_t p = 0; p < fa.displacement.size(); ++p)
-    EXPECT_LT((fa.displacement[p] - fb.displacement[p]).norm(), 1e-12);
+  for (std::size_t p = 0; p < fa.displacement.size(); ++p) EXPECT_LT((fa.displacement[p] - fb.displacement[p]).norm(), 1e-12);
   EXPECT_NEAR(a.energies().potential, -b.energies().load_work, 1e-9 * std::abs(a.energies().potential));
 }
 

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "structure/energy.hpp"
-#include "tests/structure/scenes.hpp"
+#include "fixtures/structure_scenes.hpp"
+#include "structure/material/energy.hpp"
 
 namespace tern::structure::testing {
 namespace {
@@ -37,8 +37,7 @@ struct BlockState {
   double power() {
     evaluate(reference, state, work);
     double total = 0;
-    for (const auto row : reference.particle_row)
-      total += row_vector<D>(state.internal_force, row).dot(row_vector<D>(state.velocity, row));
+    for (const auto row : reference.particle_row) total += row_vector<D>(state.internal_force, row).dot(row_vector<D>(state.velocity, row));
     return total;
   }
 };
@@ -112,8 +111,7 @@ TEST(RiemannDiffusion, NeverLetsTheEnergyOfAFreeBodyRise) {
 // the normal part, and without that of the tangential part.
 TEST(RiemannDiffusion, LetsNoPairGainEnergy) {
   BlockState<2> s(12, 1, 0);
-  set_rows<2>(s.reference, s.state.velocity,
-              [](const Vector<2>& x) { return Vector<2>(std::sin(1.6 * x[0]), std::abs(x[0] - 6)); });
+  set_rows<2>(s.reference, s.state.velocity, [](const Vector<2>& x) { return Vector<2>(std::sin(1.6 * x[0]), std::abs(x[0] - 6)); });
   evaluate(s.reference, s.state, s.work, 1e-9);
   for (std::size_t n = 0; n < s.reference.blocks.size(); ++n) EXPECT_GT(sum(s.state.diffusion_loss[n]), -1e-14) << "block " << n;
 }

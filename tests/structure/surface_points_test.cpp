@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "fixtures/structure_scenes.hpp"
 #include "structure/surface_points.hpp"
-#include "tests/structure/scenes.hpp"
 
 namespace tern::structure::testing {
 namespace {

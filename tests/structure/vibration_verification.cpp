@@ -4,15 +4,14 @@
 
 #include <cmath>
 
-#include "tests/structure/scenes.hpp"
+#include "fixtures/structure_scenes.hpp"
 
 namespace tern::structure::testing {
 namespace {
 
 /// Times at which the tip of the clamped plate passes its rest position, started in its first bending mode.
 std::vector<double> zero_crossings(Case c, double until) {
-  c.structure->bodies[0].velocity[0] =
-      Expression("0.003*(cosh(20.83449*y)-cos(20.83449*y)-0.7340955*(sinh(20.83449*y)-sin(20.83449*y)))");
+  c.structure->bodies[0].velocity[0] = Expression("0.003*(cosh(20.83449*y)-cos(20.83449*y)-0.7340955*(sinh(20.83449*y)-sin(20.83449*y)))");
   Structure<2> structure(c);
   const auto tip = structure.material_point("plate", {0.598, 0.090, 0});
   const Ticks window = to_ticks(1e-3);

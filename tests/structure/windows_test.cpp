@@ -5,8 +5,8 @@
 
 #include <cstring>
 
-#include "particles/error.hpp"
-#include "tests/structure/scenes.hpp"
+#include "base/error.hpp"
+#include "fixtures/structure_scenes.hpp"
 
 namespace tern::structure::testing {
 namespace {
@@ -190,7 +190,8 @@ TEST(Failure, NamesParticlePlaceTimeAndRemedy) {
     }
     FAIL() << "survived";
   } catch (const NumericalFailure& error) {
-    for (const char* part : {"particle", "'plate'", "J = det F", " m has ", "at t = ", "Refine", "must stay positive", "its stress", "Likely cause"})
+    for (const char* part :
+         {"particle", "'plate'", "J = det F", " m has ", "at t = ", "Refine", "must stay positive", "its stress", "Likely cause"})
       EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
   }
 }

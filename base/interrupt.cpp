@@ -1,0 +1,52 @@
+// Ctrl-C and termination signals as a flag.
+
+#include "base/interrupt.hpp"
+
+#include <fmt/format.h>
+
+#include <csignal>
+
+#include "base/error.hpp"
+
+namespace tern {
+
+namespace {
+
+volatile std::sig_atomic_t signal_received = 0;
+
+void remember(int signal) { signal_received = signal; }
+
+const char* signal_name(int signal) {
+  switch (signal) {
+    case SIGINT: return "SIGINT (Ctrl-C)";
+    case SIGTERM: return "SIGTERM";
+    case SIGHUP: return "SIGHUP (terminal closed)";
+    default: return "a signal";
+  }
+}
+
+}  // namespace
+
+void install_interrupt_handler() {
+  struct sigaction action = {};
+  action.sa_handler = remember;  // no SA_RESTART: a process that waits for a message or a disk must wake up
+  sigemptyset(&action.sa_mask);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction inherited = {};
+    if (sigaction(signal, nullptr, &inherited) == 0 && inherited.sa_handler == SIG_IGN) continue;
+    sigaction(signal, &action, nullptr);
+  }
+  struct sigaction ignore = {};
+  ignore.sa_handler = SIG_IGN;  // a closed pipe or socket is an error of the write, not the death of the process
+  sigemptyset(&ignore.sa_mask);
+  sigaction(SIGPIPE, &ignore, nullptr);
+}
+
+bool interrupted() { return signal_received != 0; }
+
+void throw_if_interrupted(const char* where) {
+  if (const int signal = signal_received; signal != 0)
+    throw Interrupted(fmt::format("Interrupted by {} {}; everything written up to here is kept.", signal_name(signal), where));
+}
+
+}  // namespace tern

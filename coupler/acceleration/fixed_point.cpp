@@ -1,0 +1,118 @@
+// IQN-ILS (Degroote, Bathe & Vierendeels 2009) and Aitken's dynamic relaxation (Kuettler & Wall 2008).
+
+#include "coupler/acceleration/fixed_point.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+
+namespace tern::coupler {
+namespace {
+
+constexpr std::size_t reused_windows = 8;
+constexpr std::size_t most_changes = 40;  ///< that one trial is made of; a fit to more costs more than a trial
+constexpr int most_trials = 50;
+constexpr double least_load = 0.01;        ///< that counts, over the largest of the run
+constexpr double largest_residual = 0.05;  ///< with which a window may end after the last trial
+/// A change that is but for this much of it a combination of newer ones says nothing new.
+constexpr double least_new_part = 1e-3;
+/// The same for a change of a window before. Since then H has become another, by some tenths where a particle came in touch; what
+/// is left of an old change when the newer ones have been taken out of it has the error of all of it.
+constexpr double least_new_part_of_old = 0.3;
+/// Residual of the first trial above which most of the answer is error: the load of the last window is no place to learn from.
+constexpr double mostly_error = 0.5;
+/// By how much of itself an answer may change because of what is not yet known of H. A trial far off can break the structure.
+constexpr double largest_surprise = 0.3;
+
+}  // namespace
+
+void FixedPoint::begin_window(double gain, double begin) {
+  begin_ = begin;
+  trials_ = 0;
+  residual_ = 0;
+  gain_ = largest_gain_ = gain;
+  factor_ = 1 / gain;
+  unknown_ = 0;
+  first_trial_before_ = std::exchange(first_trial_, {});
+  if (!changes_.empty() && changes_.front().empty()) return;
+  changes_.emplace_front();
+  if (changes_.size() > reused_windows + 1) changes_.pop_back();
+}
+
+bool FixedPoint::add(const Eigen::VectorXd& trial, const Eigen::VectorXd& answer) {
+  const Eigen::VectorXd residual = answer - trial;
+  const double size = answer.norm();
+  ++trials_;
+  if (!std::isfinite(size) || !std::isfinite(residual.norm()))
+    throw NumericalFailure(fmt::format(
+        "The load on the surface is not finite in trial {} of the window from t = {:.6g} s: the trials of CM3 have run away. Try a "
+        "smaller fluid.numerics.courant.",
+        trials_, begin_));
+  if (trials_ == 1) {
+    first_trial_ = trial;
+  } else if (acceleration_ == Acceleration::aitken) {
+    const Eigen::VectorXd change = residual - last_.residual;
+    factor_ *= -last_.residual.dot(change) / change.squaredNorm();
+  } else {
+    changes_.front().insert(changes_.front().begin(), {residual - base_.residual, answer - base_.answer});
+    // The largest gains show first: what is still unknown has hardly more than what has been found last.
+    if (unknown_ > 0) gain_ = std::clamp((answer - expected_).norm() / unknown_, 1.0, largest_gain_);
+  }
+  last_ = {residual, answer};
+  // A trial that is worse than its base tells of H, but is no place to go on from; two in a row are, or trials go in circles.
+  refused_ = trials_ > 1 && !refused_ && residual.norm() >= base_.residual.norm();
+  if (!refused_) base_ = last_;
+  // Where there is next to no load, agreement on what is left of it would be asked of the pressure solver's last digits.
+  largest_answer_ = std::max(largest_answer_, size);
+  residual_ = largest_answer_ > 0 ? residual.norm() / std::max(size, least_load * largest_answer_) : residual.norm() > 0 ? 1 : 0;
+  if (trials_ == most_trials && !(residual_ <= largest_residual))
+    throw NumericalFailure(fmt::format(
+        "Fluid and structure do not agree on the load after {} trials of the window from t = {:.6g} s: it changes by {:.2g} of itself "
+        "from trial to trial, at most {:g} is accepted. A body is too light and too soft for windows this long; use a smaller "
+        "fluid.numerics.gravity_courant and "
+        "courant, or a thicker body.",
+        trials_, begin_, residual_, largest_residual));
+  return converged() || trials_ == most_trials;
+}
+
+Eigen::VectorXd FixedPoint::aitken() const { return last_.answer + (factor_ - 1) * last_.residual; }
+
+Eigen::VectorXd FixedPoint::quasi_newton() {
+  unknown_ = 0;
+  if (trials_ == 1 && residual_ > mostly_error && first_trial_before_.size() == first_trial_.size() && first_trial_before_ != first_trial_)
+    return 2 * first_trial_ - first_trial_before_;  // as the load went on before
+  // Least squares for the combination of changes that takes the residual away, by Gram-Schmidt, the newest change first. The
+  // changes of the answers are combined alike, so that no triangular system is left to be solved.
+  std::vector<Outcome> basis;
+  Eigen::VectorXd residual = base_.residual, answer = base_.answer;
+  for (const auto& window : changes_)
+    for (const Outcome& change : window) {
+      if (basis.size() == most_changes) break;
+      Outcome part = change;
+      for (int pass = 0; pass < 2; ++pass)
+        for (const Outcome& known : basis) {
+          const double share = known.residual.dot(part.residual);
+          part.residual -= share * known.residual;
+          part.answer -= share * known.answer;
+        }
+      const double size = part.residual.norm();
+      if (!(size > (&window == &changes_.front() ? least_new_part : least_new_part_of_old) * change.residual.norm())) continue;
+      part.residual /= size;
+      part.answer /= size;
+      const double share = part.residual.dot(residual);
+      residual -= share * part.residual;
+      answer -= share * part.answer;
+      basis.push_back(std::move(part));
+    }
+  // The rest of the residual is where nothing is known of H: it comes back up to `gain` times.
+  const double rest = residual.norm(), most = largest_surprise * std::max(base_.answer.norm(), least_load * largest_answer_) / gain_;
+  unknown_ = std::min(rest, most);
+  expected_ = answer;
+  return rest > most ? Eigen::VectorXd(answer + (most / rest - 1) * residual) : answer;
+}
+
+}  // namespace tern::coupler

@@ -1,0 +1,100 @@
+#include "coupler/stability/added_mass.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "scene/geometry.hpp"
+
+namespace tern::coupler {
+namespace {
+
+/// Grows a box by the points of a lattice in the shape that `counts`.
+template <int D, class Counts>
+void enclose(Bounds<D>& box, const Shape& shape, double spacing, Counts&& counts) {
+  const Vector<D> half = Vector<D>::Constant(0.5 * spacing);
+  for (const Vector<D>& x : fill_lattice<D>(shape, spacing)) {
+    if (!counts(x)) continue;
+    box.min = box.min.cwiseMin(x - half);
+    box.max = box.max.cwiseMax(x + half);
+  }
+}
+
+template <int D>
+Bounds<D> nothing() {
+  return {Vector<D>::Constant(1e300), Vector<D>::Constant(-1e300)};
+}
+
+}  // namespace
+
+double section_mass(const SurfaceProperties& properties, std::size_t body) {
+  std::vector<double> masses;
+  for (std::size_t k = 0; k < properties.body.size(); ++k)
+    if (properties.body[k] == body) masses.push_back(properties.section_mass[k]);
+  if (masses.empty()) return 0;
+  const auto middle = masses.begin() + static_cast<std::ptrdiff_t>(masses.size() / 2);
+  std::nth_element(masses.begin(), middle, masses.end());
+  return *middle;
+}
+
+template <int D>
+AddedMass predict_added_mass(const Case& scene, const SurfaceProperties& properties) {
+  auto water = nothing<D>();
+  for (const FluidBody& body : scene.fluid->bodies)
+    enclose<D>(water, body.shape, scene.fluid->spacing, [](const Vector<D>&) { return true; });
+  const double depth = (water.max - water.min).minCoeff();
+
+  AddedMass largest;
+  for (std::size_t b = 0; b < scene.structure->bodies.size(); ++b) {
+    const StructureBody& body = scene.structure->bodies[b];
+    const double mass = section_mass(properties, b);
+    if (mass == 0) continue;
+
+    auto free = nothing<D>();
+    enclose<D>(free, body.shape, body.spacing, [&](const Vector<D>& x) {
+      return std::none_of(body.clamps.begin(), body.clamps.end(), [&](const Shape& s) { return contains<D>(s, x); });
+    });
+    const double wave = (free.max - free.min).maxCoeff() / 1.875104;
+    AddedMass here{body.name, 0, std::min(depth, wave), depth < wave};
+    here.ratio = scene.fluid->density * here.length / mass;
+    if (here.ratio > largest.ratio) largest = here;
+  }
+  return largest;
+}
+
+template <int D>
+FluidWeight weight_of_fluid(const Case& scene) {
+  FluidWeight weight;
+  auto water = nothing<D>();
+  for (const FluidBody& body : scene.fluid->bodies)
+    enclose<D>(water, body.shape, scene.fluid->spacing, [&](const Vector<D>&) {
+      weight.volume += std::pow(scene.fluid->spacing, D);
+      return true;
+    });
+  // The largest of the run: it may begin with none.
+  constexpr int instants = 100;
+  double gravity = 0;
+  Vector<D> largest = Vector<D>::Zero();
+  for (int n = 0; n <= instants; ++n) {
+    Vector<D> g;
+    for (int c = 0; c < D; ++c) g[c] = scene.gravity[c](scene.end_time * n / instants);
+    if (g.norm() > gravity) gravity = g.norm(), largest = g;
+  }
+  if (gravity == 0 || weight.volume == 0) return weight;
+  for (int c = 0; c < D; ++c) weight.height += std::abs(largest[c]) / gravity * (water.max[c] - water.min[c]);
+  weight.pressure = 0.5 * scene.fluid->density * gravity * weight.height;
+  return weight;
+}
+
+std::string describe(const AddedMass& added_mass) {
+  return fmt::format("m_a/m_s = {:.3g} for '{}' ({:.3g} m of fluid, {}; all exposed faces wet)", added_mass.ratio, added_mass.body,
+                     added_mass.length, added_mass.by_depth ? "its least extent" : "1/k of the first bending mode");
+}
+
+template AddedMass predict_added_mass<2>(const Case&, const SurfaceProperties&);
+template AddedMass predict_added_mass<3>(const Case&, const SurfaceProperties&);
+template FluidWeight weight_of_fluid<2>(const Case&);
+template FluidWeight weight_of_fluid<3>(const Case&);
+
+}  // namespace tern::coupler

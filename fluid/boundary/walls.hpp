@@ -1,0 +1,51 @@
+#pragma once
+// Rigid walls as face patches: the insides of containers, the outsides of obstacles, fixed or moved as rigid bodies.
+
+#include <string>
+#include <vector>
+
+#include "scene/case_file.hpp"
+#include "sph/faces.hpp"
+
+namespace tern::fluid {
+
+/// One wall of the scene: where it is, and which patches are its own.
+template <int D>
+struct Wall {
+  WallCase scene;
+  std::size_t first = 0, last = 0;  ///< its patches: first .. last - 1
+  Placement<D> place;
+};
+
+template <int D>
+class Walls {
+ public:
+  /// Patches of half a fluid spacing. Those that an elastic body covers are patches too: it may leave. In a periodic direction the
+  /// patches nearer to the end of the period than `support` have images beyond it.
+  Walls(const Case& scene, double fluid_spacing, double support);
+
+  const Faces<D>& faces() const { return faces_; }
+  bool moving() const { return moving_; }
+  /// The fluid does not stick to patch k.
+  bool slips(int k) const { return slip_[k]; }
+  bool any_two_sided() const { return any_two_sided_; }
+  /// The wall of that name, which the scene is known to have.
+  const Wall<D>& find(const std::string& name) const;
+  const std::vector<Wall<D>>& all() const { return walls_; }
+
+  /// Places moving walls at the middle of the window [begin, begin + duration] [s]: once per window, in the order of time. The
+  /// velocity of a patch is that of a rigid body that shifts and turns at the mean rates over the window; its acceleration
+  /// is the change from the velocity before, 0 in the first window.
+  void move_over(double begin, double duration);
+  /// Of the walls over the last window [m/s].
+  double largest_speed() const;
+
+ private:
+  std::vector<Wall<D>> walls_;
+  std::vector<Vector<D>> reference_, reference_normal_;
+  std::vector<std::uint8_t> slip_;
+  Faces<D> faces_;
+  bool moving_ = false, any_two_sided_ = false;
+};
+
+}  // namespace tern::fluid

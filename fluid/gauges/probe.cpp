@@ -1,0 +1,256 @@
+#include "fluid/gauges/probe.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tern::fluid {
+namespace {
+
+constexpr double wet_distance = 1.25;  ///< in dx: a point of a wall without a particle that near is dry
+constexpr double sheet_thickness = 3;  ///< in dx: thinner lumps above the lowest fluid are not the free surface
+constexpr double off_wall = 0.01;      ///< in dx
+constexpr double sampling = 0.25;      ///< in dx, along lines
+
+/// Two unit vectors that span the plane across the unit vector n; the second is meant for 3D only.
+template <int D>
+std::array<Vector<D>, 2> tangents(const Vector<D>& n) {
+  if constexpr (D == 2) {
+    return {Vector<2>(-n[1], n[0]), Vector<2>::Zero()};
+  } else {
+    int axis = 0;
+    n.cwiseAbs().minCoeff(&axis);
+    const Vector<3> first = n.cross(Vector<3>::Unit(axis)).normalized();
+    return {first, n.cross(first)};
+  }
+}
+
+/// Length (2D) and corners of the area across a flux: normal and the edges from `from` that span it.
+template <int D>
+struct Section {
+  Vector<D> normal;
+  std::array<Vector<D>, D - 1> edges;
+};
+
+template <int D>
+Section<D> section(const Vector<D>& from, const Vector<D>& to) {
+  const Vector<D> d = to - from;
+  if constexpr (D == 2) {
+    return {Vector<2>(d[1], -d[0]).normalized(), {d}};
+  } else {
+    int axis = 0;
+    d.cwiseAbs().minCoeff(&axis);
+    const int one = (axis + 1) % 3, other = (axis + 2) % 3;
+    return {Vector<3>::Unit(axis), {d[one] * Vector<3>::Unit(one), d[other] * Vector<3>::Unit(other)}};
+  }
+}
+
+}  // namespace
+
+template <int D>
+Probe<D>::Probe(const Fluid<D>& fluid) : fluid_(fluid) {
+  const auto& position = fluid.state().position;
+  low_ = high_ = position[0];
+  for (const auto& x : position) low_ = low_.cwiseMin(x), high_ = high_.cwiseMax(x);
+  grid_.reset(low_, high_, fluid.constants().kernel.support());
+  contents_.template fill<D>(grid_, position);
+}
+
+/// Calls visit(i, d, w) for each particle within the support of x: the vector d from x to it, w = V w(|d|).
+template <int D>
+template <class Visit>
+void Probe<D>::for_particles_around(const Vector<D>& x, Visit&& visit) const {
+  const Constants<D>& constants = fluid_.constants();
+  const auto around = [&](const Vector<D>& image) {
+    grid_.for_rows_around(image, [&](int low, int high) {
+      for (int entry = contents_.start[low]; entry < contents_.start[high + 1]; ++entry) {
+        const int i = contents_.order[entry];
+        const Vector<D> d = fluid_.state().position[i] - image;
+        const double r = d.norm();
+        if (r < constants.kernel.support()) visit(i, d, constants.volume * constants.kernel.value(r));
+      }
+    });
+  };
+  around(x);
+  if (fluid_.period().any())
+    for_images(fluid_.period(), x, low_, high_, constants.kernel.support(), [&](const Vector<D>& shift) { around(x + shift); });
+}
+
+template <int D>
+std::optional<double> Probe<D>::pressure(const Vector<D>& x) const {
+  // Weighted linear fit over the fluid around x: exact for a hydrostatic field up to the wall itself.
+  constexpr int unknowns = D + 1;
+  Eigen::Matrix<double, unknowns, unknowns> a = Eigen::Matrix<double, unknowns, unknowns>::Zero();
+  Eigen::Matrix<double, unknowns, 1> b = Eigen::Matrix<double, unknowns, 1>::Zero();
+  double filled = 0;
+  for_particles_around(x, [&](int i, const Vector<D>& d, double w) {
+    Eigen::Matrix<double, unknowns, 1> basis;
+    basis << 1, d / fluid_.constants().spacing;
+    a += w * basis * basis.transpose();
+    b += w * fluid_.state().pressure[i] * basis;
+    filled += w;
+  });
+  if (filled < 0.35) return std::nullopt;
+  const Eigen::FullPivLU<Eigen::Matrix<double, unknowns, unknowns>> solver(a);
+  return solver.isInvertible() ? std::optional<double>(solver.solve(b)[0]) : std::nullopt;
+}
+
+/// Share of the kernel around x behind walls and structure: the hidden part of sum V w.
+template <int D>
+double Probe<D>::hidden(const Vector<D>& x) const {
+  double sum = 0;
+  std::vector<int> seen;
+  for (const auto& [faces, finder] : fluid_.faces()) sum += hidden_density(fluid_.constants(), *faces, *finder, x, seen);
+  return sum;
+}
+
+template <int D>
+double Probe<D>::filling(const Vector<D>& x) const {
+  double sum = 0;
+  Vector<D> centroid = Vector<D>::Zero();
+  for_particles_around(x, [&](int, const Vector<D>& d, double w) { sum += w, centroid += w * d; });
+  if (sum == 0) return 0;
+  // A point on a wall sees it only from a little nearer to the fluid. Deep in a corner little is left to be filled, and the
+  // quotient would be noise.
+  const Vector<D> seen_from = x + off_wall * fluid_.constants().spacing * centroid.normalized();
+  return sum / std::max(fluid_.constants().lattice.density - hidden(seen_from), 0.1);
+}
+
+template <int D>
+std::optional<double> Probe<D>::elevation(const Vector<D>& x) const {
+  const double dx = fluid_.constants().spacing, support = fluid_.constants().kernel.support(), step = sampling * dx;
+  double low = 1e300, high = -1e300;
+  for (const Vector<D>& particle : fluid_.state().position) {
+    Vector<D> d = fluid_.period().nearest(particle - x);
+    d[1] = 0;
+    if (d.norm() > support) continue;
+    low = std::min(low, particle[1]), high = std::max(high, particle[1]);
+  }
+  std::optional<double> surface;
+  double above = 0;
+  bool inside = false;
+  Vector<D> point = x;
+  for (point[1] = high + dx; point[1] > low - dx; point[1] -= step) {
+    const double here = filling(point);
+    if (!inside && here >= 0.5) {
+      surface = point[1] + step * (here - 0.5) / (here - above);
+      inside = true;
+    }
+    if (inside && *surface - point[1] >= sheet_thickness * dx) return surface;
+    inside = inside && here >= 0.5;
+    above = here;
+  }
+  return surface;
+}
+
+template <int D>
+double Probe<D>::flux(const Vector<D>& from, const Vector<D>& to) const {
+  const Section<D> across = section<D>(from, to);
+  std::array<int, 2> count{1, 1};
+  double area = 1;
+  for (int k = 0; k < D - 1; ++k) {
+    count[k] = std::max(1, static_cast<int>(std::ceil(across.edges[k].norm() / (sampling * fluid_.constants().spacing))));
+    area *= across.edges[k].norm() / count[k];
+  }
+  double sum = 0;
+  for (int b = 0; b < count[1]; ++b)
+    for (int a = 0; a < count[0]; ++a) {
+      Vector<D> x = from + (a + 0.5) / count[0] * across.edges[0];
+      if constexpr (D == 3) x += (b + 0.5) / count[1] * across.edges[1];
+      Vector<D> momentum = Vector<D>::Zero();
+      double weight = 0;
+      for_particles_around(x, [&](int i, const Vector<D>&, double w) { momentum += w * fluid_.state().velocity[i], weight += w; });
+      if (weight == 0) continue;
+      // From nothing outside to all inside across the free surface, so that the flux does not jump from point to point.
+      const double wet = std::clamp(2 * filling(x) - 0.5, 0.0, 1.0);
+      sum += area * wet * momentum.dot(across.normal) / weight;
+    }
+  return sum;
+}
+
+template <int D>
+bool Probe<D>::covered(const Vector<D>& x) const {
+  const auto [faces, finder] = fluid_.faces()[1];
+  int nearest = -1;
+  double least = 0;
+  finder->for_each_around(x, [&, &faces = *faces](int k) {
+    const double distance = (x - faces.position[k]).squaredNorm();
+    if (nearest < 0 || distance < least) nearest = k, least = distance;
+  });
+  return nearest >= 0 && (x - faces->position[nearest]).dot(faces->normal[nearest]) < 0;
+}
+
+// Mean of what the wall mirrors of each particle before it, p = p_i + rho (g - a_w) . (x - x_i): the pressure that the
+// pressure gradient of the step uses behind walls (boundary.cpp).
+template <int D>
+double Probe<D>::wall_pressure(const Vector<D>& x, const Vector<D>& normal, double normal_acceleration) const {
+  const Constants<D>& constants = fluid_.constants();
+  const Vector<D> eye = x + off_wall * constants.spacing * normal;
+  for (const Wall<D>& wall : fluid_.walls().all())  // another wall may stand on this one
+    if (!wall.scene.container && contains<D>(wall.scene.shape, wall.place.reference(eye))) return 0;
+  if (covered(eye)) return 0;
+  std::vector<std::pair<const Faces<D>*, int>> screens;
+  for (const auto& [faces, finder] : fluid_.faces()) {
+    std::vector<int> seen;
+    finder->see(*faces, eye, seen);
+    for (int k : seen)
+      if (faces->two_sided[k]) screens.emplace_back(faces, k);
+  }
+  const auto screened = [&](const Vector<D>& particle) {
+    return std::any_of(screens.begin(), screens.end(),
+                       [&](const auto& screen) { return patch_separates(*screen.first, screen.second, eye, particle); });
+  };
+  const Vector<D> acceleration = fluid_.gravity_at(seconds(fluid_.state().time), x) - normal_acceleration * normal;
+  double sum = 0, weight = 0, nearest = constants.kernel.support();
+  for_particles_around(x, [&](int i, const Vector<D>& d, double w) {
+    if (fluid_.flags()[i] == Flag::spray || d.dot(normal) <= 0 || screened(x + d)) return;
+    sum += w * (fluid_.state().pressure[i] - constants.density * acceleration.dot(d));
+    weight += w;
+    nearest = std::min(nearest, d.norm());
+  });
+  return nearest < wet_distance * constants.spacing ? sum / weight : 0;
+}
+
+template <int D>
+double Probe<D>::sensor(const Wall<D>& wall, const Vector<D>& at, double diameter) const {
+  const Faces<D>& faces = fluid_.walls().faces();
+  const Vector<D> centre = wall.place(at);
+  std::size_t nearest = wall.first;
+  for (std::size_t k = wall.first; k < wall.last; ++k)
+    if ((faces.position[k] - centre).squaredNorm() < (faces.position[nearest] - centre).squaredNorm()) nearest = k;
+  const auto along = tangents<D>(faces.normal[nearest]);
+  const int count = std::max(2, static_cast<int>(std::ceil(diameter / (sampling * fluid_.constants().spacing))));
+  double sum = 0;
+  int points = 0;
+  for (int b = 0; b < (D == 2 ? 1 : count); ++b)
+    for (int a = 0; a < count; ++a) {
+      const double u = (a + 0.5) / count - 0.5, v = D == 2 ? 0 : (b + 0.5) / count - 0.5;
+      if (u * u + v * v > 0.25) continue;
+      const Vector<D> x = centre + diameter * (u * along[0] + v * along[1]);
+      sum += wall_pressure(x, faces.normal[nearest], faces.normal_acceleration[nearest]);
+      ++points;
+    }
+  return sum / points;
+}
+
+template <int D>
+WallForce<D> Probe<D>::force(const Wall<D>& wall, const Vector<D>& at) const {
+  const Faces<D>& faces = *fluid_.faces()[0].first;  // as bodies leave them
+  const Vector<D> about = wall.place(at);
+  WallForce<D> total;
+  for (std::size_t k = wall.first; k < wall.last; ++k) {
+    if (faces.original[k] != static_cast<int>(k)) continue;  // an image of a patch already counted
+    const double p = wall_pressure(faces.position[k], faces.normal[k], faces.normal_acceleration[k]);
+    const Vector<D> force = -p * faces.area[k] * faces.normal[k], arm = faces.position[k] - about;
+    total.force += force;
+    if constexpr (D == 2)
+      total.moment[2] += arm[0] * force[1] - arm[1] * force[0];
+    else
+      total.moment += arm.cross(force);
+  }
+  return total;
+}
+
+template class Probe<2>;
+template class Probe<3>;
+
+}  // namespace tern::fluid

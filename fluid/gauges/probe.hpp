@@ -1,0 +1,57 @@
+#pragma once
+// What gauges read from the particles: pressure at points and on walls, elevation, flux, forces. It finds its own
+// neighbours, so it costs nothing in steps without a row to write.
+
+#include <optional>
+
+#include "fluid/fluid.hpp"
+
+namespace tern::fluid {
+
+template <int D>
+struct WallForce {
+  Vector<D> force = Vector<D>::Zero();   ///< [N/m^(3-D)]
+  Vector<3> moment = Vector<3>::Zero();  ///< [N m/m^(3-D)]; x and y are 0 in 2D
+};
+
+template <int D>
+class Probe {
+ public:
+  /// Looks at the present state of `fluid`, which must outlive it.
+  explicit Probe(const Fluid<D>& fluid);
+
+  /// Pressure at a point by a weighted linear fit; nothing where fewer than half a kernel of fluid is around [Pa].
+  std::optional<double> pressure(const Vector<D>& x) const;
+
+  /// Share of the kernel around x that is fluid, of the part that no wall or structure hides: 1 inside, 1/2 at the surface.
+  double filling(const Vector<D>& x) const;
+
+  /// Height of the free surface on the vertical through x: where the filling passes 1/2, below whatever flies above it in
+  /// lumps thinner than three spacings; nothing where there is no fluid [m].
+  std::optional<double> elevation(const Vector<D>& x) const;
+
+  /// Volume flow through the line (2D) or the rectangle across an axis (3D) between two points [m^D/s]. Positive to the
+  /// right of the way from `from` to `to` (2D), along the axis (3D).
+  double flux(const Vector<D>& from, const Vector<D>& to) const;
+
+  /// Mean pressure over a disc of `diameter` on the wall at the point that was at `at` at t = 0; 0 where it is dry [Pa].
+  double sensor(const Wall<D>& wall, const Vector<D>& at, double diameter) const;
+
+  /// Force of the fluid on the wall, and its moment about the point of the wall that was at `at` at t = 0.
+  WallForce<D> force(const Wall<D>& wall, const Vector<D>& at) const;
+
+ private:
+  template <class Visit>
+  void for_particles_around(const Vector<D>& x, Visit&& visit) const;
+  double hidden(const Vector<D>& x) const;
+  double wall_pressure(const Vector<D>& x, const Vector<D>& normal, double normal_acceleration) const;
+  /// A body of the structure stands at x, as far as its faces near there tell.
+  bool covered(const Vector<D>& x) const;
+
+  const Fluid<D>& fluid_;
+  Vector<D> low_, high_;  ///< corners of the box around all particles
+  CellGrid<D> grid_;
+  CellContents contents_;
+};
+
+}  // namespace tern::fluid

@@ -1,0 +1,27 @@
+#pragma once
+// S_i = sum_F V_j (u_j - u_i) grad w_ij^T, from which velocity gradient and divergence are made.
+
+#include "fluid/motion/motion.hpp"
+#include "fluid/neighbours.hpp"
+
+namespace tern::fluid {
+
+template <bool periodic, int D>
+Matrix<D> velocity_gradient_sum(const Neighbours<D>& neighbours, const PackedPeriod<periodic, D>& period,
+                                const std::vector<Motion<D>>& motion, std::ptrdiff_t i) {
+  const Packed<D> x = motion[i].position, u = motion[i].velocity;
+  std::array<Packed<D>, D> even, odd;
+  even.fill(Packed<D>::Zero());
+  odd.fill(Packed<D>::Zero());
+  for_row_in_turns(neighbours, i, even, odd, [&](std::array<Packed<D>, D>& column, int k) {
+    const Motion<D>& other = motion[neighbours.column[k]];
+    const Packed<D> r = neighbours.weight[k] * period.between(x, other.position), jump = other.velocity - u;
+    for (int b = 0; b < D; ++b) column[b] += jump * r[b];
+  });
+  Matrix<D> sum;
+  for (int b = 0; b < D; ++b)
+    for (int a = 0; a < D; ++a) sum(a, b) = even[b][a] + odd[b][a];
+  return sum;
+}
+
+}  // namespace tern::fluid

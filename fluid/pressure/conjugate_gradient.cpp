@@ -1,0 +1,55 @@
+#include "fluid/pressure/conjugate_gradient.hpp"
+
+#include <cmath>
+
+#include "base/parallel.hpp"
+
+namespace tern::fluid {
+
+SolveResult conjugate_gradient(const EdgeMatrix& matrix, const Apply& precondition, const std::vector<double>& b, double tolerance,
+                               int limit, std::vector<double>& p, ConjugateGradientWork& work) {
+  const std::ptrdiff_t n = matrix.rows();
+  for (auto* v : {&work.residual, &work.preconditioned, &work.direction, &work.product}) v->assign(matrix.padded_rows(), 0);
+  auto& [r, z, d, q] = work;
+  const auto dot = [n](const std::vector<double>& x, const std::vector<double>& y) {
+    return ordered_dot(std::span(x).first(n), std::span(y).first(n));
+  };
+
+  SolveResult result;
+  const double norm_b = std::sqrt(dot(b, b));
+  if (norm_b == 0) {
+    std::fill(p.begin(), p.end(), 0.0);
+    result.converged = true;
+    return result;
+  }
+  matrix.multiply(p, q);
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i) r[i] = b[i] - q[i];
+  result.residual = std::sqrt(dot(r, r)) / norm_b;
+  double rho = 0;
+  while (result.residual > tolerance) {
+    if (result.iterations == limit || !std::isfinite(result.residual)) return result;
+    precondition(r, z);
+    const double rho_next = dot(r, z);
+    if (!(rho_next > 0)) return result;
+    const double beta = result.iterations == 0 ? 0 : rho_next / rho;
+    rho = rho_next;
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+    for (std::ptrdiff_t i = 0; i < n; ++i) d[i] = z[i] + beta * d[i];
+    matrix.multiply(d, q);
+    const double curvature = dot(d, q);
+    if (!(curvature > 0)) return result;
+    const double alpha = rho / curvature;
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+    for (std::ptrdiff_t i = 0; i < n; ++i) {
+      p[i] += alpha * d[i];
+      r[i] -= alpha * q[i];
+    }
+    result.residual = std::sqrt(dot(r, r)) / norm_b;
+    ++result.iterations;
+  }
+  result.converged = true;
+  return result;
+}
+
+}  // namespace tern::fluid

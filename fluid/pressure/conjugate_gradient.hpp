@@ -1,0 +1,30 @@
+#pragma once
+// Conjugate gradients for A p = b, preconditioned. Stops when |b - A p| <= tolerance |b| (2-norms).
+
+#include <functional>
+#include <vector>
+
+#include "fluid/pressure/edge_matrix.hpp"
+
+namespace tern::fluid {
+
+struct SolveResult {
+  int iterations = 0;
+  double residual = 0;  ///< |b - A p| / |b|
+  bool converged = false;
+};
+
+/// Work vectors, kept so that a step allocates nothing.
+struct ConjugateGradientWork {
+  std::vector<double> residual, preconditioned, direction, product;
+};
+
+/// z = B r; B symmetric positive definite.
+using Apply = std::function<void(const std::vector<double>& r, std::vector<double>& z)>;
+
+/// Starts from p. Vectors have padded length. Ends without convergence after `limit` iterations or when A or B turns out
+/// not to be positive definite (which rounding can cause near singularity).
+SolveResult conjugate_gradient(const EdgeMatrix& matrix, const Apply& precondition, const std::vector<double>& b, double tolerance,
+                               int limit, std::vector<double>& p, ConjugateGradientWork& work);
+
+}  // namespace tern::fluid

@@ -1,0 +1,517 @@
+#include "fluid/pressure/multigrid.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "fluid/pressure/grid_stencil.hpp"
+
+namespace tern::fluid {
+namespace {
+
+constexpr float jacobi_weight = 0.9f;    ///< positive definite for any weight < 1: lambda_max(D^-1 A) <= 2
+constexpr int coarsest_nodes = 150;      ///< solved directly
+constexpr float diagonal_shift = 2e-6f;  ///< relative; makes the coarse operators of a sealed tank regular
+
+/// Cells of a period of `length`: m 2^k with m = 4 .. 7, nearest to `width` on a logarithmic scale.
+int cells_of_period(double length, double width) {
+  int best = 4;
+  const auto distance = [&](int n) { return std::abs(std::log(n * width / length)); };
+  for (int factor = 1; factor * width < length; factor *= 2)
+    for (int m = 4; m < 8; ++m)
+      if (distance(m * factor) < distance(best)) best = m * factor;
+  return best;
+}
+
+}  // namespace
+
+template <int D>
+void Multigrid<D>::build(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position, const std::vector<std::uint8_t>& active,
+                         const std::vector<int>& beside_body, double spacing, double gradient_scale) {
+  matrix_ = &matrix;
+  if (levels_.empty()) levels_.resize(1);
+  build_finest(matrix, position, active, beside_body, spacing, gradient_scale);
+  std::size_t level = 0;
+  while (levels_[level].nodes() > coarsest_nodes && level < 12) {
+    if (levels_.size() == level + 1) levels_.emplace_back();
+    build_next(levels_[level], levels_[level + 1]);
+    ++level;
+    if (levels_[level].nodes() == levels_[level - 1].nodes()) break;
+  }
+  levels_.resize(level + 1);
+
+  const Level& last = levels_.back();
+  const auto n = static_cast<Eigen::Index>(last.nodes());
+  coarsest_.assign(last.nodes() * last.nodes(), 0);
+  Eigen::Map<Eigen::MatrixXd> dense(coarsest_.data(), n, n);
+  for (Eigen::Index a = 0; a < n; ++a)
+    for (int s = 0; s < stencil; ++s)
+      if (last.row[a][s] != 0) dense(a, last.neighbour[a][s]) += last.row[a][s];
+  for (const Entry& entry : last.further_entries) dense(entry.row, entry.column) += entry.value;
+  Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> in_place(dense);
+  coarsest_solution_.resize(last.nodes());
+
+  for (auto* v : {&r_, &z_, &az_}) v->assign(matrix.padded_rows(), 0);
+}
+
+template <int D>
+void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position, const std::vector<std::uint8_t>& active,
+                                const std::vector<int>& beside_body, double spacing, double gradient_scale) {
+  Level& level = levels_[0];
+  const int n = matrix.rows();
+  Vector<D> low = Vector<D>::Constant(1e300), high = Vector<D>::Constant(-1e300);
+  for (int i = 0; i < n; ++i)
+    if (active[i]) low = low.cwiseMin(position[i]), high = high.cwiseMax(position[i]);
+  if (low[0] > high[0]) low = high = Vector<D>::Zero();
+  Vector<D> origin, inverse_width;
+  std::array<int, D> cells;
+  for (int c = 0; c < D; ++c) {
+    level.periodic[c] = period_.repeats(c);
+    double width = 2 * spacing;
+    if (level.periodic[c]) {
+      cells[c] = cells_of_period(period_.length(c), width);
+      width = period_.length(c) / cells[c];
+      low[c] = period_.begin(c);
+    }
+    origin[c] = low[c] - 0.37 * width;  // off the lattice, so that no particle sits on a grid line at rest
+    inverse_width[c] = 1 / width;
+    if (!level.periodic[c]) cells[c] = static_cast<int>((high[c] - origin[c]) * inverse_width[c]) + 1;
+    level.size[c] = level.periodic[c] ? cells[c] : cells[c] + 1;
+  }
+  const int count = count_places<D>(cells);
+
+  // Particles by cell; only cells that hold one are kept, in order.
+  auto &cell_of = cell_of_particle_, &population = population_, &compact = compact_, &next = next_;
+  cell_of.assign(n, -1);
+  for (int i = 0; i < n; ++i) {
+    if (!active[i]) continue;
+    std::array<int, D> cell;
+    for (int c = 0; c < D; ++c) {
+      cell[c] = static_cast<int>((position[i][c] - origin[c]) * inverse_width[c]);
+      if (level.periodic[c]) cell[c] %= cells[c];
+    }
+    cell_of[i] = flat_index<D>(cell, cells);
+  }
+  split_cells(beside_body, count);
+  const int all_cells = count + static_cast<int>(home_of_further_cell_.size());
+  const auto coordinates_of = [&](int flat) { return coordinate_of<D>(flat < count ? flat : home_of_further_cell_[flat - count], cells); };
+  population.assign(all_cells, 0);
+  compact.assign(all_cells, -1);
+  for (int i = 0; i < n; ++i)
+    if (cell_of[i] >= 0) ++population[cell_of[i]];
+  level.map.assign(count_places<D>(level.size), -1);
+  cell_start_.clear();
+  cell_node_.clear();
+  int filled = 0;
+  for (int flat = 0; flat < all_cells; ++flat) {
+    if (population[flat] == 0) continue;
+    const std::array<int, D> cell = coordinates_of(flat);
+    for (int corner = 0; corner < corners; ++corner) {
+      std::array<int, D> node = cell;
+      for (int c = 0; c < D; ++c) node[c] += (corner >> c) & 1;
+      level.map[place_at<D>(node, level.size, level.periodic)] = 0;
+    }
+    compact[flat] = static_cast<int>(cell_start_.size());
+    cell_start_.push_back(filled);
+    filled += population[flat];
+  }
+  cell_start_.push_back(filled);
+  number_places(level);
+
+  const int used = static_cast<int>(cell_start_.size()) - 1;
+  cell_node_.resize(used);
+  cell_sum_.resize(used);
+  for (int flat = 0; flat < all_cells; ++flat) {
+    if (compact[flat] < 0) continue;
+    const std::array<int, D> cell = coordinates_of(flat);
+    for (int corner = 0; corner < corners; ++corner) {
+      std::array<int, D> node = cell;
+      for (int c = 0; c < D; ++c) node[c] += (corner >> c) & 1;
+      cell_node_[compact[flat]][corner] = node_at(level, node);
+    }
+  }
+  cell_particle_.resize(filled);
+  particle_weight_.resize(filled);
+  next.assign(cell_start_.begin(), cell_start_.end() - 1);
+  for (int i = 0; i < n; ++i)
+    if (cell_of[i] >= 0) cell_particle_[next[compact[cell_of[i]]]++] = i;
+  split_places(cells);
+  connect(level);
+  node_cell_.resize(level.nodes());
+  for (auto& cells_around : node_cell_) cells_around.fill(-1);
+  further_cells_.clear();
+  for (int cell = 0; cell < used; ++cell)
+    for (int corner = 0; corner < corners; ++corner) {
+      const int number = cell_node_[cell][corner];
+      int& place = node_cell_[number][corner];
+      if (place < 0)
+        place = cell;
+      else
+        further_cells_.push_back({number, corner, cell});
+    }
+
+  // Element matrices cell by cell, then rows by gathering from the cells around each node.
+  auto& element = element_;
+  element.resize(used);
+  const Vector<D> scale = gradient_scale * inverse_width.cwiseAbs2();
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (int cell = 0; cell < used; ++cell) {
+    double sum[corners * corners] = {};
+    for (int entry = cell_start_[cell]; entry < cell_start_[cell + 1]; ++entry) {
+      const int i = cell_particle_[entry];
+      double f[D];
+      for (int c = 0; c < D; ++c) {
+        const double at = (position[i][c] - origin[c]) * inverse_width[c];
+        f[c] = at - static_cast<int>(at);
+      }
+      double phi[corners], gradient[corners][D];
+      for (int corner = 0; corner < corners; ++corner) {
+        phi[corner] = 1;
+        for (int c = 0; c < D; ++c) phi[corner] *= (corner >> c) & 1 ? f[c] : 1 - f[c];
+        for (int c = 0; c < D; ++c) {
+          gradient[corner][c] = (corner >> c) & 1 ? 1 : -1;
+          for (int o = 0; o < D; ++o)
+            if (o != c) gradient[corner][c] *= (corner >> o) & 1 ? f[o] : 1 - f[o];
+        }
+        particle_weight_[entry][corner] = static_cast<float>(phi[corner]);
+      }
+      const double constant = matrix.constant()[i];
+      for (int a = 0; a < corners; ++a)
+        for (int b = a; b < corners; ++b) {
+          double product = 0;
+          for (int c = 0; c < D; ++c) product += scale[c] * gradient[a][c] * gradient[b][c];
+          sum[a * corners + b] += product + constant * phi[a] * phi[b];
+        }
+    }
+    for (int a = 0; a < corners; ++a)
+      for (int b = 0; b < corners; ++b) element[cell][a * corners + b] = static_cast<float>(sum[std::min(a, b) * corners + std::max(a, b)]);
+  }
+  level.row.assign(level.nodes(), {});
+  const auto add_cell = [&](int node, int a, int cell) {
+    for (int b = 0; b < corners; ++b) {
+      std::array<int, D> offset;
+      for (int c = 0; c < D; ++c) offset[c] = ((b >> c) & 1) - ((a >> c) & 1);
+      const float value = element[cell][a * corners + b];
+      if (level.by_split.empty() || !level.by_split[node])
+        level.row[node][stencil_entry<D>(offset)] += value;
+      else
+        add_entry(level, node, offset, cell_node_[cell][b], value);
+    }
+  };
+  for (std::size_t node = 0; node < level.nodes(); ++node)
+    for (int a = 0; a < corners; ++a)
+      if (node_cell_[node][a] >= 0) add_cell(static_cast<int>(node), a, node_cell_[node][a]);
+  for (const auto& [node, a, cell] : further_cells_) add_cell(node, a, cell);
+  finish(level);
+}
+
+template <int D>
+void Multigrid<D>::number_places(Level& level) {
+  level.coordinate.clear();
+  for (int place = 0; place < static_cast<int>(level.map.size()); ++place) {
+    if (level.map[place] < 0) continue;
+    level.map[place] = static_cast<int>(level.nodes());
+    level.coordinate.push_back(coordinate_of<D>(place, level.size));
+  }
+}
+
+template <int D>
+int Multigrid<D>::node_at(const Level& level, const std::array<int, D>& at) {
+  const int place = place_at<D>(at, level.size, level.periodic);
+  return place < 0 ? -1 : level.map[place];
+}
+
+template <int D>
+int Multigrid<D>::color_of(const Level& level, int node) {
+  const auto& at = level.coordinate[node];
+  int color = 0;
+  for (int c = D - 1; c >= 0; --c) {
+    const bool last_of_odd = level.periodic[c] && level.size[c] % 2 == 1 && level.size[c] > 1 && at[c] == level.size[c] - 1;
+    color = color * 3 + (last_of_odd ? 2 : at[c] & 1);
+  }
+  return color;
+}
+
+template <int D>
+void Multigrid<D>::connect(Level& level) {
+  mark_by_split(level);
+  level.further_entries.clear();
+  level.neighbour.resize(level.nodes());
+  for (auto& nodes : level.color) nodes.clear();
+  for (int node = 0; node < static_cast<int>(level.nodes()); ++node) {
+    level.color[color_of(level, node)].push_back(node);
+    if (!level.by_split.empty() && level.by_split[node]) {
+      level.neighbour[node].fill(undecided);
+      continue;
+    }
+    for (int s = 0; s < stencil; ++s) {
+      auto other = stencil_offset<D>(s);
+      for (int c = 0; c < D; ++c) other[c] += level.coordinate[node][c];
+      const int number = node_at(level, other);
+      level.neighbour[node][s] = number < 0 ? node : number;
+    }
+  }
+}
+
+template <int D>
+void Multigrid<D>::add_entry(Level& level, int row, const std::array<int, D>& offset, int column, float value) {
+  const int s = stencil_entry<D>(offset);
+  int& neighbour = level.neighbour[row][s];
+  if (neighbour == undecided) neighbour = column;
+  if (neighbour == column)
+    level.row[row][s] += value;
+  else
+    level.further_entries.push_back({row, column, value});
+}
+
+template <int D>
+void Multigrid<D>::finish(Level& level) {
+  constexpr int centre = stencil / 2;
+  level.inverse_diagonal.resize(level.nodes());
+  for (std::size_t node = 0; node < level.nodes(); ++node) {
+    float& diagonal = level.row[node][centre];
+    diagonal *= 1 + diagonal_shift;
+    level.inverse_diagonal[node] = diagonal > 0 ? 1 / diagonal : 0;
+  }
+  for (auto& rows : level.further_rows) rows.clear();
+  if (!level.by_split.empty()) {
+    for (std::size_t node = 0; node < level.nodes(); ++node)
+      for (int& neighbour : level.neighbour[node])
+        if (neighbour == undecided) neighbour = static_cast<int>(node);
+    auto& entries = level.further_entries;
+    std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+      return a.row != b.row ? a.row < b.row : a.column != b.column ? a.column < b.column : a.value < b.value;
+    });
+    std::size_t kept = 0;
+    for (const Entry& entry : entries) {
+      if (kept > 0 && entries[kept - 1].row == entry.row && entries[kept - 1].column == entry.column)
+        entries[kept - 1].value += entry.value;
+      else
+        entries[kept++] = entry;
+    }
+    entries.resize(kept);
+    for (std::size_t first = 0, last; first < kept; first = last) {
+      for (last = first; last < kept && entries[last].row == entries[first].row;) ++last;
+      level.further_rows[color_of(level, entries[first].row)].push_back(
+          {entries[first].row, static_cast<int>(first), static_cast<int>(last)});
+    }
+  }
+  for (auto* v : {&level.x, &level.b, &level.residual}) v->assign(level.nodes(), 0);
+}
+
+template <int D>
+void Multigrid<D>::build_next(Level& fine, Level& coarse) {
+  // Nodes with even coordinates; a fine node between them has the 2, 4 or 8 around it as parents, all of them active.
+  std::array<bool, D> halved;
+  for (int c = 0; c < D; ++c) {
+    coarse.periodic[c] = fine.periodic[c];
+    halved[c] = !fine.periodic[c] || (fine.size[c] % 2 == 0 && fine.size[c] > 2);
+    coarse.size[c] = fine.periodic[c] ? (halved[c] ? fine.size[c] / 2 : fine.size[c]) : (fine.size[c] + 2) / 2;
+  }
+  coarse.map.assign(count_places<D>(coarse.size), -1);
+  fine.parent.resize(fine.nodes());
+  fine.parent_weight.resize(fine.nodes());
+  const auto parent_of = [&](const std::array<int, D>& at, int corner, std::array<int, D>& parent) {
+    float weight = 1;
+    for (int c = 0; c < D; ++c) {
+      const bool odd = halved[c] && at[c] & 1, upper = (corner >> c) & 1;
+      if (!odd && upper) return 0.0f;
+      parent[c] = halved[c] ? wrapped(at[c] / 2 + (upper ? 1 : 0), coarse.size[c], coarse.periodic[c]) : at[c];
+      if (odd) weight *= 0.5f;
+    }
+    return weight;
+  };
+  for (const auto& at : fine.coordinate)
+    for (int corner = 0; corner < corners; ++corner) {
+      std::array<int, D> parent;
+      if (parent_of(at, corner, parent) > 0) coarse.map[flat_index<D>(parent, coarse.size)] = 0;
+    }
+  number_places(coarse);
+  for (std::size_t node = 0; node < fine.nodes(); ++node)
+    for (int corner = 0; corner < corners; ++corner) {
+      std::array<int, D> parent;
+      const float weight = parent_of(fine.coordinate[node], corner, parent);
+      fine.parent_weight[node][corner] = weight;
+      fine.parent[node][corner] = weight > 0 ? coarse.map[flat_index<D>(parent, coarse.size)] : -1;
+    }
+  split_coarse_places(fine, coarse, halved);
+  connect(coarse);
+
+  // Galerkin product P^T A P. Which entries of the fine row go where depends on the parities of the node alone.
+  struct Term {
+    std::uint8_t fine, parent, coarse;  // stencil entry of the fine row; corner of the parent; its stencil entry
+    float weight;
+  };
+  std::array<std::array<Term, stencil * corners * corners>, corners> terms;
+  std::array<int, corners> count{};
+  for (int parity = 0; parity < corners; ++parity)
+    for (int s = 0; s < stencil; ++s)
+      for (int ca = 0; ca < corners; ++ca)
+        for (int cb = 0; cb < corners; ++cb) {
+          const auto step = stencil_offset<D>(s);
+          std::array<int, D> entry;
+          float weight = 1;
+          for (int c = 0; c < D; ++c) {
+            // From the even node below a: places of a and of its neighbour b, and of one parent of each.
+            const int a = parity >> c & 1, b = a + step[c], upper_a = ca >> c & 1, upper_b = cb >> c & 1;
+            if (!halved[c]) {
+              if (a || upper_a || upper_b) weight = 0;
+              entry[c] = step[c];
+              continue;
+            }
+            const bool odd_b = b & 1;
+            if ((upper_a && !a) || (upper_b && !odd_b)) weight = 0;
+            weight *= (a ? 0.5f : 1.0f) * (odd_b ? 0.5f : 1.0f);
+            entry[c] = (b - odd_b) / 2 + upper_b - upper_a;
+          }
+          if (weight == 0) continue;
+          terms[parity][count[parity]++] = {static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(ca),
+                                            static_cast<std::uint8_t>(stencil_entry<D>(entry)), weight};
+        }
+  coarse.row.assign(coarse.nodes(), {});
+  const auto is_by_split = [](const Level& level, int node) { return !level.by_split.empty() && level.by_split[node]; };
+  for (int a = 0; a < static_cast<int>(fine.nodes()); ++a) {
+    bool by_split = is_by_split(fine, a);
+    for (int parent : fine.parent[a]) by_split = by_split || (parent >= 0 && is_by_split(coarse, parent));
+    if (by_split) {
+      for_entries(fine, a, [&](int b, float value) {
+        for (int ca = 0; ca < corners; ++ca)
+          for (int cb = 0; cb < corners; ++cb) {
+            const int row = fine.parent[a][ca], column = fine.parent[b][cb];
+            if (row < 0 || column < 0) continue;
+            add_entry(coarse, row, step_between<D>(coarse.coordinate[row], coarse.coordinate[column], coarse.size), column,
+                      fine.parent_weight[a][ca] * fine.parent_weight[b][cb] * value);
+          }
+      });
+      continue;
+    }
+    int parity = 0;
+    for (int c = 0; c < D; ++c) parity |= (halved[c] && (fine.coordinate[a][c] & 1)) << c;
+    for (int k = 0; k < count[parity]; ++k) {
+      const Term& term = terms[parity][k];
+      coarse.row[fine.parent[a][term.parent]][term.coarse] += term.weight * fine.row[a][term.fine];
+    }
+  }
+  finish(coarse);
+}
+
+template <int D>
+void Multigrid<D>::smooth(Level& level, bool forward) {
+  for (int k = 0; k < colors; ++k) {
+    const auto& nodes = level.color[forward ? k : colors - 1 - k];
+    const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(nodes.size());
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+    for (std::ptrdiff_t m = 0; m < n; ++m) {
+      const int node = nodes[m];
+      const auto& row = level.row[node];
+      const auto& neighbour = level.neighbour[node];
+      float sum = level.b[node];
+      for (int s = 0; s < stencil; ++s) sum -= row[s] * level.x[neighbour[s]];
+      level.x[node] += sum * level.inverse_diagonal[node];
+    }
+    for (const auto& [row, first, last] : level.further_rows[forward ? k : colors - 1 - k])
+      level.x[row] -= level.inverse_diagonal[row] * further_product(level, first, last);
+  }
+}
+
+template <int D>
+float Multigrid<D>::further_product(const Level& level, int first, int last) {
+  float sum = 0;
+  for (int k = first; k < last; ++k) sum += level.further_entries[k].value * level.x[level.further_entries[k].column];
+  return sum;
+}
+
+template <int D>
+void Multigrid<D>::compute_residual(Level& level) {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(level.nodes());
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t node = 0; node < n; ++node) {
+    float sum = level.b[node];
+    for (int s = 0; s < stencil; ++s) sum -= level.row[node][s] * level.x[level.neighbour[node][s]];
+    level.residual[node] = sum;
+  }
+  for (const auto& rows : level.further_rows)
+    for (const auto& [row, first, last] : rows) level.residual[row] -= further_product(level, first, last);
+}
+
+template <int D>
+void Multigrid<D>::cycle(std::size_t l) {
+  Level& level = levels_[l];
+  if (l + 1 == levels_.size()) {
+    const auto n = static_cast<Eigen::Index>(level.nodes());
+    const Eigen::Map<const Eigen::MatrixXd> factor(coarsest_.data(), n, n);
+    Eigen::Map<Eigen::VectorXd> x(coarsest_solution_.data(), n);
+    for (Eigen::Index a = 0; a < n; ++a) x[a] = level.b[a];
+    factor.template triangularView<Eigen::Lower>().solveInPlace(x);
+    factor.template triangularView<Eigen::Lower>().transpose().solveInPlace(x);
+    for (Eigen::Index a = 0; a < n; ++a) level.x[a] = static_cast<float>(x[a]);
+    return;
+  }
+  std::fill(level.x.begin(), level.x.end(), 0.0f);
+  smooth(level, true);
+  compute_residual(level);
+  Level& coarse = levels_[l + 1];
+  std::fill(coarse.b.begin(), coarse.b.end(), 0.0f);
+  for (std::size_t node = 0; node < level.nodes(); ++node)
+    for (int corner = 0; corner < corners; ++corner)
+      if (level.parent[node][corner] >= 0) coarse.b[level.parent[node][corner]] += level.parent_weight[node][corner] * level.residual[node];
+  cycle(l + 1);
+  for (std::size_t node = 0; node < level.nodes(); ++node)
+    for (int corner = 0; corner < corners; ++corner)
+      if (level.parent[node][corner] >= 0) level.x[node] += level.parent_weight[node][corner] * coarse.x[level.parent[node][corner]];
+  smooth(level, false);
+}
+
+template <int D>
+void Multigrid<D>::apply(const std::vector<double>& r, std::vector<double>& z) {
+  const std::ptrdiff_t n = matrix_->rows();
+  double largest = ordered_max(n, 0.0, [&](std::ptrdiff_t i) { return std::abs(r[i]); });
+  if (!(largest > 0)) largest = 1;
+  const double inverse_largest = 1 / largest;
+  const auto& diagonal = matrix_->diagonal();
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    r_[i] = static_cast<float>(r[i] * inverse_largest);
+    z_[i] = jacobi_weight * r_[i] / diagonal[i];
+  }
+  matrix_->multiply(z_, az_);
+
+  Level& finest = levels_[0];
+  const std::ptrdiff_t cells = static_cast<std::ptrdiff_t>(cell_node_.size());
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t cell = 0; cell < cells; ++cell) {
+    std::array<float, corners> sum{};
+    for (int entry = cell_start_[cell]; entry < cell_start_[cell + 1]; ++entry) {
+      const int i = cell_particle_[entry];
+      const float q = r_[i] - az_[i];
+      for (int corner = 0; corner < corners; ++corner) sum[corner] += particle_weight_[entry][corner] * q;
+    }
+    cell_sum_[cell] = sum;
+  }
+  const std::ptrdiff_t nodes = static_cast<std::ptrdiff_t>(finest.nodes());
+#pragma omp parallel for schedule(static) if (nodes >= parallel_threshold)
+  for (std::ptrdiff_t node = 0; node < nodes; ++node) {
+    float sum = 0;
+    for (int corner = 0; corner < corners; ++corner)
+      if (node_cell_[node][corner] >= 0) sum += cell_sum_[node_cell_[node][corner]][corner];
+    finest.b[node] = sum;
+  }
+  for (const auto& [node, corner, cell] : further_cells_) finest.b[node] += cell_sum_[cell][corner];
+  cycle(0);
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t cell = 0; cell < cells; ++cell)
+    for (int entry = cell_start_[cell]; entry < cell_start_[cell + 1]; ++entry) {
+      float sum = 0;
+      for (int corner = 0; corner < corners; ++corner) sum += particle_weight_[entry][corner] * finest.x[cell_node_[cell][corner]];
+      z_[cell_particle_[entry]] += sum;
+    }
+  matrix_->multiply(z_, az_);
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i) z[i] = largest * (double(z_[i]) + double(jacobi_weight) * (r_[i] - az_[i]) / diagonal[i]);
+}
+
+template class Multigrid<2>;
+template class Multigrid<3>;
+
+}  // namespace tern::fluid

@@ -1,0 +1,144 @@
+#pragma once
+// Preconditioner of the pressure solve: a V-cycle whose finest level is the particles and whose coarser levels are a
+// Cartesian grid of spacing H = 2 dx, rebuilt every step. The grid operator is integrated with the particles as points:
+//   (A_H)_ab = sum_i [ V_i grad phi_a . grad phi_b + c_i phi_a phi_b ](x_i),
+// phi_a the multilinear hats, c_i the part of row i that ties p_i to zero (missing neighbours at the free surface, Robin
+// term). Without the c-part the coarse problem would not know the free surface, and the count of iterations grows tenfold.
+//
+// A thin body between two waters would be invisible to such a grid: a function on it cannot jump where the pressure does, and
+// the count grows with the number of particles. Near bodies a place of the grid therefore has one node per side. Sides are
+// connected parts: particles of a cell, and the parts of the cells around a place, belong together when edges of the matrix
+// connect them; on the coarser levels the same holds for the finer nodes around a place. This needs no notion of what the
+// body looks like, and beyond its tip both sides meet in one node again.
+//
+// In a periodic direction the grid closes on itself: m 2^k cells per period, m = 4 .. 7, as near to H = 2 dx as that allows;
+// it is coarsened while the number of cells is even.
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "base/vector.hpp"
+#include "fluid/period.hpp"
+#include "fluid/pressure/connected_parts.hpp"
+#include "fluid/pressure/edge_matrix.hpp"
+#include "fluid/pressure/grid_stencil.hpp"
+
+namespace tern::fluid {
+
+template <int D>
+class Multigrid {
+ public:
+  explicit Multigrid(const Period<D>& period) : period_(period) {}
+
+  /// Rebuilds the hierarchy for the matrix A of particles at x; `active[i]` = 0 for rows that are no unknowns.
+  /// `beside_body`: particles near bodies that may part the fluid. `gradient_scale`: V times the ratio of A to a Laplacian of
+  /// unit coefficient. Matrix and arrays must outlive use.
+  void build(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position, const std::vector<std::uint8_t>& active,
+             const std::vector<int>& beside_body, double spacing, double gradient_scale);
+
+  /// z = B r, symmetric positive definite: one V(1,1) cycle from zero. Both of padded length.
+  void apply(const std::vector<double>& r, std::vector<double>& z);
+
+ private:
+  static constexpr int corners = 1 << D;  ///< nodes of a grid cell
+  static constexpr int stencil = D == 2 ? 9 : 27;
+  static constexpr int undecided = -1;    ///< neighbour of a row by_split that has no entry yet
+  static constexpr int colors = stencil;  ///< parity by direction; a third for the last of an odd period
+
+  /// Entry of the matrix of a level that its stencil has no room for: the neighbouring place has a second node.
+  struct Entry {
+    int row, column;
+    float value;
+  };
+
+  struct Level {
+    std::array<int, D> size{};                   ///< places per direction of the index map
+    std::array<bool, D> periodic{};              ///< directions in which the place after the last is the first
+    std::vector<int> map;                        ///< number of the first node at a place, or -1
+    std::vector<std::array<int, D>> coordinate;  ///< the first node of each place in their order, then the further ones
+    std::vector<std::pair<int, int>> further;    ///< place and number of further nodes, in order of the places
+    std::vector<std::uint8_t> by_split;          ///< there are further nodes at the place of a node or next to it
+    std::vector<int> suspects;                   ///< first nodes of places where there may be two sides
+    std::vector<Entry> further_entries;          ///< by row; while they are gathered in any order
+    std::array<std::vector<std::array<int, 3>>, colors> further_rows;  ///< by colour: row, first and last of its entries
+    std::vector<std::array<int, stencil>> neighbour;                   ///< node number, or the node itself where there is none
+    std::vector<std::array<float, stencil>> row;                       ///< matrix entries, 0 where there is no node
+    std::vector<float> inverse_diagonal;
+    std::array<std::vector<int>, colors> color;    ///< nodes of one colour are not neighbours of each other
+    std::vector<std::array<int, corners>> parent;  ///< of this level's nodes in the next; -1 where none
+    std::vector<std::array<float, corners>> parent_weight;
+    std::vector<float> x, b, residual;
+    std::size_t nodes() const { return coordinate.size(); }
+  };
+
+  /// Number of the node at a place of the index map, wrapped where the level is periodic; -1 where there is none.
+  static int node_at(const Level& level, const std::array<int, D>& at);
+  /// Gives the places marked in the map their nodes, in the order of the places.
+  static void number_places(Level& level);
+  void build_finest(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position, const std::vector<std::uint8_t>& active,
+                    const std::vector<int>& beside_body, double spacing, double gradient_scale);
+  void build_next(Level& fine, Level& coarse);
+  void connect(Level& level);
+  void mark_by_split(Level& level);
+  static int color_of(const Level& level, int node);
+  /// Adds to the entry of a row that is by_split; `offset` leads to the place of the column.
+  void add_entry(Level& level, int row, const std::array<int, D>& offset, int column, float value);
+  void finish(Level& level);
+  /// Calls visit(node, value) for the entries of a row that are not 0.
+  template <class Visit>
+  static void for_entries(const Level& level, int row, Visit&& visit) {
+    for (int s = 0; s < stencil; ++s)
+      if (level.row[row][s] != 0) visit(level.neighbour[row][s], level.row[row][s]);
+    if (level.further_entries.empty()) return;
+    const auto by_row = [](const Entry& entry, int r) { return entry.row < r; };
+    for (auto entry = std::lower_bound(level.further_entries.begin(), level.further_entries.end(), row, by_row);
+         entry != level.further_entries.end() && entry->row == row; ++entry)
+      visit(entry->column, entry->value);
+  }
+  /// Calls visit(node) for the nodes at a coordinate, the first one first.
+  template <class Visit>
+  static void for_nodes_at(const Level& level, const std::array<int, D>& at, Visit&& visit) {
+    const int place = place_at<D>(at, level.size, level.periodic);
+    if (place < 0 || level.map[place] < 0) return;
+    visit(level.map[place]);
+    for (auto node = std::lower_bound(level.further.begin(), level.further.end(), std::pair(place, 0));
+         node != level.further.end() && node->first == place; ++node)
+      visit(node->second);
+  }
+  /// Sum of entries first .. last - 1 of those without room in the stencil times x.
+  static float further_product(const Level& level, int first, int last);
+  // multigrid_sides.cpp
+  void split_cells(const std::vector<int>& beside_body, int cells);
+  void split_places(const std::array<int, D>& cells);
+  int add_further_nodes(Level& level, int first);
+  void split_coarse_places(Level& fine, Level& coarse, const std::array<bool, D>& halved);
+  void cycle(std::size_t level);
+  void smooth(Level& level, bool forward);
+  void compute_residual(Level& level);
+
+  Period<D> period_;
+  const EdgeMatrix* matrix_ = nullptr;
+  std::vector<Level> levels_;
+  std::vector<double> coarsest_, coarsest_solution_;  ///< Cholesky factor of the last level, column by column
+  // Particles by grid cell, so that restriction gathers in a fixed order.
+  std::vector<int> cell_start_, cell_particle_;
+  std::vector<std::array<int, corners>> cell_node_;
+  std::vector<std::array<float, corners>> particle_weight_;  ///< phi of the cell's corners at each particle, in cell order
+  std::vector<std::array<float, corners>> cell_sum_;
+  std::vector<std::array<int, corners>> node_cell_;  ///< cells around a node, -1 where none: corner c of that cell
+  std::vector<float> r_, z_, az_;
+  std::vector<std::array<int, 3>> further_cells_;  ///< node, corner and cell that node_cell_ has no room for
+
+  // Scratch of the building, kept so that a step allocates nothing. A cell with two sides is two cells from here on: the
+  // further ones have the numbers after the last cell of the grid.
+  std::vector<int> cell_of_particle_, population_, compact_, next_;
+  std::vector<int> home_of_further_cell_, suspect_cells_;  ///< cells of the grid, both in ascending order
+  std::vector<std::array<float, corners * corners>> element_;
+  ConnectedParts parts_;
+  std::vector<int> around_, corner_of_;
+};
+
+}  // namespace tern::fluid

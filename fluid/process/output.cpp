@@ -1,0 +1,126 @@
+#include "fluid/process/output.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "fluid/gauges/probe.hpp"
+
+namespace tern::fluid {
+
+template <int D>
+GaugeValues gauge_values(const Fluid<D>& fluid, const Case& scene) {
+  using Kind = GaugeCase::Kind;
+  GaugeValues values;
+  std::optional<Probe<D>> probe;
+  for (const GaugeCase& gauge : scene.gauges) {
+    if (owner(gauge.kind) != GaugeOwner::fluid) continue;
+    if (gauge.kind == Kind::front) {
+      values.push_back(fluid.front());
+      continue;
+    }
+    if (!probe) probe.emplace(fluid);
+    Vector<D> at, from, to;
+    for (int c = 0; c < D; ++c) at[c] = gauge.at[c], from[c] = gauge.from[c], to[c] = gauge.to[c];
+    if (gauge.kind == Kind::elevation) values.push_back(probe->elevation(at));
+    if (gauge.kind == Kind::flux) values.push_back(probe->flux(from, to));
+    const bool of_pressure = gauge.kind == Kind::pressure || gauge.kind == Kind::wall_pressure || gauge.kind == Kind::force;
+    if (of_pressure && !fluid.has_pressure()) {
+      values.resize(values.size() + gauge_columns(gauge, D).size());
+      continue;
+    }
+    if (gauge.kind == Kind::pressure) values.push_back(probe->pressure(at));
+    if (gauge.kind == Kind::wall_pressure) values.push_back(probe->sensor(fluid.walls().find(gauge.wall), at, gauge.diameter));
+    if (gauge.kind == Kind::force) {
+      const WallForce<D> total = probe->force(fluid.walls().find(gauge.wall), at);
+      values.insert(values.end(), total.force.data(), total.force.data() + D);
+      values.insert(values.end(), total.moment.data() + (D == 2 ? 2 : 0), total.moment.data() + 3);
+    }
+  }
+  return values;
+}
+
+template <int D>
+std::vector<double> energy_values(const Fluid<D>& fluid) {
+  const Energies energies = fluid.energies();
+  return {energies.kinetic, energies.potential};
+}
+
+template <int D>
+void write_frame(const Fluid<D>& fluid, FrameWriter& frames, long step) {
+  const State<D>& state = fluid.state();
+  std::vector<std::size_t> order(state.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return state.id[a] < state.id[b]; });
+  const auto sorted = [&](const auto& values) {
+    auto result = values;
+    for (std::size_t k = 0; k < order.size(); ++k) result[k] = values[order[k]];
+    return result;
+  };
+  std::vector<std::uint32_t> flag(state.size());
+  for (std::size_t k = 0; k < order.size(); ++k) flag[k] = static_cast<std::uint32_t>(fluid.flags()[order[k]]);
+  frames.begin(seconds(state.time), step);
+  frames.vector<D>("position", "m", sorted(state.position));
+  frames.vector<D>("velocity", "m/s", sorted(state.velocity));
+  frames.scalar("pressure", "Pa", sorted(state.pressure));
+  frames.integer("id", std::span<const std::uint32_t>(sorted(state.id)));
+  frames.integer("flag", std::span<const std::uint32_t>(flag));
+  frames.end();
+}
+
+template <int D>
+void Measures<D>::add(const Fluid<D>& fluid) {
+  ++steps_;
+  iterations_ += fluid.last_solve().iterations;
+  most_iterations_ = std::max(most_iterations_, fluid.last_solve().iterations);
+  if (steps_ == 1) first_angular_momentum_ = fluid.angular_momentum();
+  largest_speed_ = std::max(largest_speed_, fluid.largest_speed());
+  const double drift = fluid.volume_drift();
+  if (std::abs(drift) > std::abs(largest_drift_)) largest_drift_ = drift;
+}
+
+template <int D>
+void Measures<D>::report(const Fluid<D>& fluid, RunReport& report) const {
+  report.set_count("particles", static_cast<long>(fluid.state().size()));
+  report.set_count("particles_leaked", static_cast<long>(fluid.leaked()));
+  report.set_count("particles_removed", static_cast<long>(fluid.removed()));
+  report.set_count("spray_particles", static_cast<long>(fluid.spray_particles()));
+  report.set_count("fallback_solves", fluid.fallback_solves());
+  report.set_measure("pressure_iterations_mean", steps_ ? double(iterations_) / double(steps_) : 0);
+  report.set_measure("pressure_iterations_max", most_iterations_);
+  report.set_measure("volume_drift", fluid.volume_drift());
+  report.set_measure("volume_drift_largest", largest_drift_);
+  // Since the first step; without a spin at the start there is nothing to compare with.
+  if (const double first = first_angular_momentum_.norm(); first > 0)
+    report.set_measure("angular_momentum_change", (fluid.angular_momentum() - first_angular_momentum_).norm() / first);
+  report.set_measure("largest_speed_m_per_s", fluid.largest_speed());
+  report.set_measure("largest_speed_of_run_m_per_s", largest_speed_);
+  if (fluid.sealed().any) {
+    report.set_measure(D == 2 ? "sealed_flux_removed_m2_per_s" : "sealed_flux_removed_m3_per_s", fluid.sealed().largest_flux);
+    report.set_measure("sealed_volume_error", fluid.sealed().volume_error);
+  }
+  const Evaluations& evaluations = fluid.evaluations();
+  report.set_evaluations("viscosity", evaluations.viscosity);
+  report.set_evaluations("noise_damping", evaluations.noise_damping);
+  report.set_evaluations("density_source", evaluations.density_source);
+  report.set_evaluations("shifting", evaluations.shifting);
+  report.set_evaluations("moving_walls", evaluations.moving_walls);
+  report.set_evaluations("structure_surface", evaluations.structure_surface);
+  const StepTiming& timing = fluid.timing();
+  report.timing("compute.neighbours") = timing.neighbours;
+  report.timing("compute.boundary") = timing.boundary;
+  report.timing("compute.assembly") = timing.assembly;
+  report.timing("compute.pressure_solve") = timing.pressure_solve;
+  report.timing("compute.correction") = timing.correction;
+}
+
+#define TERN_INSTANTIATE(D)                                           \
+  template GaugeValues gauge_values<D>(const Fluid<D>&, const Case&); \
+  template std::vector<double> energy_values<D>(const Fluid<D>&);     \
+  template void write_frame<D>(const Fluid<D>&, FrameWriter&, long);  \
+  template class Measures<D>;
+TERN_INSTANTIATE(2)
+TERN_INSTANTIATE(3)
+#undef TERN_INSTANTIATE
+
+}  // namespace tern::fluid

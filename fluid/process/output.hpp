@@ -1,0 +1,36 @@
+#pragma once
+// What the fluid process reports: gauges, energies, frames, measures.
+
+#include "fluid/fluid.hpp"
+#include "run/frame_writer.hpp"
+#include "run/run_report.hpp"
+#include "scene/gauges.hpp"
+
+namespace tern::fluid {
+
+template <int D>
+GaugeValues gauge_values(const Fluid<D>& fluid, const Case& scene);
+
+template <int D>
+std::vector<double> energy_values(const Fluid<D>& fluid);
+
+/// Appends the present state, particles in the order of their labels.
+template <int D>
+void write_frame(const Fluid<D>& fluid, FrameWriter& frames, long step);
+
+/// Follows a run for its report.
+template <int D>
+class Measures {
+ public:
+  /// After each window.
+  void add(const Fluid<D>& fluid);
+  void report(const Fluid<D>& fluid, RunReport& report) const;
+
+ private:
+  long steps_ = 0, iterations_ = 0;
+  int most_iterations_ = 0;
+  double largest_drift_ = 0, largest_speed_ = 0;
+  Vector<3> first_angular_momentum_ = Vector<3>::Zero();
+};
+
+}  // namespace tern::fluid

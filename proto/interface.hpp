@@ -1,0 +1,88 @@
+#pragma once
+// What crosses the fluid-structure interface. Surface points belong to the structure, band particles to the fluid;
+// neither side learns anything else about the other. All arrays of one struct have the same length.
+
+#include <cstdint>
+#include <vector>
+
+#include "base/vector.hpp"
+
+namespace tern {
+
+/// Constant properties of the structure's surface points, sent once in the handshake.
+struct SurfaceProperties {
+  std::vector<std::uint32_t> body;   ///< index of the elastic body
+  std::vector<double> section_mass;  ///< mass per area behind the point shared by its wet faces, rho T / N_wet [kg/m^2]
+  std::vector<double> impedance;     ///< rho c_p of the material [kg/(m^2 s)]; times the window length it bounds the responding mass
+  std::vector<double> least_mass;    ///< rho dx_s, mass per area of one particle layer [kg/m^2]
+};
+
+/// Structure surface under the old load (trial state): where it is at the middle of a window, and its velocity at the end.
+/// Positions lie on the true face.
+template <int D>
+struct Surface {
+  std::vector<Vector<D>> position;  ///< x [m]
+  std::vector<Vector<D>> velocity;  ///< end-of-window velocity u [m/s]
+  std::vector<Vector<D>> normal;    ///< unit, pointing out of the structure into the fluid
+  std::vector<double> area;         ///< current area [m^(D-1)]
+};
+
+/// Fluid particles within the kernel support of the interface, at their predicted positions.
+template <int D>
+struct Band {
+  std::vector<std::uint32_t> id;    ///< particle label, stable over the run
+  std::vector<Vector<D>> position;  ///< predicted position r* [m]
+  std::vector<Vector<D>> velocity;  ///< predicted velocity u* [m/s]
+  std::vector<double> mass;         ///< [kg/m^(3-D)]
+  std::vector<double> volume;       ///< [m^D]
+  std::vector<double> divergence;   ///< div u* over all phases [1/s], for the velocity-divergence-error-mitigating term; empty without it
+
+  /// Mirror images of band particles behind the walls they stand at, where a face of the structure sees them: the fluid
+  /// beyond a wall that a face meets, which loads that face as well. Both of one length, which is not that of the others.
+  std::vector<std::uint32_t> image_of;    ///< index of the band particle
+  std::vector<Vector<D>> image_position;  ///< [m]
+
+  /// Surface points that look into a wall of the fluid instead of into room for it; ascending. Only those at walls need be named.
+  std::vector<std::uint32_t> covered;
+};
+
+/// What the fluid is told before its pressure solve: forces that are already known, and how the surface moves and yields.
+template <int D>
+struct DissipativeLoad {
+  std::vector<Vector<D>> force;            ///< on each band particle [N/m^(3-D)]
+  std::vector<double> reference_pressure;  ///< p-hat on each surface point [Pa], under which the trial state already moves
+  std::vector<double> robin_mass;          ///< m_p on each surface point [kg/m^2]; 0: it does not yield
+  /// Velocity of each surface point under the load that is tried now [m/s]; empty: as in Surface.
+  std::vector<Vector<D>> surface_velocity;
+  bool repeats = false;  ///< the same window may be asked for once more
+};
+
+/// The band after a pressure solve.
+template <int D>
+struct BandPressure {
+  std::vector<double> pressure;     ///< p [Pa]
+  std::vector<Vector<D>> velocity;  ///< velocity after all forces but the interface pressure [m/s]
+};
+
+/// Force of the whole interface on the band particles, dissipative part excluded (it was applied before) [N/m^(3-D)].
+template <int D>
+struct BandForce {
+  std::vector<Vector<D>> force;
+};
+
+/// Where all fluid is at the end of a window. A surface that stays farther than `reach` from every particle is without any
+/// influence on the fluid, and feels nothing of it.
+template <int D>
+struct FluidExtent {
+  Vector<D> low, high;       ///< corners of a box around all particles [m]
+  double largest_speed = 0;  ///< [m/s]
+  double reach = 0;          ///< [m]
+};
+
+/// Force on each surface point, constant over the window [N/m^(3-D)].
+template <int D>
+struct SurfaceLoad {
+  std::vector<Vector<D>> force;
+};
+
+}  // namespace tern

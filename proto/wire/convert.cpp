@@ -1,0 +1,196 @@
+// Conversions between proto/interface.hpp and the wire schema: the same doubles in the same order, nothing else.
+
+#include "proto/wire/convert.hpp"
+
+#include <cassert>
+#include <cstring>
+
+namespace tern::proto {
+namespace {
+
+using Doubles = google::protobuf::RepeatedField<double>;
+
+template <int D>
+void put(Doubles* field, const std::vector<Vector<D>>& vectors) {
+  static_assert(sizeof(Vector<D>) == D * sizeof(double), "vectors are contiguous doubles");
+  if (vectors.empty()) return field->Clear();
+  const double* begin = vectors.data()->data();
+  field->Assign(begin, begin + D * vectors.size());
+}
+
+void put(Doubles* field, const std::vector<double>& scalars) { field->Assign(scalars.begin(), scalars.end()); }
+
+template <int D>
+std::vector<Vector<D>> get_vectors(const Doubles& field) {
+  assert(field.size() % D == 0);
+  std::vector<Vector<D>> vectors(static_cast<std::size_t>(field.size() / D));
+  if (!vectors.empty()) std::memcpy(vectors.data()->data(), field.data(), vectors.size() * sizeof(Vector<D>));
+  return vectors;
+}
+
+template <class T>
+std::vector<T> get(const google::protobuf::RepeatedField<T>& field) {
+  return {field.data(), field.data() + field.size()};
+}
+
+}  // namespace
+
+wire::SurfaceProperties to_wire(const SurfaceProperties& properties) {
+  wire::SurfaceProperties message;
+  message.mutable_body()->Assign(properties.body.begin(), properties.body.end());
+  put(message.mutable_section_mass(), properties.section_mass);
+  put(message.mutable_impedance(), properties.impedance);
+  put(message.mutable_least_mass(), properties.least_mass);
+  return message;
+}
+
+SurfaceProperties from_wire(const wire::SurfaceProperties& message) {
+  return {get(message.body()), get(message.section_mass()), get(message.impedance()), get(message.least_mass())};
+}
+
+template <int D>
+wire::Surface to_wire(const Surface<D>& surface) {
+  wire::Surface message;
+  put<D>(message.mutable_position(), surface.position);
+  put<D>(message.mutable_velocity(), surface.velocity);
+  put<D>(message.mutable_normal(), surface.normal);
+  put(message.mutable_area(), surface.area);
+  return message;
+}
+
+template <int D>
+Surface<D> from_wire(const wire::Surface& message) {
+  return {get_vectors<D>(message.position()), get_vectors<D>(message.velocity()), get_vectors<D>(message.normal()), get(message.area())};
+}
+
+template <int D>
+wire::Band to_wire(const Band<D>& band) {
+  wire::Band message;
+  message.mutable_id()->Assign(band.id.begin(), band.id.end());
+  put<D>(message.mutable_position(), band.position);
+  put<D>(message.mutable_velocity(), band.velocity);
+  put(message.mutable_mass(), band.mass);
+  put(message.mutable_volume(), band.volume);
+  put(message.mutable_divergence(), band.divergence);
+  message.mutable_image_of()->Assign(band.image_of.begin(), band.image_of.end());
+  put<D>(message.mutable_image_position(), band.image_position);
+  message.mutable_covered()->Assign(band.covered.begin(), band.covered.end());
+  return message;
+}
+
+template <int D>
+Band<D> from_wire(const wire::Band& message) {
+  return {get(message.id()),
+          get_vectors<D>(message.position()),
+          get_vectors<D>(message.velocity()),
+          get(message.mass()),
+          get(message.volume()),
+          get(message.divergence()),
+          get(message.image_of()),
+          get_vectors<D>(message.image_position()),
+          get(message.covered())};
+}
+
+template <int D>
+wire::DissipativeLoad to_wire(const DissipativeLoad<D>& load) {
+  wire::DissipativeLoad message;
+  put<D>(message.mutable_force(), load.force);
+  put(message.mutable_reference_pressure(), load.reference_pressure);
+  put(message.mutable_robin_mass(), load.robin_mass);
+  put<D>(message.mutable_surface_velocity(), load.surface_velocity);
+  message.set_repeats(load.repeats);
+  return message;
+}
+
+template <int D>
+DissipativeLoad<D> from_wire(const wire::DissipativeLoad& message) {
+  return {get_vectors<D>(message.force()), get(message.reference_pressure()), get(message.robin_mass()),
+          get_vectors<D>(message.surface_velocity()), message.repeats()};
+}
+
+template <int D>
+wire::BandPressure to_wire(const BandPressure<D>& pressure) {
+  wire::BandPressure message;
+  put(message.mutable_pressure(), pressure.pressure);
+  put<D>(message.mutable_velocity(), pressure.velocity);
+  return message;
+}
+
+template <int D>
+BandPressure<D> from_wire(const wire::BandPressure& message) {
+  return {get(message.pressure()), get_vectors<D>(message.velocity())};
+}
+
+template <int D>
+wire::BandForce to_wire(const BandForce<D>& force) {
+  wire::BandForce message;
+  put<D>(message.mutable_force(), force.force);
+  return message;
+}
+
+template <int D>
+BandForce<D> from_wire(const wire::BandForce& message) {
+  return {get_vectors<D>(message.force())};
+}
+
+template <int D>
+wire::SurfaceLoad to_wire(const SurfaceLoad<D>& load) {
+  wire::SurfaceLoad message;
+  put<D>(message.mutable_force(), load.force);
+  return message;
+}
+
+template <int D>
+SurfaceLoad<D> from_wire(const wire::SurfaceLoad& message) {
+  return {get_vectors<D>(message.force())};
+}
+
+template <int D>
+wire::SurfaceVelocity to_wire(const std::vector<Vector<D>>& velocity) {
+  wire::SurfaceVelocity message;
+  put<D>(message.mutable_velocity(), velocity);
+  return message;
+}
+
+template <int D>
+std::vector<Vector<D>> from_wire(const wire::SurfaceVelocity& message) {
+  return get_vectors<D>(message.velocity());
+}
+
+template <int D>
+wire::Extent to_wire(const FluidExtent<D>& extent) {
+  wire::Extent message;
+  put<D>(message.mutable_low(), {extent.low});
+  put<D>(message.mutable_high(), {extent.high});
+  message.set_largest_speed(extent.largest_speed);
+  message.set_reach(extent.reach);
+  return message;
+}
+
+template <int D>
+FluidExtent<D> from_wire(const wire::Extent& message) {
+  return {get_vectors<D>(message.low()).at(0), get_vectors<D>(message.high()).at(0), message.largest_speed(), message.reach()};
+}
+
+#define TERN_INSTANTIATE(D)                                                   \
+  template wire::Surface to_wire<D>(const Surface<D>&);                       \
+  template wire::Band to_wire<D>(const Band<D>&);                             \
+  template wire::DissipativeLoad to_wire<D>(const DissipativeLoad<D>&);       \
+  template wire::BandPressure to_wire<D>(const BandPressure<D>&);             \
+  template wire::BandForce to_wire<D>(const BandForce<D>&);                   \
+  template wire::SurfaceLoad to_wire<D>(const SurfaceLoad<D>&);               \
+  template wire::SurfaceVelocity to_wire<D>(const std::vector<Vector<D>>&);   \
+  template std::vector<Vector<D>> from_wire<D>(const wire::SurfaceVelocity&); \
+  template wire::Extent to_wire<D>(const FluidExtent<D>&);                    \
+  template FluidExtent<D> from_wire<D>(const wire::Extent&);                  \
+  template Surface<D> from_wire<D>(const wire::Surface&);                     \
+  template Band<D> from_wire<D>(const wire::Band&);                           \
+  template DissipativeLoad<D> from_wire<D>(const wire::DissipativeLoad&);     \
+  template BandPressure<D> from_wire<D>(const wire::BandPressure&);           \
+  template BandForce<D> from_wire<D>(const wire::BandForce&);                 \
+  template SurfaceLoad<D> from_wire<D>(const wire::SurfaceLoad&);
+TERN_INSTANTIATE(2)
+TERN_INSTANTIATE(3)
+#undef TERN_INSTANTIATE
+
+}  // namespace tern::proto

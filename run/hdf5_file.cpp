@@ -1,0 +1,104 @@
+// HDF5 handles that close themselves and errors that are sentences.
+
+#include "run/hdf5_file.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+#include "base/error.hpp"
+
+namespace tern {
+
+namespace {
+
+// The root group of a new file with room for the names of its first frames, so that naming one allocates nothing.
+hid_t create_file(const std::string& path, hid_t access) {
+  constexpr unsigned entries_per_leaf = 512;
+  constexpr std::size_t bytes_per_name = 16;
+  const Hdf5Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+  H5Pset_sym_k(creation.id(), 0, entries_per_leaf / 2);
+  H5Pset_local_heap_size_hint(creation.id(), entries_per_leaf * bytes_per_name);
+  return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access);
+}
+
+hid_t open_file(const std::string& path, Hdf5File::Mode mode) {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // our sentence instead of the library's stack on stderr
+  const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  // A viewer that has the file open for reading must not stop the run.
+  H5Pset_file_locking(access.id(), false, true);
+  errno = 0;
+  return mode == Hdf5File::Mode::create ? create_file(path, access.id()) : H5Fopen(path.c_str(), H5F_ACC_RDWR, access.id());
+}
+
+}  // namespace
+
+Hdf5File::Hdf5File(std::string path, Mode mode) : path_(std::move(path)), file_(open_file(path_, mode), H5Fclose) {
+  if (file_.id() < 0) fail(mode == Mode::create ? "create" : "open");
+}
+
+void Hdf5File::fail(const std::string& what) const {
+  const std::string reason = errno != 0 ? std::strerror(errno) : "HDF5 refused it";
+  throw InputOutputError(
+      fmt::format("Cannot {} {}: {}; free space or choose another --out (frames written before are kept).", what, path_, reason));
+}
+
+Hdf5Handle Hdf5File::checked(hid_t id, Hdf5Handle::Close closer, const std::string& what) const {
+  if (id < 0) fail(what);
+  return Hdf5Handle(id, closer);
+}
+
+Hdf5Handle Hdf5File::create_group() {
+  // Tracking the order makes HDF5 keep the links in the group's header: no separate tree and heap per frame.
+  const Hdf5Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
+  H5Pset_link_creation_order(creation.id(), H5P_CRT_ORDER_TRACKED);
+  H5Pset_link_phase_change(creation.id(), 64, 32);
+  return checked(H5Gcreate_anon(file_.id(), creation.id(), H5P_DEFAULT), H5Gclose, "write a group to");
+}
+
+void Hdf5File::link(const Hdf5Handle& group, const std::string& name) {
+  if (H5Fflush(file_.id(), H5F_SCOPE_LOCAL) < 0) fail("flush " + name + " to");
+  if (H5Olink(group.id(), file_.id(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT) < 0) fail("link " + name + " in");
+}
+
+void Hdf5File::write_dataset(const Hdf5Handle& group, const std::string& name, const std::string& unit, hid_t type, const void* values,
+                             std::size_t rows, std::size_t columns) {
+  const std::string what = "write dataset " + name + " to";
+  const std::array<hsize_t, 2> extent{rows, columns};
+  const Hdf5Handle space = checked(H5Screate_simple(columns > 0 ? 2 : 1, extent.data(), nullptr), H5Sclose, what);
+  Hdf5Handle dataset =
+      checked(H5Dcreate2(group.id(), name.c_str(), type, space.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose, what);
+  if (H5Dwrite(dataset.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) fail(what);
+  if (!unit.empty()) write_attribute(dataset, "unit", unit);
+  if (!dataset.close()) fail(what);
+}
+
+void Hdf5File::write_attribute(const Hdf5Handle& object, const std::string& name, hid_t type, const void* value) {
+  const std::string what = "write attribute " + name + " to";
+  const Hdf5Handle space = checked(H5Screate(H5S_SCALAR), H5Sclose, what);
+  const Hdf5Handle attribute = checked(H5Acreate2(object.id(), name.c_str(), type, space.id(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose, what);
+  if (H5Awrite(attribute.id(), type, value) < 0) fail(what);
+}
+
+void Hdf5File::write_attribute(const Hdf5Handle& object, const std::string& name, double value) {
+  write_attribute(object, name, H5T_NATIVE_DOUBLE, &value);
+}
+
+void Hdf5File::write_attribute(const Hdf5Handle& object, const std::string& name, long value) {
+  write_attribute(object, name, H5T_NATIVE_LONG, &value);
+}
+
+void Hdf5File::write_attribute(const Hdf5Handle& object, const std::string& name, const std::string& text) {
+  const Hdf5Handle type = checked(H5Tcopy(H5T_C_S1), H5Tclose, "write attribute " + name + " to");
+  H5Tset_size(type.id(), text.size());
+  H5Tset_cset(type.id(), H5T_CSET_UTF8);
+  write_attribute(object, name, type.id(), text.data());
+}
+
+void Hdf5File::close() {
+  if (H5Fflush(file_.id(), H5F_SCOPE_LOCAL) < 0 || !file_.close()) fail("finish");
+}
+
+}  // namespace tern

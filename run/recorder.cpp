@@ -1,0 +1,57 @@
+#include "run/recorder.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tern {
+namespace {
+
+std::vector<std::string> with_time(std::vector<std::string> columns) {
+  columns.insert(columns.begin(), "t_s");
+  return columns;
+}
+
+}  // namespace
+
+void RowSchedule::written(Ticks now) {
+  if (interval_ > 0) next_ = interval_ * (std::floor(seconds(now) / interval_ * (1 + 1e-12)) + 1);
+}
+
+Recorder::Recorder(const std::string& directory, std::vector<std::string> gauge_columns, std::vector<std::string> energy_columns,
+                   double gauge_interval)
+    : gauges_(directory + "/gauges.csv", with_time(std::move(gauge_columns))),
+      energy_(directory + "/energy.csv", with_time(std::move(energy_columns))),
+      steps_(directory + "/steps.csv", {"t_s", "dt_s", "limit", "pressure_iterations", "wall_ms"}),
+      rows_(gauge_interval) {}
+
+void Recorder::account(Ticks now, const GaugeValues& gauges, const std::vector<double>& energies) {
+  if (!rows_.due(now)) return;
+  rows_.written(now);
+  const double t = seconds(now);
+  GaugeValues row{t};
+  row.insert(row.end(), gauges.begin(), gauges.end());
+  gauges_.row(row);
+  std::vector<double> account{t};
+  account.insert(account.end(), energies.begin(), energies.end());
+  energy_.row(account);
+}
+
+void Recorder::step(Ticks now, Ticks duration, const std::string& limit, int iterations, double wall_seconds) {
+  steps_.row({seconds(now), seconds(duration), limit, iterations >= 0 ? Cell(iterations) : Cell(), 1e3 * wall_seconds});
+}
+
+void Recorder::flush() {
+  gauges_.flush();
+  energy_.flush();
+  steps_.flush();
+}
+
+Ticks FrameSchedule::next(Ticks now) const {
+  if (interval_ <= 0) return end_;
+  const auto index = static_cast<Ticks>(std::floor(seconds(now) / interval_ * (1 + 1e-12))) + 1;
+  Ticks due = to_ticks(static_cast<double>(index) * interval_);
+  if (due <= now) due = to_ticks(static_cast<double>(index + 1) * interval_);
+  return std::min(due, end_);
+}
+
+}  // namespace tern

@@ -1,0 +1,62 @@
+#pragma once
+// The tables of a run (gauges.csv, energy.csv, steps.csv), written by the process that sees all accounts: the coupler, or
+// the only process there is.
+
+#include <string>
+#include <vector>
+
+#include "base/time.hpp"
+#include "run/step_control.hpp"
+#include "run/table_writer.hpp"
+#include "scene/gauges.hpp"
+
+namespace tern {
+
+/// Instants at which rows are due: the first at or after every multiple of the interval [s]; 0 = every instant.
+class RowSchedule {
+ public:
+  explicit RowSchedule(double interval) : interval_(interval) {}
+  bool due(Ticks now) const { return seconds(now) >= next_; }
+  /// A row has been written at `now`.
+  void written(Ticks now);
+
+ private:
+  double interval_;
+  double next_ = 0;
+};
+
+class Recorder {
+ public:
+  /// Creates the three files in `directory`; gauge_interval [s], 0 = every step.
+  Recorder(const std::string& directory, std::vector<std::string> gauge_columns, std::vector<std::string> energy_columns,
+           double gauge_interval);
+
+  /// True when account() would write a row at `now`; no need to evaluate gauges otherwise.
+  bool due(Ticks now) const { return rows_.due(now); }
+
+  /// Values at time `now`, written when a row is due.
+  void account(Ticks now, const GaugeValues& gauges, const std::vector<double>& energies);
+
+  /// One step that has just been completed. `iterations` < 0: no pressure solve.
+  void step(Ticks now, Ticks duration, const std::string& limit, int iterations, double wall_seconds);
+
+  void flush();
+
+ private:
+  TableWriter gauges_, energy_, steps_;
+  RowSchedule rows_;
+};
+
+/// Times at which frames are due: every interval from 0 and the end.
+class FrameSchedule {
+ public:
+  FrameSchedule(double interval, Ticks end) : interval_(interval), end_(end) {}
+  /// The next instant after `now` that a window must end at.
+  Ticks next(Ticks now) const;
+
+ private:
+  double interval_;
+  Ticks end_;
+};
+
+}  // namespace tern

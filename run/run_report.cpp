@@ -1,0 +1,126 @@
+// The JSON report of one process.
+
+#include "run/run_report.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "base/version.hpp"
+#include "run/atomic_file.hpp"
+
+namespace tern {
+
+namespace {
+
+constexpr double write_interval_s = 2.0;
+
+std::string build_description() {
+#ifdef __OPTIMIZE__
+  const char* optimisation = "optimised";
+#else
+  const char* optimisation = "not optimised";
+#endif
+#ifdef NDEBUG
+  const char* assertions = "assertions off";
+#else
+  const char* assertions = "assertions on";
+#endif
+  return fmt::format("g++ {}, {}, {}", __VERSION__, optimisation, assertions);
+}
+
+double unix_seconds() { return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count(); }
+
+}  // namespace
+
+RunReport::RunReport(std::string out_dir, std::string role, int threads)
+    : path_(std::move(out_dir) + "/report." + role + ".json"), role_(std::move(role)), threads_(threads) {
+  for (const char* name : {"compute", "wait", "exchange", "output"}) timing_[name] = 0;
+}
+
+void RunReport::set_case(const Case& scene, const CaseOptions& options) {
+  case_name_ = scene.name;
+  case_path_ = scene.path;
+  case_hash_ = scene.hash;
+  settings_ = scene.settings;
+  end_time_s_ = scene.end_time;
+  preset_ = options.preset;
+  overrides_.clear();
+  for (const auto& [key, value] : options.overrides) overrides_.push_back(key + "=" + value);
+}
+
+void RunReport::set_time(double time_s, long steps) {
+  time_s_ = time_s;
+  steps_ = steps;
+}
+
+void RunReport::set_measure(const std::string& name, double value) {
+  if (!std::isfinite(value))
+    throw NumericalFailure(fmt::format("The measure {} of the {} process is {} at step {}, t = {:.9g} s; the computation has diverged.",
+                                       name, role_, value, steps_, time_s_));
+  measures_[name] = value;
+}
+
+void RunReport::set_count(const std::string& name, long value) { counts_[name] = value; }
+void RunReport::set_evaluations(const std::string& term, long count) { evaluations_[term] = count; }
+
+double& RunReport::timing(const std::string& name) { return timing_[name]; }
+
+void RunReport::set_failure(ExitCode code, const std::string& cause) {
+  if (exit_code_ != 0) return;
+  status_ = code == ExitCode::interrupted ? "interrupted" : "failed";
+  exit_code_ = static_cast<int>(code);
+  cause_ = cause;
+  cause_time_ = unix_seconds();
+}
+
+void RunReport::set_done() {
+  if (exit_code_ == 0) status_ = "done";
+}
+
+void RunReport::write() {
+  write_atomically(path_, json());
+  since_write_.restart();
+}
+
+void RunReport::update() {
+  if (since_write_.seconds() >= write_interval_s) write();
+}
+
+std::string RunReport::json() const {
+  using Json = nlohmann::ordered_json;
+  Json settings = Json::parse(settings_, nullptr, false);
+  if (settings.is_discarded()) settings = settings_;
+  Json report = {{"role", role_},
+                 {"status", status_},
+                 {"exit_code", exit_code_},
+                 {"process_id", ::getpid()},
+                 {"cause", cause_},
+                 {"cause_time", cause_time_},
+                 {"case", case_name_},
+                 {"case_path", case_path_},
+                 {"case_hash", case_hash_},
+                 {"preset", preset_},
+                 {"overrides", overrides_},
+                 {"settings", std::move(settings)},
+                 {"version", program_version},
+                 {"git", git_hash},
+                 {"build", build_description()},
+                 {"threads", threads_},
+                 {"wall_s", wall_.seconds()},
+                 {"cpu_s", cpu_seconds()},
+                 {"steps", steps_},
+                 {"time_s", time_s_},
+                 {"end_time_s", end_time_s_},
+                 {"timing_s", timing_},
+                 {"measures", measures_},
+                 {"counts", counts_},
+                 {"evaluations", evaluations_}};
+  // A path or a cause may hold bytes that are not UTF-8; a report with a replaced letter is better than none.
+  return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace tern

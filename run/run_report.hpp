@@ -1,0 +1,67 @@
+#pragma once
+// What one process reports about its run: DIR/report.<role>.json, rewritten while it runs and at the end.
+// The launcher merges the reports of all processes into run.json.
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/timing.hpp"
+#include "scene/case_file.hpp"
+
+namespace tern {
+
+class RunReport {
+ public:
+  /// `role` is "fluid", "structure" or "coupler". Writes nothing yet.
+  RunReport(std::string out_dir, std::string role, int threads);
+
+  /// Records name, hash, settings and end time of the case and the overrides that led to them.
+  void set_case(const Case& scene, const CaseOptions& options);
+
+  /// Where the run is: simulated time [s] and number of completed steps.
+  void set_time(double time_s, long steps);
+  long steps() const { return steps_; }
+  double time_s() const { return time_s_; }
+
+  /// Results by name, replaced on every call. Throws NumericalFailure naming the measure if not finite.
+  void set_measure(const std::string& name, double value);
+  void set_count(const std::string& name, long value);
+  /// How often a term of the model was evaluated since the begin (docs/ARCHITECTURE.md); 0 where the case leaves it out.
+  void set_evaluations(const std::string& term, long count);
+
+  /// Accumulated wall seconds of a part of the run. The reference stays valid for the life of the report: look it up
+  /// once, add with ScopedTimer. Names compute, wait, exchange and output exist from the start.
+  double& timing(const std::string& name);
+  void add_time(const std::string& name, double seconds) { timing(name) += seconds; }
+
+  /// First cause of the end; later calls change nothing.
+  void set_failure(ExitCode code, const std::string& cause);
+  /// Status "done", unless a failure was set.
+  void set_done();
+
+  /// Writes the file atomically. Throws InputOutputError.
+  void write();
+  /// Writes if the last write is 2 s old; cheap enough for every step.
+  void update();
+
+  /// The report as JSON text, as written.
+  std::string json() const;
+
+ private:
+  std::string path_, role_;
+  int threads_;
+  std::string status_ = "running", cause_;
+  int exit_code_ = 0;
+  double cause_time_ = 0;
+  std::string case_name_, case_path_, case_hash_, settings_ = "{}", preset_;
+  std::vector<std::string> overrides_;
+  double time_s_ = 0, end_time_s_ = 0;
+  long steps_ = 0;
+  std::map<std::string, double> timing_, measures_;
+  std::map<std::string, long> counts_, evaluations_;
+  Stopwatch wall_, since_write_;
+};
+
+}  // namespace tern

@@ -1,0 +1,33 @@
+#include "run/step_control.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tern {
+namespace {
+
+constexpr double largest_growth = 1.1;   ///< per step
+constexpr double largest_stretch = 1.1;  ///< of a proposal, to meet a time
+constexpr int steps_ahead = 10;          ///< a time this near is met by equal steps
+
+}  // namespace
+
+Ticks StepControl::next(double proposed_seconds, Ticks now, Ticks target) {
+  double step = proposed_seconds;
+  if (previous_ > 0) step = std::min(step, largest_growth * previous_);
+  const double remaining = seconds(target - now);
+  const double count = std::max(1.0, std::ceil(remaining / (largest_stretch * step)));
+  Ticks ticks;
+  if (count <= 1) {
+    ticks = target - now;
+  } else if (count <= steps_ahead) {
+    ticks = to_ticks(remaining / count);
+  } else {
+    ticks = to_ticks(step);
+  }
+  ticks = std::clamp<Ticks>(ticks, 1, target - now);
+  previous_ = seconds(ticks);
+  return ticks;
+}
+
+}  // namespace tern

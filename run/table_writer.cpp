@@ -1,0 +1,120 @@
+// CSV rows to a file, whole lines only.
+
+#include "run/table_writer.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cassert>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+
+#include "base/error.hpp"
+#include "base/log.hpp"
+
+namespace tern {
+
+namespace {
+
+constexpr double flush_interval_s = 0.5;
+constexpr std::size_t flush_bytes = 1 << 20;
+
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string result(1, '"');
+  for (const char c : text) result.append(c == '"' ? 2 : 1, c);
+  result += '"';
+  return result;
+}
+
+std::string number_text(const Cell& cell) {
+  return cell.is_integer() ? fmt::format("{:.0f}", *cell.number()) : fmt::format("{:.9g}", *cell.number());
+}
+
+}  // namespace
+
+TableWriter::TableWriter(std::string path, std::vector<std::string> columns) : path_(std::move(path)), columns_(std::move(columns)) {
+  descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) throw InputOutputError(fmt::format("Cannot create {}: {}; choose another --out.", path_, std::strerror(errno)));
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (c) pending_ += ',';
+    pending_ += quoted(columns_[c]);
+  }
+  pending_ += '\n';
+  try {
+    flush();
+  } catch (...) {
+    ::close(descriptor_);
+    throw;
+  }
+}
+
+TableWriter::~TableWriter() {
+  try {
+    close();
+  } catch (const Error& error) {
+    log_warning(error.what());
+  }
+}
+
+void TableWriter::row(std::span<const Cell> cells) {
+  assert(cells.size() == columns_.size());
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const auto& number = cells[c].number();
+    if (number && !std::isfinite(*number))
+      throw NumericalFailure(fmt::format("Column {} of {} is {} at t = {} s; the computation has diverged before this time.", columns_[c],
+                                         path_, *number,
+                                         cells[0].number() ? fmt::format("{:.9g}", *cells[0].number()) : std::string("unknown")));
+  }
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    if (c) pending_ += ',';
+    pending_ += cells[c].number() ? number_text(cells[c]) : quoted(cells[c].text());
+  }
+  pending_ += '\n';
+  if (since_flush_.seconds() > flush_interval_s || pending_.size() > flush_bytes) flush();
+}
+
+void TableWriter::row(std::span<const std::optional<double>> values) {
+  const std::vector<Cell> cells(values.begin(), values.end());
+  row(std::span<const Cell>(cells));
+}
+
+void TableWriter::row(std::span<const double> values) {
+  const std::vector<Cell> cells(values.begin(), values.end());
+  row(std::span<const Cell>(cells));
+}
+
+void TableWriter::flush() {
+  std::size_t done = 0;
+  while (done < pending_.size()) {
+    const ssize_t written = ::write(descriptor_, pending_.data() + done, pending_.size() - done);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) {
+      const int reason = errno;
+      pending_.erase(0, done);  // what reached the file is not written a second time
+      throw InputOutputError(fmt::format("Cannot write {}: {}; free space or choose another --out.", path_, std::strerror(reason)));
+    }
+    done += static_cast<std::size_t>(written);
+  }
+  pending_.clear();
+  since_flush_.restart();
+}
+
+void TableWriter::close() {
+  if (descriptor_ < 0) return;
+  try {
+    flush();
+  } catch (...) {
+    ::close(descriptor_);
+    descriptor_ = -1;
+    throw;
+  }
+  const int result = ::close(descriptor_);
+  descriptor_ = -1;
+  if (result != 0)
+    throw InputOutputError(fmt::format("Cannot finish {}: {}; free space or choose another --out.", path_, std::strerror(errno)));
+}
+
+}  // namespace tern

@@ -1,0 +1,191 @@
+#pragma once
+// The case file: one TOML file per scene, read by all three processes. Absent table = absent model.
+// docs/PARAMETERS.md is generated from the table in parameter_table.cpp that also validates.
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scene/expression.hpp"
+#include "scene/geometry.hpp"
+#include "scene/rigid_motion.hpp"
+
+namespace tern {
+
+enum class GradientForm { sum, blend };  ///< pairwise sum form, or corrected interior blended with it
+/// Explicit; predict-project-correct; the same, repeated until both sides agree; cm3 for light bodies, else cm2.
+enum class CouplingAlgorithm { cm0, cm2, cm3, automatic };
+enum class Acceleration { iqn_ils, aitken };  ///< of the repetitions of cm3
+enum class Integrator { explicit_steps, implicit_steps, automatic };
+enum class MaterialLaw { neo_hookean, st_venant_kirchhoff };
+enum class InterfaceScheme { fsa, pi, riemann };  ///< corrected gradient, surface integral of the pressure, pairs with dissipation
+enum class VemForm { seed, sum, pairmax };        ///< which of the two pressures of a pair pull
+
+/// Rigid walls. A container holds the fluid inside its shape; an obstacle is solid itself.
+struct WallCase {
+  std::string name;
+  bool container = false;
+  Shape shape;
+  bool slip = false;                  ///< frictionless although the fluid is viscous
+  std::vector<std::string> open;      ///< box container only: faces left out, of "x_min" "x_max" "y_min" "y_max" "z_min" "z_max"
+  std::optional<RigidMotion> motion;  ///< absent for a fixed wall
+};
+
+struct FluidBody {
+  Shape shape;
+  VectorExpression velocity;  ///< initial velocity [m/s] in x, y, z
+};
+
+struct FluidNumerics {
+  double smoothing_length_ratio = 1.5;  ///< h/dx
+  GradientForm gradient = GradientForm::blend;
+  double blend_theta = 0.5;          ///< weight of the self-regularising part of the blended gradient
+  double density_relaxation = 0.02;  ///< gamma of the density source
+  double shifting = 0.5;             ///< coefficient of the particle shifting; 0 = off
+  double noise_damping = 0.2;        ///< chi of the damping of particle-scale velocity noise; 0 = off
+  double courant = 0.15;             ///< dx/|u|max fraction
+  double gravity_courant = 0.1;      ///< sqrt(dx/|g|) fraction
+  double viscous_courant = 0.125;    ///< h^2/nu fraction
+  double contact_distance = 0.25;    ///< in dx; closer than this no particle approaches a face
+  double pressure_tolerance = 1e-6;  ///< relative residual of the pressure solve
+};
+
+struct FluidCase {
+  double density = 0;               ///< [kg/m^3]
+  double spacing = 0;               ///< dx [m]
+  std::optional<double> viscosity;  ///< dynamic [Pa s]; absent = inviscid, not evaluated
+  std::vector<FluidBody> bodies;
+  FluidNumerics numerics;
+};
+
+struct StructureBody {
+  std::string name;
+  Shape shape;
+  double spacing = 0;        ///< dx_s [m]
+  double density = 0;        ///< rho_0 [kg/m^3]
+  double young_modulus = 0;  ///< [Pa]
+  double poisson_ratio = 0;  ///< [-]
+  MaterialLaw law = MaterialLaw::neo_hookean;
+  bool plane_stress = false;  ///< 2D: plane stress instead of plane strain
+  double mass_damping = 0;    ///< [1/s]; 0 = not evaluated
+  std::vector<Shape> clamps;  ///< particles inside are clamped; regions of the named clamps included
+  VectorExpression velocity;  ///< initial velocity [m/s] in x, y, z
+};
+
+/// Length of the patches of a body's surface: its spacing, or a whole part of it where the fluid's particles are smaller, to which
+/// the face is too coarse otherwise [m].
+inline double patch_length(double spacing, const std::optional<FluidCase>& fluid) {
+  return fluid && spacing > fluid->spacing ? spacing / std::ceil(spacing / fluid->spacing * (1 - 1e-9)) : spacing;
+}
+
+/// A clamp with a name: it can move, and its reaction can be measured.
+struct ClampCase {
+  std::string name;
+  std::string body;
+  Shape region;
+  std::optional<RigidMotion> motion;  ///< absent for a fixed clamp
+};
+
+/// What acts on a body from outside, by expressions in t and the place in the undeformed body.
+struct LoadCase {
+  enum class Kind {
+    traction,   ///< force per undeformed area, of constant direction [Pa]
+    pressure,   ///< against the normal of the present surface [Pa]
+    body_force  ///< force per undeformed volume [N/m^3]
+  };
+  Kind kind = Kind::traction;
+  std::string name;
+  std::string body;
+  std::optional<Shape> region;  ///< part of the undeformed body; absent = all of its surface (volume)
+  VectorExpression value;       ///< of a pressure: the first entry
+};
+
+struct StructureNumerics {
+  double smoothing_length_ratio = 1.1;  ///< h0/dx_s
+  double riemann_diffusion = 1.0;       ///< chi of the complete-Riemann diffusion; 0 = off
+  double hourglass_penalty = 0;         ///< alpha of the zero-energy-mode penalty; 0 = off
+  double courant = 0.3;                 ///< dx_s/(c_p + |v|max) fraction
+  Integrator integrator = Integrator::explicit_steps;
+};
+
+struct StructureCase {
+  std::vector<StructureBody> bodies;
+  std::vector<ClampCase> clamps;
+  std::vector<LoadCase> loads;
+  StructureNumerics numerics;
+};
+
+struct CouplingCase {
+  CouplingAlgorithm algorithm = CouplingAlgorithm::automatic;
+  InterfaceScheme scheme = InterfaceScheme::riemann;
+  double riemann_limiter = 3.0;           ///< eta in beta = min(eta max(du,0)/c0, 1)
+  std::optional<double> vem_coefficient;  ///< C of the velocity-divergence-error-mitigating term; absent = not evaluated
+  VemForm vem_form = VemForm::pairmax;
+  double robin_mass_factor = 1.0;  ///< m_p / m_s
+  Acceleration acceleration = Acceleration::iqn_ils;
+  double tolerance = 1e-4;  ///< relative residual of the load at which cm3 stops to repeat a window
+};
+
+struct GaugeCase {
+  enum class Kind {
+    displacement,     ///< of the material point `at` of a body: D columns [m]
+    pressure,         ///< of the fluid at the point `at` [Pa]; undefined where there is no fluid
+    elevation,        ///< height of the free surface above x (and z) = `at` [m]
+    front,            ///< largest x reached by connected fluid [m]
+    interface_force,  ///< total force of the fluid on a body: D columns [N/m^(3-D)]
+    force,            ///< of the fluid on a rigid wall, and its moment about `at`: D [N/m^(3-D)] and 1 or 3 [N m/m^(3-D)] columns
+    wall_pressure,    ///< mean over a sensor of `diameter` at the point `at` of a wall [Pa]; 0 where it is dry
+    reaction,         ///< with which a clamp, or all clamps of a body, hold it, and the moment about `at`: columns as of force
+    flux              ///< volume that crosses the line (2D) or rectangle (3D) from `from` to `to` in a second [m^D/s]
+  };
+  Kind kind = Kind::pressure;
+  std::string name;
+  std::string body;                    ///< displacement, interface_force, reaction
+  std::string clamp;                   ///< reaction; empty = all clamps of the body
+  std::string wall;                    ///< force, wall_pressure
+  std::array<double, 3> at{};          ///< force, wall_pressure: a point of the wall at t = 0, which moves with it; reaction: fixed
+  double diameter = 0;                 ///< wall_pressure [m]
+  std::array<double, 3> from{}, to{};  ///< flux
+};
+
+struct OutputCase {
+  double frame_interval = 0;  ///< [s]; 0 = only the first and the last frame
+  double gauge_interval = 0;  ///< [s]; 0 = every step
+};
+
+struct Case {
+  std::string path;  ///< of the file
+  std::string name;  ///< folder name
+  std::string title;
+  std::string hash;      ///< hexadecimal; of the effective settings (preset and overrides included) and of the motion files
+  std::string settings;  ///< the effective settings as JSON text, for run.json
+  std::string preset;    ///< the group of numerical options
+  std::vector<std::string> preset_changes;  ///< what it made of the case, "key = value" each; --set goes on top
+  int dimension = 0;
+  double end_time = 0;                               ///< [s]
+  VectorExpression gravity;                          ///< [m/s^2] in t, x, y, z
+  std::array<double, 3> domain_min{}, domain_max{};  ///< fluid particles that leave it are removed and counted
+  std::array<bool, 3> periodic{};                    ///< directions in which the fluid repeats itself with the period of the domain
+  std::vector<WallCase> walls;
+  std::optional<FluidCase> fluid;
+  std::optional<StructureCase> structure;
+  CouplingCase coupling;
+  std::vector<GaugeCase> gauges;
+  OutputCase output;
+  std::vector<std::string> warnings;  ///< sentences about what is allowed but doubtful; for the log
+};
+
+struct CaseOptions {
+  std::vector<std::pair<std::string, std::string>> overrides;  ///< --set key=value, in order
+  std::string preset;                                          ///< --preset; empty = as the case says
+};
+
+/// Reads, validates and checks the scene (bodies inside walls, no overlap, particles per thickness). `name_or_path`:
+/// a case.toml, its folder, or a name under cases/. Throws BadInput with one sentence: file, line, key, value, limit, remedy.
+Case read_case(const std::string& name_or_path, const CaseOptions& options = {});
+
+}  // namespace tern

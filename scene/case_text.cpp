@@ -1,0 +1,234 @@
+// `tern-case check` and `tern-case explain`: the estimate and the scene as text.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/estimate.hpp"
+
+namespace tern {
+namespace {
+
+std::string duration(double seconds) {
+  if (seconds < 1) return "less than a second";
+  if (seconds < 120) return fmt::format("{:.0f} s", seconds);
+  if (seconds < 7200) return fmt::format("{:.0f} min", seconds / 60);
+  return fmt::format("{:.1f} h", seconds / 3600);
+}
+
+std::string step_limits(const Case& scene, const Estimate& e) {
+  std::string text;
+  if (scene.fluid) {
+    if (std::isfinite(e.gravity_step)) {
+      text += fmt::format("  gravity          {:.3g} s = {} sqrt(dx/|g|)\n", e.gravity_step, scene.fluid->numerics.gravity_courant);
+    }
+    if (std::isfinite(e.viscous_step)) {
+      text += fmt::format("  viscosity        {:.3g} s = {} h^2/nu\n", e.viscous_step, scene.fluid->numerics.viscous_courant);
+    }
+    if (std::isfinite(e.flow_step)) {
+      text +=
+          fmt::format("  speed            {:.3g} s = {} dx/|u| at {:.3g} m/s, {}\n", e.flow_step, scene.fluid->numerics.courant, e.speed,
+                      e.settled ? "half of sqrt(|g| H), the least that is reckoned with"
+                                : "the free fall over the height of the scene, or the initial speed");
+    }
+  }
+  for (const BodyEstimate& body : e.bodies) {
+    text += fmt::format("  {:<16} {:.3g} s = {} dx_s/c_p, c_p = {:.4g} m/s (sub-step)\n", body.name, body.sub_step,
+                        scene.structure->numerics.courant, body.wave_speed);
+  }
+  if (scene.structure)
+    text += fmt::format(
+        "  sub-steps        {:.0f} of the structure in a step{}{}\n", e.sub_steps,
+        scene.fluid ? "" : fmt::format(", {:.3g} s: at most {:.0f}, and to the next output", e.step, sub_steps_per_window(scene)),
+        scene.structure->numerics.integrator == Integrator::explicit_steps   ? ""
+        : scene.structure->numerics.integrator == Integrator::implicit_steps ? ", replaced by implicit ones"
+                                                                             : ", or implicit ones where cheaper");
+  return text;
+}
+
+std::string origin(const Costs& costs) {
+  return costs.measured.empty() ? "typical costs; ./tern measures those of this machine once it is built"
+                                : "measured on this machine on " + costs.measured;
+}
+
+// One line per change; nothing for a case as it stands.
+std::string preset_text(const Case& scene) {
+  if (scene.preset_changes.empty()) return "";
+  std::string text = fmt::format("preset {} (its error and cost: docs/TRADE.md; --set goes on top)\n", scene.preset);
+  for (const std::string& change : scene.preset_changes) text += "  " + change + "\n";
+  return text;
+}
+
+}  // namespace
+
+std::string check_text(const Case& scene, const Costs& costs) {
+  const Estimate e = estimate(scene, costs);
+  std::string text = fmt::format("{}: valid ({}D, hash {})\n", scene.name, scene.dimension, scene.hash);
+  text += "particles\n";
+  if (scene.fluid) text += fmt::format("  fluid            {} of {} m\n", e.fluid_particles, scene.fluid->spacing);
+  for (std::size_t i = 0; i < e.bodies.size(); ++i) {
+    const BodyEstimate& body = e.bodies[i];
+    const double spacing = scene.structure->bodies[i].spacing;
+    text += fmt::format("  {:<16} {} of {} m, {} of them clamped, {:.3g} across; {} surface points\n", body.name, body.particles, spacing,
+                        body.clamped, body.thickness / spacing, body.surface_points);
+  }
+  text += preset_text(scene);
+  text += "step limits\n" + step_limits(scene, e);
+  for (const BodyEstimate& body : e.bodies) {
+    if (body.added_mass_ratio > 0) {
+      text += fmt::format("added mass over mass of {}: about {:.1f} with one wet face, {:.1f} with two\n", body.name, body.added_mass_ratio,
+                          2 * body.added_mass_ratio);
+    }
+  }
+  const double cpu = e.fluid_cpu + e.structure_cpu + e.coupler_cpu;
+  text += fmt::format("expected for {} s: about {:.0f} steps, {} of CPU", scene.end_time, e.steps, duration(cpu));
+  if (scene.fluid && scene.structure) {
+    text += fmt::format(" (fluid {}, structure {}, coupler {})", duration(e.fluid_cpu), duration(e.structure_cpu), duration(e.coupler_cpu));
+  }
+  text += fmt::format(", {:.0f} MB\n", e.memory / 1e6);
+  text += fmt::format(
+      "  (from {:.2g} us per fluid particle and step and {:.0f} ns per structure particle and sub-step in 2D, {};\n"
+      "  fluid and structure mostly wait for each other, so wall time is about the same)\n",
+      costs.fluid * 1e6, costs.structure * 1e9, origin(costs));
+  for (const std::string& warning : scene.warnings) text += "warning: " + warning + "\n";
+  return text;
+}
+
+namespace {
+
+/// Which algorithm "auto" takes, as far as that follows from the mass behind a face alone.
+std::string algorithm_choice(const Case& scene, const Estimate& e) {
+  const double layer = 0.5 * scene.fluid->density * scene.fluid->spacing;
+  std::string text;
+  for (std::size_t i = 0; i < e.bodies.size(); ++i) {
+    const double mass = scene.structure->bodies[i].density * e.bodies[i].thickness;
+    text += fmt::format(
+        "Behind a wet face of '{}' lie {:.3g} kg/m^2 ({:.3g} if the opposite one is wet as well), half a layer of fluid "
+        "particles has {:.3g}: {}.\n",
+        e.bodies[i].name, mass, 0.5 * mass, layer,
+        0.5 * mass > layer ? "CM2 is enough"
+        : mass <= layer    ? "it is light, so that windows are repeated (CM3)"
+                           : "windows are repeated (CM3) if both are wet");
+  }
+  return text;
+}
+
+std::string what_it_costs(const Case& scene, const Estimate& e, const Costs& costs) {
+  const double total = e.fluid_cpu + e.structure_cpu + e.coupler_cpu;
+  std::string text = fmt::format("\nWhat it costs: about {:.0f} steps, {} of CPU, {:.0f} MB ({})\n", e.steps, duration(total),
+                                 e.memory / 1e6, origin(costs));
+  const auto line = [&](const char* name, double seconds, const std::string& of_what) {
+    if (seconds > 0) text += fmt::format("  {:<16} {:<10} {:>3.0f} %  {}\n", name, duration(seconds), 100 * seconds / total, of_what);
+  };
+  std::string parts;
+  for (const auto& [part, share] : costs.fluid_parts) {
+    std::string name = part;
+    std::replace(name.begin(), name.end(), '_', ' ');
+    parts += fmt::format("{}{} {:.0f} %", parts.empty() ? "" : ", ", name, 100 * share);
+  }
+  line("fluid", e.fluid_cpu, parts);
+  line("structure", e.structure_cpu,
+       scene.structure && scene.fluid ? fmt::format("a trial and the window itself in each of {:.0f} windows", e.steps) : "");
+  line("coupler", e.coupler_cpu, "with its side of the messages; less while the fluid cannot reach a body");
+  return text;
+}
+
+}  // namespace
+
+std::string explain_text(const Case& scene, const Costs& costs) {
+  const Estimate e = estimate(scene, costs);
+  const bool coupled = scene.fluid && scene.structure;
+  std::string text = fmt::format("{}{}{}\n\n", scene.name, scene.title.empty() ? "" : ": ", scene.title);
+  text += "Modelled\n";
+  if (scene.fluid) {
+    text += fmt::format(
+        "* An incompressible, {} fluid of {} kg/m^3 in {} bod{} ({} particles); where it ends short of a wall it has a free "
+        "surface at zero pressure.\n",
+        scene.fluid->viscosity ? fmt::format("viscous ({} Pa s)", *scene.fluid->viscosity) : "inviscid", scene.fluid->density,
+        scene.fluid->bodies.size(), scene.fluid->bodies.size() == 1 ? "y" : "ies", e.fluid_particles);
+  }
+  for (const WallCase& wall : scene.walls) {
+    const bool sticks = scene.fluid && scene.fluid->viscosity && !wall.slip;
+    text += fmt::format("* The rigid, {} {} '{}'{}{}.\n", sticks ? "no-slip" : "frictionless", wall.container ? "container" : "obstacle",
+                        wall.name, wall.open.empty() ? "" : fmt::format(", open at {}", fmt::join(wall.open, ", ")),
+                        wall.motion ? ", which moves" : "");
+  }
+  if (scene.structure) {
+    for (std::size_t i = 0; i < e.bodies.size(); ++i) {
+      const StructureBody& body = scene.structure->bodies[i];
+      text +=
+          fmt::format("* The elastic body '{}': {}{}, {} kg/m^3, E = {} Pa, Poisson's ratio {}, {:.3g} mm thick; {}.\n", body.name,
+                      body.law == MaterialLaw::neo_hookean ? "neo-Hookean" : "St Venant-Kirchhoff",
+                      scene.dimension == 3 ? ""
+                      : body.plane_stress  ? " in plane stress"
+                                           : " in plane strain",
+                      body.density, body.young_modulus, body.poisson_ratio, 1e3 * e.bodies[i].thickness,
+                      body.clamps.empty() ? "free" : fmt::format("{} of {} particles clamped", e.bodies[i].clamped, e.bodies[i].particles));
+    }
+    for (const ClampCase& clamp : scene.structure->clamps)
+      if (clamp.motion) text += fmt::format("* The clamp '{}' of '{}', which moves.\n", clamp.name, clamp.body);
+    for (const LoadCase& load : scene.structure->loads) {
+      const bool pressure = load.kind == LoadCase::Kind::pressure;
+      std::string value = load.value[0].text();
+      for (int d = 1; d < scene.dimension && !pressure; ++d) value += ", " + load.value[d].text();
+      text += fmt::format("* The {} '{}' on '{}', ({}) {}.\n",
+                          pressure                                ? "pressure"
+                          : load.kind == LoadCase::Kind::traction ? "traction"
+                                                                  : "body load",
+                          load.name, load.body, value, load.kind == LoadCase::Kind::body_force ? "N/m^3" : "Pa");
+    }
+  }
+  for (int d = 0; d < scene.dimension; ++d) {
+    if (!scene.periodic[d]) continue;
+    text += fmt::format("* Space that repeats itself in direction {} with a period of {:.6g} m.\n", "xyz"[d],
+                        scene.domain_max[d] - scene.domain_min[d]);
+  }
+  text += fmt::format("* Gravity ({}) m/s^2.\n", [&] {
+    std::string list;
+    for (int d = 0; d < scene.dimension; ++d) list += (d ? ", " : "") + scene.gravity[d].text();
+    return list;
+  }());
+  if (coupled) {
+    text += fmt::format("* Their interaction through {}, {}, {}.\n",
+                        scene.coupling.algorithm == CouplingAlgorithm::cm0   ? "CM0 (explicit staggering)"
+                        : scene.coupling.algorithm == CouplingAlgorithm::cm2 ? "CM2 (predict, project, correct)"
+                        : scene.coupling.algorithm == CouplingAlgorithm::cm3
+                            ? "CM3 (predict, project, correct, repeated until both sides agree)"
+                            : "CM2 (predict, project, correct; repeated, CM3, if a body is light)",
+                        scene.coupling.scheme == InterfaceScheme::riemann ? "Riemann pressure of every pair"
+                        : scene.coupling.scheme == InterfaceScheme::pi    ? "surface integral of the mean pressure"
+                                                                          : "corrected pressure gradient at the structure (FSA)",
+                        scene.coupling.vem_coefficient ? fmt::format("with the VEM term, C = {}", *scene.coupling.vem_coefficient)
+                                                       : "without the VEM term");
+  }
+  text += "\nNot modelled\n";
+  if (scene.fluid)
+    text += fmt::format("* {}urbulence, surface tension, and air: a closed air pocket is empty space.\n",
+                        scene.fluid->viscosity ? "T" : "Viscosity, t");
+  if (scene.structure && scene.fluid && scene.fluid->viscosity) text += "* Friction between the fluid and elastic bodies.\n";
+  if (scene.structure) text += "* Plasticity, damage, material damping, contact between elastic bodies.\n";
+  if (!scene.structure) text += "* Elastic bodies: no [structure] in the case, so no structure and no coupler process.\n";
+  if (!scene.fluid) text += "* A fluid: no [fluid] in the case, so no fluid and no coupler process.\n";
+  if (const std::string changes = preset_text(scene); !changes.empty()) text += "\nChanged by the " + changes;
+  text += "\nWhat binds the step\n" + step_limits(scene, e);
+  for (const BodyEstimate& body : e.bodies) {
+    if (body.added_mass_ratio <= 0) continue;
+    text += fmt::format(
+        "\nThe fluid that '{}' has to move weighs about {:.1f} times the body with one wet face and {:.1f} times with "
+        "two.\n"
+        "Explicit staggering (CM0) is {}.\n",
+        body.name, body.added_mass_ratio, 2 * body.added_mass_ratio,
+        body.added_mass_ratio > 1 ? "predicted to be unstable, whatever the step; CM2 is predicted to be stable"
+                                  : "possibly stable here; above 1 it is not");
+  }
+  if (coupled && scene.coupling.algorithm == CouplingAlgorithm::automatic) text += algorithm_choice(scene, e);
+  text += what_it_costs(scene, e, costs);
+  if (scene.fluid) text += "Halving the fluid's spacing multiplies the fluid's cost by about ";
+  if (scene.fluid) text += scene.dimension == 2 ? "8.\n" : "16.\n";
+  for (const std::string& warning : scene.warnings) text += "Warning: " + warning + "\n";
+  return text;
+}
+
+}  // namespace tern

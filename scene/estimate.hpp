@@ -1,0 +1,66 @@
+#pragma once
+// What a case will take: particles, steps, memory, time; for `tern-case check` and `explain`.
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scene/case_file.hpp"
+
+namespace tern {
+
+/// Cost of one particle in one step in 2D [CPU s], h/dx 1.5 (fluid) and 1.1 (structure). The defaults were measured on one core
+/// of a 2-core x86-64 server: 1.9 and 2.0 us for the fluid of the dam break (to 0.35 s) and of the tank at rest (6.4 s), 70
+/// (quiet) to 100 ns (busy) for the plate of bench-structure_substep. 3D: three times that for the fluid, estimated; 14 times
+/// for the structure (bending_column_3d, 1.1 us).
+struct Costs {
+  double fluid = 2.0e-6;
+  double structure = 8.0e-8;                                ///< per sub-step
+  double window = 3.5e-4;                                   ///< of the coupler for one window [CPU s]
+  std::vector<std::pair<std::string, double>> fluid_parts;  ///< name and share; empty if not measured
+  std::string measured;                                     ///< date, empty for the defaults
+};
+inline constexpr double implicit_window = 19;  ///< cost of a window in implicit steps, in sub-steps
+
+/// Throws InputOutputError, BadInput.
+Costs read_costs(const std::string& path);
+
+struct BodyEstimate {
+  std::string name;
+  long particles = 0;
+  long clamped = 0;
+  long surface_points = 0;      ///< outside the clamps
+  double thickness = 0;         ///< thin section [m]
+  double wave_speed = 0;        ///< c_p [m/s]
+  double sub_step = 0;          ///< [s]
+  double added_mass_ratio = 0;  ///< of one wet face, first cantilever mode; 0 = not thin or no fluid
+};
+
+struct Estimate {
+  long fluid_particles = 0;
+  double gravity = 0;       ///< |g| at t = 0 in the middle of the fluid [m/s^2]
+  bool settled = false;     ///< the fluid fills the container from wall to wall and starts at rest
+  double speed = 0;         ///< free-fall speed from the top of the fluid to the lowest wall, and initial speed [m/s]
+  double gravity_step = 0;  ///< limit gravity_courant sqrt(dx/|g|) [s]; infinite without gravity
+  double flow_step = 0;     ///< limit courant dx/speed [s]; infinite at rest
+  double viscous_step = 0;  ///< limit viscous_courant h^2/nu [s]; infinite without viscosity
+  double step = 0;          ///< the smallest of those that apply; of a structure alone, its window [s]
+  double steps = 0;         ///< in the whole run
+  std::vector<BodyEstimate> bodies;
+  double sub_steps = 0;                                      ///< of the structure in one step
+  double memory = 0;                                         ///< all processes [bytes]
+  double fluid_cpu = 0, structure_cpu = 0, coupler_cpu = 0;  ///< [s]
+};
+
+Estimate estimate(const Case& scene, const Costs& costs = {});
+
+/// Sub-steps of a structure alone between two looks at interruption, progress and the stable sub-step: a step of its run, unless
+/// an output comes before. Forces and motions that change in time are constant over them, so there are fewer where there are such.
+double sub_steps_per_window(const Case& scene);
+
+/// Numbers of the estimate as lines of text.
+std::string check_text(const Case& scene, const Costs& costs = {});
+/// The scene in plain words: what is modelled, what is not, what binds the step, what it costs.
+std::string explain_text(const Case& scene, const Costs& costs = {});
+
+}  // namespace tern

@@ -1,0 +1,32 @@
+#pragma once
+// Which columns of gauges.csv and energy.csv belong to which process, and their names with units.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/case_file.hpp"
+
+namespace tern {
+
+enum class GaugeOwner { fluid, structure, coupler };
+
+GaugeOwner owner(GaugeCase::Kind kind);
+
+/// Names with units of the columns one gauge fills, in order.
+std::vector<std::string> gauge_columns(const GaugeCase& gauge, int dimension);
+
+/// Columns of all gauges of one owner, in the order of the case file.
+std::vector<std::string> gauge_columns(const Case& scene, GaugeOwner who);
+
+/// Columns of the energy accounts as the participants report them [J/m^(3-D)].
+std::vector<std::string> fluid_energy_columns();
+std::vector<std::string> structure_energy_columns(const Case& scene);
+
+/// True when loads, clamps that move or damping take part in the energy account of the structure.
+bool has_structure_loads(const StructureCase& structure);
+
+/// Values of one owner's gauges at one instant, in the order of its columns.
+using GaugeValues = std::vector<std::optional<double>>;
+
+}  // namespace tern

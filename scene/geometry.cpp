@@ -1,0 +1,187 @@
+// Solids as signed functions: negative inside, zero on the boundary, positive outside.
+//   box, ball, polygon: the signed distance;  union: min over parts;  difference: max(first, -others).
+
+#include "scene/geometry.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tern {
+namespace {
+
+double polygon_distance(const std::vector<std::array<double, 2>>& vertices, double x, double y) {
+  double nearest = std::numeric_limits<double>::max();
+  bool inside = false;
+  for (std::size_t i = 0, j = vertices.size() - 1; i < vertices.size(); j = i++) {
+    const auto& a = vertices[j];
+    const auto& b = vertices[i];
+    const double ex = b[0] - a[0], ey = b[1] - a[1];
+    const double s = std::clamp(((x - a[0]) * ex + (y - a[1]) * ey) / (ex * ex + ey * ey), 0.0, 1.0);
+    nearest = std::min(nearest, std::hypot(x - a[0] - s * ex, y - a[1] - s * ey));
+    if ((a[1] > y) != (b[1] > y) && x < a[0] + ex * (y - a[1]) / ey) inside = !inside;
+  }
+  return inside ? -nearest : nearest;
+}
+
+template <int D>
+void add_ray_crossings(const Shape& shape, const Vector<D>& x, const Vector<D>& direction, std::vector<double>& at) {
+  switch (shape.kind) {
+    case Shape::Kind::box:
+      for (int d = 0; d < D; ++d) {
+        if (direction[d] == 0) continue;
+        at.push_back((shape.min[d] - x[d]) / direction[d]);
+        at.push_back((shape.max[d] - x[d]) / direction[d]);
+      }
+      return;
+    case Shape::Kind::polygon:
+      for (std::size_t i = 0, j = shape.vertices.size() - 1; i < shape.vertices.size(); j = i++) {
+        const auto& a = shape.vertices[j];
+        const auto& b = shape.vertices[i];
+        const double nx = b[1] - a[1], ny = a[0] - b[0];
+        const double rate = nx * direction[0] + ny * direction[1];
+        if (rate != 0) at.push_back((nx * (a[0] - x[0]) + ny * (a[1] - x[1])) / rate);
+      }
+      return;
+    case Shape::Kind::ball: {
+      Vector<D> offset = x;
+      for (int d = 0; d < D; ++d) offset[d] -= shape.center[d];
+      const double half = offset.dot(direction);
+      const double root = half * half - offset.squaredNorm() + shape.radius * shape.radius;
+      if (root < 0) return;
+      at.push_back(-half - std::sqrt(root));
+      at.push_back(-half + std::sqrt(root));
+      return;
+    }
+    case Shape::Kind::union_of:
+    case Shape::Kind::difference:
+      for (const Shape& part : shape.parts) add_ray_crossings<D>(part, x, direction, at);
+  }
+}
+
+}  // namespace
+
+template <int D>
+double signed_distance(const Shape& shape, const Vector<D>& x) {
+  switch (shape.kind) {
+    case Shape::Kind::box: {
+      double inner = -std::numeric_limits<double>::max(), outer = 0;
+      for (int d = 0; d < D; ++d) {
+        const double beyond = std::max(shape.min[d] - x[d], x[d] - shape.max[d]);
+        inner = std::max(inner, beyond);
+        outer += std::pow(std::max(beyond, 0.0), 2);
+      }
+      return outer > 0 ? std::sqrt(outer) : inner;
+    }
+    case Shape::Kind::polygon: return polygon_distance(shape.vertices, x[0], x[1]);
+    case Shape::Kind::ball: {
+      double squared = 0;
+      for (int d = 0; d < D; ++d) squared += std::pow(x[d] - shape.center[d], 2);
+      return std::sqrt(squared) - shape.radius;
+    }
+    case Shape::Kind::union_of: {
+      double value = std::numeric_limits<double>::max();
+      for (const Shape& part : shape.parts) value = std::min(value, signed_distance<D>(part, x));
+      return value;
+    }
+    case Shape::Kind::difference: {
+      double value = signed_distance<D>(shape.parts.front(), x);
+      for (std::size_t i = 1; i < shape.parts.size(); ++i) {
+        value = std::max(value, -signed_distance<D>(shape.parts[i], x));
+      }
+      return value;
+    }
+  }
+  return 0;
+}
+
+template <int D>
+Bounds<D> bounding_box(const Shape& shape) {
+  Bounds<D> bounds;
+  switch (shape.kind) {
+    case Shape::Kind::box:
+      for (int d = 0; d < D; ++d) bounds.min[d] = shape.min[d], bounds.max[d] = shape.max[d];
+      break;
+    case Shape::Kind::polygon:
+      bounds.min.setZero(), bounds.max.setZero();
+      for (int d = 0; d < 2; ++d) {
+        const auto [low, high] =
+            std::minmax_element(shape.vertices.begin(), shape.vertices.end(), [d](const auto& a, const auto& b) { return a[d] < b[d]; });
+        bounds.min[d] = (*low)[d], bounds.max[d] = (*high)[d];
+      }
+      break;
+    case Shape::Kind::ball:
+      for (int d = 0; d < D; ++d) {
+        bounds.min[d] = shape.center[d] - shape.radius;
+        bounds.max[d] = shape.center[d] + shape.radius;
+      }
+      break;
+    case Shape::Kind::union_of:
+      bounds = bounding_box<D>(shape.parts.front());
+      for (const Shape& part : shape.parts) {
+        const Bounds<D> other = bounding_box<D>(part);
+        bounds.min = bounds.min.cwiseMin(other.min);
+        bounds.max = bounds.max.cwiseMax(other.max);
+      }
+      break;
+    case Shape::Kind::difference: bounds = bounding_box<D>(shape.parts.front()); break;
+  }
+  return bounds;
+}
+
+template <int D>
+bool contains(const Shape& shape, const Vector<D>& x) {
+  const Bounds<D> bounds = bounding_box<D>(shape);
+  return signed_distance<D>(shape, x) <= 1e-12 * (bounds.max - bounds.min).maxCoeff();
+}
+
+template <int D>
+std::vector<Vector<D>> fill_lattice(const Shape& shape, double spacing) {
+  const Bounds<D> bounds = bounding_box<D>(shape);
+  const double tolerance = 1e-6;  // in spacings: sides given in decimal are whole multiples only to round-off
+  std::array<long, 3> count{1, 1, 1};
+  for (int d = 0; d < D; ++d) {
+    count[d] = static_cast<long>(std::floor((bounds.max[d] - bounds.min[d]) / spacing + 0.5 + tolerance));
+  }
+  std::vector<Vector<D>> points;
+  for (long k = 0; k < count[2]; ++k) {
+    for (long j = 0; j < count[1]; ++j) {
+      for (long i = 0; i < count[0]; ++i) {
+        const std::array<long, 3> index{i, j, k};
+        Vector<D> x;
+        for (int d = 0; d < D; ++d) x[d] = bounds.min[d] + (static_cast<double>(index[d]) + 0.5) * spacing;
+        if (signed_distance<D>(shape, x) <= tolerance * spacing) points.push_back(x);
+      }
+    }
+  }
+  return points;
+}
+
+template <int D>
+double thickness(const Shape& shape, const Vector<D>& x, const Vector<D>& normal) {
+  const Bounds<D> bounds = bounding_box<D>(shape);
+  const double least = 1e-9 * (bounds.max - bounds.min).maxCoeff();
+  std::vector<double> at;
+  add_ray_crossings<D>(shape, x, -normal, at);
+  std::sort(at.begin(), at.end());
+  double left = 0;  // the solid is followed through inner boundaries (between the parts of a union) to the far side
+  for (const double right : at) {
+    if (right - left <= least) continue;
+    if (signed_distance<D>(shape, x - 0.5 * (left + right) * normal) > 0) return left;
+    left = right;
+  }
+  return left;
+}
+
+template double signed_distance<2>(const Shape&, const Vector<2>&);
+template Bounds<2> bounding_box<2>(const Shape&);
+template bool contains<2>(const Shape&, const Vector<2>&);
+template std::vector<Vector<2>> fill_lattice<2>(const Shape&, double);
+template double thickness<2>(const Shape&, const Vector<2>&, const Vector<2>&);
+template double signed_distance<3>(const Shape&, const Vector<3>&);
+template Bounds<3> bounding_box<3>(const Shape&);
+template bool contains<3>(const Shape&, const Vector<3>&);
+template std::vector<Vector<3>> fill_lattice<3>(const Shape&, double);
+template double thickness<3>(const Shape&, const Vector<3>&, const Vector<3>&);
+
+}  // namespace tern

@@ -1,0 +1,71 @@
+#pragma once
+// Every key of a case file: one table that validates, fills in the defaults and generates docs/PARAMETERS.md.
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "scene/settings.hpp"
+
+namespace tern {
+
+enum class ParameterType {
+  text,     ///< "..."
+  choice,   ///< one of Parameter::choices
+  choices,  ///< list of some of Parameter::choices
+  boolean,
+  integer,
+  number,
+  point,        ///< list of D numbers
+  expression,   ///< number or expression text
+  expressions,  ///< list of D numbers or expression texts
+  vertices,     ///< list of at least 3 points [x, y]
+  shape,        ///< table with exactly one of box, polygon, ball, union, difference
+  shapes,       ///< list of shapes
+};
+
+/// Allowed interval of a number; an excluded end is open.
+struct Range {
+  double lowest = -std::numeric_limits<double>::infinity();
+  double highest = std::numeric_limits<double>::infinity();
+  bool lowest_excluded = false;
+  bool highest_excluded = false;
+};
+
+struct Parameter {
+  std::string table;  ///< "" for the top of the file
+  std::string key;
+  ParameterType type;
+  std::string unit;           ///< SI; "-" for a pure number, "" where there is none
+  std::string default_value;  ///< as TOML; "required"; "absent" = the key may be missing and then has no value
+  Range range;
+  std::vector<std::string> choices;
+  std::string meaning;  ///< one sentence
+};
+
+struct TableDefinition {
+  enum class Presence {
+    optional,  ///< absent table = absent model
+    required,  ///< must be given where the table that holds it is given
+    filled     ///< made of defaults where it is absent
+  };
+  std::string path;  ///< "fluid.body"
+  bool repeated;     ///< written [[path]]
+  Presence presence;
+  std::string meaning;  ///< one sentence
+};
+
+const std::vector<TableDefinition>& table_definitions();
+const std::vector<Parameter>& parameters();
+
+/// The effective settings: `document` with every default filled in. Throws BadInput on an unknown key, a missing,
+/// wrongly typed or out-of-range value, naming place, table, key, unit, range and the nearest valid key.
+Setting complete_settings(const Setting& document);
+
+/// The text of docs/PARAMETERS.md.
+std::string parameter_reference();
+
+/// "greater than 0", "from 0 to 1", ...: for sentences; empty for an unbounded range.
+std::string describe(const Range& range);
+
+}  // namespace tern

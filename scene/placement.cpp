@@ -1,0 +1,273 @@
+// Checks of the particles: every body is filled as the processes will fill it and held against walls and neighbours.
+
+#include "scene/placement.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "scene/scene_check.hpp"
+
+namespace tern {
+namespace {
+
+// More than this is a slip of the spacing, not a scene: the state of as many fluid particles fills 100 GB.
+constexpr double most_particles = 5e7;
+
+template <int D>
+class PlacementCheck {
+ public:
+  PlacementCheck(Case& scene, const Setting& settings) : scene_(scene), settings_(settings) {}
+
+  void run() {
+    check_particles_exist();
+    check_fluid_place();
+    check_structure_place();
+    check_clamps();
+    check_thickness();
+    check_initial_values();
+  }
+
+ private:
+  [[noreturn]] static void fail(const std::string& where, const std::string& sentence) {
+    throw BadInput(fmt::format("{}: {}", where, sentence));
+  }
+
+  static std::string text(const Vector<D>& x) { return fmt::format("({:.6g}) m", fmt::join(x.data(), x.data() + D, ", ")); }
+
+  const std::string& where_fluid(std::size_t i) const { return settings_.at("fluid").at("body").items[i].where; }
+  const std::string& where_body(std::size_t i) const { return settings_.at("structure").at("body").items[i].where; }
+
+  const std::vector<FluidBody>& fluid() const {
+    static const std::vector<FluidBody> none;
+    return scene_.fluid ? scene_.fluid->bodies : none;
+  }
+  const std::vector<StructureBody>& structure() const {
+    static const std::vector<StructureBody> none;
+    return scene_.structure ? scene_.structure->bodies : none;
+  }
+
+  std::vector<Vector<D>> fill(const Shape& shape, double spacing, const std::string& where) const {
+    const Bounds<D> bounds = bounding_box<D>(shape);
+    const double cells = ((bounds.max - bounds.min) / spacing).prod();
+    if (cells > most_particles) {
+      fail(where, fmt::format("the spacing {} m would make up to {:.3g} particles, but at most {:.0g} are allowed; use a larger one.",
+                              spacing, cells, most_particles));
+    }
+    auto points = fill_lattice<D>(shape, spacing);
+    if (points.empty()) {
+      fail(where, fmt::format("the body holds no particle at the spacing {} m, its bounding box measures {}; use a smaller spacing "
+                              "or a larger shape.",
+                              spacing, text(bounds.max - bounds.min)));
+    }
+    return points;
+  }
+
+  void check_particles_exist() {
+    for (std::size_t i = 0; i < fluid().size(); ++i) {
+      fluid_points_.push_back(fill(fluid()[i].shape, scene_.fluid->spacing, where_fluid(i)));
+    }
+    for (std::size_t i = 0; i < structure().size(); ++i) {
+      structure_points_.push_back(fill(structure()[i].shape, structure()[i].spacing, where_body(i)));
+    }
+  }
+
+  // First of the points that lies in the shape by more than round-off of the spacing.
+  static const Vector<D>* inside(const std::vector<Vector<D>>& points, const Shape& shape, double spacing) {
+    for (const Vector<D>& x : points) {
+      if (signed_distance<D>(shape, x) < -1e-6 * spacing) return &x;
+    }
+    return nullptr;
+  }
+
+  void check_fluid_place() const {
+    const auto walls = fluid_region(scene_);
+    for (std::size_t i = 0; i < fluid().size(); ++i) {
+      const double dx = scene_.fluid->spacing;
+      const auto surface = sample_surface<D>(fluid()[i].shape, dx).position;
+      for (const Vector<D>& x : surface) {
+        if (walls && signed_distance<D>(*walls, x) > 1e-6 * dx) {
+          fail(where_fluid(i), fmt::format("fluid body {} reaches out of the container at {}; shrink or move it.", i + 1, text(x)));
+        }
+      }
+      for (const Vector<D>& x : fluid_points_[i]) {
+        for (int d = 0; d < D; ++d) {
+          if (x[d] < scene_.domain_min[d] || x[d] > scene_.domain_max[d]) {
+            fail(where_fluid(i), fmt::format("fluid body {} reaches out of [domain] at {}, where particles are removed; enlarge the "
+                                             "domain.",
+                                             i + 1, text(x)));
+          }
+        }
+      }
+      for (const WallCase& wall : scene_.walls) {
+        if (wall.container) continue;
+        const auto faces = sample_surface<D>(wall.shape, dx).position;
+        const Vector<D>* x = inside(fluid_points_[i], wall.shape, dx);
+        if (!x) x = inside(faces, fluid()[i].shape, dx);
+        if (x) fail_overlap(where_fluid(i), fmt::format("fluid body {}", i + 1), fmt::format("the obstacle '{}'", wall.name), *x);
+      }
+      for (std::size_t j = 0; j < i; ++j) {
+        const Vector<D>* x = inside(fluid_points_[i], fluid()[j].shape, dx);
+        if (!x) x = inside(fluid_points_[j], fluid()[i].shape, dx);
+        if (x) fail_overlap(where_fluid(i), fmt::format("fluid body {}", i + 1), fmt::format("fluid body {}", j + 1), *x);
+      }
+    }
+  }
+
+  [[noreturn]] void fail_overlap(const std::string& where, const std::string& one, const std::string& other, const Vector<D>& x) const {
+    fail(where, fmt::format("{} and {} overlap at {}; move one of them, or cut it out with difference.", one, other, text(x)));
+  }
+
+  static bool clamped(const StructureBody& body, const Vector<D>& x) {
+    return std::any_of(body.clamps.begin(), body.clamps.end(), [&](const Shape& s) { return contains<D>(s, x); });
+  }
+
+  void check_structure_place() const {
+    const auto walls = fluid_region(scene_);
+    for (std::size_t i = 0; i < structure().size(); ++i) {
+      const StructureBody& body = structure()[i];
+      const std::string label = fmt::format("the elastic body '{}'", body.name);
+      for (const Vector<D>& x : structure_points_[i]) {
+        if (clamped(body, x)) continue;
+        if (walls && signed_distance<D>(*walls, x) > 1e-6 * body.spacing) {
+          fail(where_body(i), fmt::format("{} stands outside the container at {}, where it is not clamped; move it inside, or clamp "
+                                          "what is outside.",
+                                          label, text(x)));
+        }
+        for (const WallCase& wall : scene_.walls) {
+          if (!wall.container && signed_distance<D>(wall.shape, x) < -1e-6 * body.spacing) {
+            fail_overlap(where_body(i), label, fmt::format("the obstacle '{}'", wall.name), x);
+          }
+        }
+      }
+      for (std::size_t f = 0; f < fluid().size(); ++f) {
+        const Vector<D>* x = inside(structure_points_[i], fluid()[f].shape, body.spacing);
+        if (!x) x = inside(fluid_points_[f], body.shape, body.spacing);
+        if (x) fail_overlap(where_body(i), label, fmt::format("fluid body {}", f + 1), *x);
+      }
+      for (std::size_t j = 0; j < i; ++j) {
+        const Vector<D>* x = inside(structure_points_[i], structure()[j].shape, body.spacing);
+        if (!x) x = inside(structure_points_[j], body.shape, body.spacing);
+        if (x) fail_overlap(where_body(i), label, fmt::format("the elastic body '{}'", structure()[j].name), *x);
+      }
+    }
+  }
+
+  void check_clamps() const {
+    for (std::size_t i = 0; i < structure().size(); ++i) {
+      const StructureBody& body = structure()[i];
+      const auto& points = structure_points_[i];
+      for (std::size_t c = 0; c < body.clamps.size(); ++c) {
+        if (std::none_of(points.begin(), points.end(), [&](const auto& x) { return contains<D>(body.clamps[c], x); })) {
+          fail(settings_.at("structure").at("body").items[i].at("clamp").where,
+               fmt::format("clamp {} of '{}' holds none of its {} particles; move or enlarge it.", c + 1, body.name, points.size()));
+        }
+      }
+      if (std::all_of(points.begin(), points.end(), [&](const auto& x) { return clamped(body, x); })) {
+        fail(settings_.at("structure").at("body").items[i].at("clamp").where,
+             fmt::format("the clamps of '{}' hold all of its {} particles, so nothing can move; make it a [[wall]] "
+                         "with obstacle.",
+                         body.name, points.size()));
+      }
+    }
+  }
+
+  void check_thickness() {
+    for (std::size_t i = 0; i < structure().size(); ++i) {
+      const StructureBody& body = structure()[i];
+      const double across = thin_section<D>(body) / body.spacing;
+      if (across < 2 - 1e-6) {
+        fail(where_body(i), fmt::format("'{}' is {:.3g} particles across at the spacing {} m, but needs at least 2 (better 4); use a "
+                                        "spacing of at most {:.3g} m.",
+                                        body.name, across, body.spacing, across * body.spacing / 2));
+      }
+      if (across < 4 - 1e-6) {
+        scene_.warnings.push_back(
+            fmt::format("{}: '{}' is {:.3g} particles across; its bending stiffness is off by 6 % with 3 and by 29 % "
+                        "with 2, a spacing of {:.3g} m gives 4.",
+                        where_body(i), body.name, across, across * body.spacing / 4));
+      }
+    }
+  }
+
+  // Expressions have to be finite wherever a particle starts.
+  void check_initial_values() const {
+    const auto check = [&](const VectorExpression& field, const std::vector<Vector<D>>& points, const std::string& where,
+                           const std::string& name) {
+      for (int d = 0; d < D; ++d) {
+        if (field[d].is_constant()) continue;
+        if (name == "velocity" && field[d].depends_on('t')) {
+          fail(where, fmt::format("the initial velocity '{}' depends on t; use x, y and z only.", field[d].text()));
+        }
+        for (const Vector<D>& x : points) {
+          try {
+            field[d](0, x[0], x[1], D == 3 ? x[D - 1] : 0);
+          } catch (const NumericalFailure& fault) {
+            fail(where, fmt::format("{}: {}", name, fault.what()));
+          }
+        }
+      }
+    };
+    const std::string& gravity = settings_.at("gravity").where;
+    for (std::size_t i = 0; i < fluid().size(); ++i) {
+      check(scene_.gravity, fluid_points_[i], gravity, "gravity");
+      check(fluid()[i].velocity, fluid_points_[i], where_fluid(i), "velocity");
+    }
+    for (std::size_t i = 0; i < structure().size(); ++i) {
+      check(scene_.gravity, structure_points_[i], gravity, "gravity");
+      check(structure()[i].velocity, structure_points_[i], where_body(i), "velocity");
+    }
+  }
+
+  Case& scene_;
+  const Setting& settings_;
+  std::vector<std::vector<Vector<D>>> fluid_points_, structure_points_;
+};
+
+}  // namespace
+
+template <int D>
+double thin_section(const StructureBody& body) {
+  const auto surface = sample_surface<D>(body.shape, body.spacing);
+  std::vector<std::pair<double, double>> all, sheet;  // thickness, area
+  double total = 0;
+  for (std::size_t k = 0; k < surface.area.size(); ++k) {
+    const Vector<D>&x = surface.position[k], &normal = surface.normal[k];
+    const double section = thickness<D>(body.shape, x, normal), reach = 1e-6 * body.spacing;
+    Vector<D> opposite;  // normal where the ray leaves
+    for (int d = 0; d < D; ++d) {
+      const Vector<D> leaves = x - section * normal, step = reach * Vector<D>::Unit(d);
+      opposite[d] = signed_distance<D>(body.shape, leaves + step) - signed_distance<D>(body.shape, leaves - step);
+    }
+    all.emplace_back(section, surface.area[k]);
+    if (normal.dot(opposite.normalized()) < -0.95) sheet.emplace_back(section, surface.area[k]);
+    total += surface.area[k];
+  }
+  const auto share = [&](std::vector<std::pair<double, double>> sections, double fraction) {
+    std::sort(sections.begin(), sections.end());
+    double below = 0;
+    for (const auto& [section, area] : sections) {
+      below += area;
+      if (below >= fraction * total) return section;
+    }
+    return 0.0;
+  };
+  const double thin = share(sheet, 0.05);
+  return thin > 0 ? thin : share(all, 0.5);
+}
+
+template double thin_section<2>(const StructureBody&);
+template double thin_section<3>(const StructureBody&);
+
+template <int D>
+void check_placement(Case& scene, const Setting& settings) {
+  PlacementCheck<D>(scene, settings).run();
+}
+
+template void check_placement<2>(Case&, const Setting&);
+template void check_placement<3>(Case&, const Setting&);
+
+}  // namespace tern

@@ -1,0 +1,20 @@
+#pragma once
+// Where the particles of a scene come to lie.
+
+#include "scene/case_file.hpp"
+#include "scene/settings.hpp"
+
+namespace tern {
+
+/// Throws BadInput if a body holds no particle, lies outside the container or the domain, or overlaps another body or
+/// an obstacle; if a clamp holds no or all particles; if a body is fewer than 2 particles thick (fewer than 4: a
+/// warning); if an initial velocity or gravity is not finite where a particle starts.
+template <int D>
+void check_placement(Case& scene, const Setting& settings);
+
+/// Thickness of the body's thinnest sheet [m]: between opposite parallel faces that hold at least 5 % of its surface,
+/// so that sharp edges, which are thin in every body, do not count. The median thickness where there is no such sheet.
+template <int D>
+double thin_section(const StructureBody& body);
+
+}  // namespace tern

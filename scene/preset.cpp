@@ -1,0 +1,114 @@
+// Presets. The spacing buys most error for its cost, so it belongs to them; what else is in a group earned its place in the
+// measured trade (docs/TRADE.md): draft takes what saves time for little error, reference what removes error.
+
+#include "scene/preset.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace tern {
+namespace {
+
+using Options = std::vector<std::pair<std::string, std::string>>;
+
+// A body keeps at least this many particles across: fewer bend too easily (docs/STRUCTURE.md).
+constexpr double least_across = 4;
+
+struct Group {
+  double spacing_factor;
+  Options fluid, fluid_alone, structure, coupling;  // options of a case that has this side, this one only, or both
+};
+
+// Twice the step halves the cost for an error far below that of twice the spacing. A structure alone takes implicit steps where
+// they are cheaper, as one beside a fluid does by itself. Beside a structure the windows stay short while the fluid is slow: at
+// 0.13 sqrt(dx/g) the coupling makes energy (docs/STABILITY.md). Not a looser pressure: it saves a tenth, and CM3 then finds no agreement.
+const Group draft{2,
+                  {{"fluid.numerics.courant", "0.3"}},
+                  {{"fluid.numerics.gravity_courant", "0.2"}},
+                  {{"structure.numerics.integrator", "\"auto\""}},
+                  {}};
+// Neither shorter steps nor a tighter pressure remove error that half the spacing leaves; a window repeated until both sides agree does.
+const Group reference{0.5, {}, {}, {}, {{"coupling.algorithm", "\"CM3\""}}};
+const Options paper{{"coupling.algorithm", "\"CM0\""},
+                    {"coupling.scheme", "\"riemann\""},
+                    {"coupling.vem.coefficient", "5.0"},
+                    {"coupling.vem.form", "\"seed\""}};
+
+bool is_number(const Setting* value) { return value && (value->type == Setting::Type::number || value->type == Setting::Type::integer); }
+
+// Whether the document itself says something about this key.
+bool has(const Setting& document, const std::string& key) {
+  const Setting* place = &document;
+  for (std::size_t begin = 0; place && place->type == Setting::Type::table;) {
+    const std::size_t dot = key.find('.', begin);
+    place = place->find(key.substr(begin, dot - begin));
+    if (dot == std::string::npos) return place;
+    begin = dot + 1;
+  }
+  return false;
+}
+
+class Preset {
+ public:
+  explicit Preset(Setting& document) : document_(document) {}
+
+  void replace(const Options& options) {
+    for (const auto& [key, value] : options) {
+      apply_override(document_, key, value);
+      changes.push_back(key + " = " + value);
+    }
+  }
+
+  void fill(const Options& options) {
+    for (const auto& option : options)
+      if (!has(document_, option.first)) replace({option});
+  }
+
+  // What is not a number is left for the validation to refuse.
+  void scale_spacing(Setting& table, const std::string& label, double factor) {
+    Setting* spacing = table.find("spacing");
+    if (!is_number(spacing)) return;
+    const double before = spacing->number;
+    spacing->type = Setting::Type::number;
+    spacing->number = before * factor;
+    changes.push_back(fmt::format("{}.spacing = {} ({} in the case)", label, spacing->number, before));
+  }
+
+  std::vector<std::string> changes;
+
+ private:
+  Setting& document_;
+};
+
+}  // namespace
+
+std::vector<std::string> apply_preset(Setting& document, const std::function<std::vector<double>()>& particles_across) {
+  const Setting* name = document.find("preset");
+  if (!name || name->type != Setting::Type::text) return {};
+  Preset preset(document);
+  Setting *fluid = document.find("fluid"), *structure = document.find("structure");
+  if (name->text == "paper" && fluid && structure) preset.replace(paper);
+  if (name->text != "draft" && name->text != "reference") return preset.changes;
+  const Group& group = name->text == "draft" ? draft : reference;
+  Setting* bodies = structure ? structure->find("body") : nullptr;
+  const std::vector<double> across = bodies ? particles_across() : std::vector<double>{};
+  if (fluid) {
+    preset.scale_spacing(*fluid, "fluid", group.spacing_factor);
+    preset.fill(group.fluid);
+    if (!structure) preset.fill(group.fluid_alone);
+  }
+  if (structure) {
+    for (std::size_t i = 0; i < across.size() && i < bodies->items.size(); ++i) {  // others come from --set
+      if (across[i] / group.spacing_factor < least_across - 1e-6 && group.spacing_factor > 1) continue;
+      Setting& body = bodies->items[i];
+      const Setting* label = body.find("name");
+      preset.scale_spacing(body, "structure.body." + (label ? label->text : fmt::format("{}", i)), group.spacing_factor);
+    }
+    preset.fill(group.structure);
+  }
+  if (fluid && structure) preset.fill(group.coupling);
+  return preset.changes;
+}
+
+}  // namespace tern

@@ -1,0 +1,19 @@
+#pragma once
+// Whether a scene makes sense as a whole, before anything is launched.
+
+#include <optional>
+
+#include "scene/case_file.hpp"
+#include "scene/settings.hpp"
+
+namespace tern {
+
+/// Sets the default domain and collects warnings. Throws BadInput if names repeat or lead nowhere, bodies overlap or
+/// stand outside the walls, a body or clamp holds no particle, or a body is fewer than 2 particles thick. `settings`
+/// are the effective settings the case was read from; they give the places for the sentences.
+void check_scene(Case& scene, const Setting& settings);
+
+/// Where fluid may start: the container with its open faces moved to infinity; nothing if there is no container.
+std::optional<Shape> fluid_region(const Case& scene);
+
+}  // namespace tern

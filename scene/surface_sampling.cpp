@@ -1,0 +1,244 @@
+// Boundary of a solid as surface points: every primitive is cut into patches, and of each patch only what lies on the
+// boundary of the final solid remains. A piece of a primitive lies on it where the solid is on its inner side and not
+// on its outer side, x - eps n inside, x + eps n outside.
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "scene/geometry.hpp"
+
+namespace tern {
+namespace {
+
+// A primitive of the shape tree; one that is subtracted has its normals reversed.
+struct Leaf {
+  const Shape* shape;
+  double sign;
+};
+
+void collect(const Shape& shape, double sign, std::vector<Leaf>& leaves) {
+  if (shape.kind == Shape::Kind::union_of || shape.kind == Shape::Kind::difference) {
+    for (std::size_t i = 0; i < shape.parts.size(); ++i) {
+      const bool subtracted = shape.kind == Shape::Kind::difference && i > 0;
+      collect(shape.parts[i], subtracted ? -sign : sign, leaves);
+    }
+  } else {
+    leaves.push_back({&shape, sign});
+  }
+}
+
+template <int D>
+struct SurfacePoint {
+  Vector<D> position, normal;
+};
+
+template <int D>
+class Sampler {
+ public:
+  Sampler(const Shape& shape, double spacing) : shape_(shape), spacing_(spacing) {
+    collect(shape, 1.0, leaves_);
+    for (current_ = 0; current_ < leaves_.size(); ++current_) sample(*leaves_[current_].shape);
+  }
+  SurfacePoints<D> points;
+
+ private:
+  long count(double length) const { return std::max(1L, std::lround(length / spacing_)); }
+
+  bool on_final_boundary(const SurfacePoint<D>& p) const {
+    if (leaves_.size() == 1) return true;
+    const Vector<D> step = 1e-5 * spacing_ * p.normal;
+    const Vector<D> inner = p.position - step, outer = p.position + step;
+    if (signed_distance<D>(shape_, inner) > 0 || signed_distance<D>(shape_, outer) <= 0) return false;
+    // Of coinciding faces that look the same way only the first counts.
+    for (std::size_t j = 0; j < current_; ++j) {
+      const double at_inner = leaves_[j].sign * signed_distance<D>(*leaves_[j].shape, inner);
+      const double at_outer = leaves_[j].sign * signed_distance<D>(*leaves_[j].shape, outer);
+      if (at_inner < 0 && at_outer > 0) return false;
+    }
+    return true;
+  }
+
+  void add(SurfacePoint<D> p, double area) {
+    points.position.push_back(p.position);
+    points.normal.push_back(p.normal);
+    points.area.push_back(area);
+  }
+
+  using Curve = std::function<SurfacePoint<D>(double)>;          // parameter 0..1 along an edge (2D)
+  using Patch = std::function<SurfacePoint<D>(double, double)>;  // parameters 0..1, area-preserving (3D)
+
+  // 2D: finds where the edge enters and leaves the final boundary by bisection and divides each remaining stretch
+  // evenly.
+  void add_curve(const Curve& raw, double length, long pieces_if_whole) {
+    const double sign = leaves_[current_].sign;
+    const Curve curve = [&](double s) {
+      SurfacePoint<D> p = raw(s);
+      p.normal *= sign;
+      return p;
+    };
+    const auto kept = [&](double s) { return on_final_boundary(curve(s)); };
+    const long probes = leaves_.size() == 1 ? 1 : 8 * count(length);
+    const auto probe = [&](long i) { return (static_cast<double>(i) + 0.5) / static_cast<double>(probes); };
+    const auto crossing = [&](double a, double b) {
+      const bool at_a = kept(a);
+      for (int i = 0; i < 50; ++i) {
+        const double middle = 0.5 * (a + b);
+        (kept(middle) == at_a ? a : b) = middle;
+      }
+      return 0.5 * (a + b);
+    };
+    double begin = kept(probe(0)) ? 0.0 : -1.0;
+    for (long i = 1; i <= probes; ++i) {
+      const bool inside = i < probes && kept(probe(i));
+      if (inside && begin < 0) {
+        begin = crossing(probe(i - 1), probe(i));
+      } else if (!inside && begin >= 0) {
+        const double end = i < probes ? crossing(probe(i - 1), probe(i)) : 1.0;
+        const bool whole = begin == 0.0 && end == 1.0;
+        const long pieces = whole ? pieces_if_whole : count((end - begin) * length);
+        for (long k = 0; k < pieces; ++k) {
+          const double s = begin + (end - begin) * (static_cast<double>(k) + 0.5) / static_cast<double>(pieces);
+          add(curve(s), (end - begin) * length / static_cast<double>(pieces));
+        }
+        begin = -1.0;
+      }
+    }
+  }
+
+  // 3D: keeps the share of the patch whose sub-samples lie on the final boundary.
+  void add_patch(const Patch& raw, double area) {
+    const double sign = leaves_[current_].sign;
+    const auto patch = [&](double u, double v) {
+      SurfacePoint<D> p = raw(u, v);
+      p.normal *= sign;
+      return p;
+    };
+    if (leaves_.size() == 1) return add(patch(0.5, 0.5), area);
+    constexpr int samples = 8;
+    double u_sum = 0, v_sum = 0;
+    int kept = 0;
+    for (int i = 0; i < samples; ++i) {
+      for (int j = 0; j < samples; ++j) {
+        const double u = (i + 0.5) / samples, v = (j + 0.5) / samples;
+        if (!on_final_boundary(patch(u, v))) continue;
+        u_sum += u, v_sum += v, ++kept;
+      }
+    }
+    if (kept > 0) add(patch(u_sum / kept, v_sum / kept), area * kept / (samples * samples));
+  }
+
+  void sample(const Shape& leaf) {
+    if (leaf.kind == Shape::Kind::ball) return sample_ball(leaf);
+    if constexpr (D == 2) {
+      auto vertices = leaf.vertices;
+      if (leaf.kind == Shape::Kind::box) {
+        vertices = {{leaf.min[0], leaf.min[1]}, {leaf.max[0], leaf.min[1]}, {leaf.max[0], leaf.max[1]}, {leaf.min[0], leaf.max[1]}};
+      }
+      sample_polygon(vertices);
+    } else {
+      sample_box(leaf);
+    }
+  }
+
+  void sample_polygon(const std::vector<std::array<double, 2>>& vertices) {
+    double twice_area = 0;
+    for (std::size_t i = 0, j = vertices.size() - 1; i < vertices.size(); j = i++) {
+      twice_area += vertices[j][0] * vertices[i][1] - vertices[i][0] * vertices[j][1];
+    }
+    const double turn = twice_area > 0 ? 1.0 : -1.0;
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      const auto& a = vertices[i];
+      const auto& b = vertices[(i + 1) % vertices.size()];
+      const double ex = b[0] - a[0], ey = b[1] - a[1], length = std::hypot(ex, ey);
+      const Curve edge = [&](double s) {
+        SurfacePoint<D> p;
+        p.position.setZero(), p.normal.setZero();
+        p.position[0] = a[0] + s * ex, p.position[1] = a[1] + s * ey;
+        p.normal[0] = turn * ey / length, p.normal[1] = -turn * ex / length;
+        return p;
+      };
+      add_curve(edge, length, count(length));
+    }
+  }
+
+  void sample_box(const Shape& leaf) {
+    for (int d = 0; d < D; ++d) {
+      const int e = (d + 1) % D, f = (d + 2) % D;
+      const long n = count(leaf.max[e] - leaf.min[e]), m = count(leaf.max[f] - leaf.min[f]);
+      const double de = (leaf.max[e] - leaf.min[e]) / static_cast<double>(n);
+      const double df = (leaf.max[f] - leaf.min[f]) / static_cast<double>(m);
+      for (const bool upper : {false, true}) {
+        for (long j = 0; j < m; ++j) {
+          for (long i = 0; i < n; ++i) {
+            const Patch patch = [&](double u, double v) {
+              SurfacePoint<D> p;
+              p.normal.setZero();
+              p.normal[d] = upper ? 1.0 : -1.0;
+              p.position[d] = upper ? leaf.max[d] : leaf.min[d];
+              p.position[e] = leaf.min[e] + (static_cast<double>(i) + u) * de;
+              p.position[f] = leaf.min[f] + (static_cast<double>(j) + v) * df;
+              return p;
+            };
+            add_patch(patch, de * df);
+          }
+        }
+      }
+    }
+  }
+
+  void sample_ball(const Shape& leaf) {
+    const double r = leaf.radius;
+    if constexpr (D == 2) {
+      const Curve circle = [&](double s) {
+        const double angle = 2 * std::numbers::pi * s;
+        SurfacePoint<D> p;
+        p.normal = Vector<D>(std::cos(angle), std::sin(angle));
+        p.position = Vector<D>(leaf.center[0], leaf.center[1]) + r * p.normal;
+        return p;
+      };
+      const double length = 2 * std::numbers::pi * r;
+      add_curve(circle, length, std::max(3L, count(length)));
+    } else {
+      // Bands of latitude; within a band area is proportional to z and angle (Archimedes), so each patch is r dz r
+      // dphi.
+      const long bands = std::max(2L, count(std::numbers::pi * r));
+      for (long band = 0; band < bands; ++band) {
+        const double south = -std::cos(std::numbers::pi * static_cast<double>(band) / static_cast<double>(bands));
+        const double north = -std::cos(std::numbers::pi * static_cast<double>(band + 1) / static_cast<double>(bands));
+        const double middle = std::sqrt(1 - 0.25 * (south + north) * (south + north));
+        const long n = std::max(3L, count(2 * std::numbers::pi * r * middle));
+        for (long i = 0; i < n; ++i) {
+          const Patch patch = [&](double u, double v) {
+            const double height = south + v * (north - south);
+            const double angle = 2 * std::numbers::pi * (static_cast<double>(i) + u) / static_cast<double>(n);
+            const double circle = std::sqrt(std::max(0.0, 1 - height * height));
+            SurfacePoint<D> p;
+            p.normal = Vector<D>(circle * std::cos(angle), circle * std::sin(angle), height);
+            p.position = Vector<D>(leaf.center[0], leaf.center[1], leaf.center[2]) + r * p.normal;
+            return p;
+          };
+          add_patch(patch, 2 * std::numbers::pi * r * r * (north - south) / static_cast<double>(n));
+        }
+      }
+    }
+  }
+
+  const Shape& shape_;
+  double spacing_;
+  std::vector<Leaf> leaves_;
+  std::size_t current_ = 0;
+};
+
+}  // namespace
+
+template <int D>
+SurfacePoints<D> sample_surface(const Shape& shape, double spacing) {
+  return Sampler<D>(shape, spacing).points;
+}
+
+template SurfacePoints<2> sample_surface<2>(const Shape&, double);
+template SurfacePoints<3> sample_surface<3>(const Shape&, double);
+
+}  // namespace tern

@@ -1,0 +1,60 @@
+#pragma once
+// Convex corners of bodies. What a body hides from a particle beside one of its corners is bounded by the face that the
+// particle sees and, round the corner, by faces turned away from it: averted faces. The fluid beyond such a corner is seen past
+// it, that beyond a thin plate is not.
+
+#include <cstdint>
+#include <vector>
+
+#include "sph/face_kernel.hpp"
+#include "sph/faces.hpp"
+
+namespace tern {
+
+/// Whether a line that enters a body through a face of the first normal and leaves it through one of the second passes a corner
+/// of it rather than a plate: faces at 53 degrees or more.
+template <int D>
+bool passes_corner(const Vector<D>& in, const Vector<D>& out) {
+  return in.dot(out) > -0.6;
+}
+
+/// Kept by the caller, so that a step allocates nothing.
+struct CornerScratch {
+  std::vector<int> averted, turned;
+};
+
+/// Finds averted faces. The faces of the structure and their finder outlive it.
+template <int D>
+class CornerView {
+ public:
+  /// `covered`: faces before which there is a wall instead of room for fluid; empty: none is.
+  CornerView(const Faces<D>& structure, const FaceFinder<D>& finder, const std::vector<std::uint8_t>& covered, const FaceKernel<D>& kernel,
+             CornerScratch& scratch)
+      : structure_(structure), finder_(finder), covered_(covered), kernel_(kernel), averted_(scratch.averted), turned_(scratch.turned) {}
+
+  /// Sets averted() for a particle at x: faces within the support that are turned away from it and bound what hides behind those it
+  /// sees, at least one.
+  void look(const Vector<D>& x, const int* seen, int seen_count);
+  const std::vector<int>& averted() const { return averted_; }
+
+  /// Share of the pressures before face k that is its load, 1 away from corners. A face has a half space before it, but beside
+  /// a corner there is fluid behind its plane as well.
+  double borne_share(int k);
+
+ private:
+  template <class Turned>
+  void find(const Vector<D>& x, Turned&& behind_plate);
+
+  const Faces<D>& structure_;
+  const FaceFinder<D>& finder_;
+  const std::vector<std::uint8_t>& covered_;
+  const FaceKernel<D>& kernel_;
+  std::vector<int>&averted_, &turned_;
+};
+
+/// Marks the faces of the structure before which there is a wall. `before`: distance of the places that are asked [m].
+template <int D>
+void find_covered_faces(const Faces<D>& structure, const Faces<D>& walls, const FaceFinder<D>& wall_finder, double before,
+                        std::vector<std::uint8_t>& covered);
+
+}  // namespace tern

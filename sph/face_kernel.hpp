@@ -1,0 +1,102 @@
+#pragma once
+// A wall or a structure enters the fluid's sums as a surface, not as layers of particles. For a fluid particle i and a
+// flat face patch k (centre x_k, unit normal n_k towards the fluid, area A_k) the hidden side contributes
+//   sum_hidden grad w       = - A_k w~(r) n_k                          (Gauss' theorem)
+//   sum_hidden f            =   Omega_k  Int_r^2h f(s) s^(D-1) ds      (cone of solid angle Omega_k behind the patch)
+// with f = w for the particle number density and f = s|w'| (times e e^T) for the correction matrix. The sums on the fluid
+// side run over particles, not over a continuum; multiplying w and f by a polynomial in s, chosen such that the layers of a
+// lattice resting on a plane see what a continued lattice would give them, removes the mismatch: on that lattice
+// sum grad w = 0 to 1e-6, and n = n_ref, tr M = D up to the size of the patches (3e-3 with patches of dx/2 in 2D).
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <vector>
+
+#include "base/vector.hpp"
+#include "sph/kernel.hpp"
+#include "sph/lattice_sums.hpp"
+#include "sph/polar_angle.hpp"
+
+namespace tern {
+
+template <int D>
+class FaceKernel {
+ public:
+  /// `spacing`: of the fluid particles [m]. Uses the calibrated gradient |w'|/M_xx throughout.
+  FaceKernel(const Kernel<D>& kernel, double spacing);
+
+  double support() const { return support_; }
+
+  /// w~(r) [1/m^D]: sum_hidden grad w = -A w~ n.
+  double surface_weight(double r) const { return kernel_.value(r) * evaluate(surface_, r); }
+  /// Int_r^2h w~ s^(D-1) ds [-]; times a solid angle: what the volume in it, from r on, adds to the sum of w~ at a face.
+  double surface_weight_beyond(double r) const { return interpolate(beyond_, r); }
+  /// Int_r^2h of the calibrated w s^(D-1) ds [-]; times the solid angle: hidden part of sum V w.
+  double hidden_density(double r) const { return interpolate(density_, r); }
+  /// Int_r^2h of the calibrated s|w'|/M_xx s^(D-1) ds [-]; times the solid angle: hidden part of tr M.
+  double hidden_moment(double r) const { return interpolate(moment_, r); }
+
+ private:
+  static constexpr int terms = 3;
+  using Polynomial = std::array<double, terms>;
+  static double evaluate(const Polynomial& p, double s) { return p[0] + s * (p[1] + s * p[2]); }
+
+  /// Tables end with two zeros, at the support and beyond.
+  double interpolate(const std::vector<double>& table, double r) const {
+    const double s = std::min(r, support_) * table_scale_;
+    const int k = static_cast<int>(s);
+    const double f = s - k;
+    return table[k] * (1 - f) + table[k + 1] * f;
+  }
+
+  Kernel<D> kernel_;
+  double support_, table_scale_;
+  Polynomial surface_{};
+  std::vector<double> density_, moment_, beyond_;
+};
+
+/// Angle (2D) or solid angle (3D) that a patch subtends at distance vector d = x_k - x_i (i on the side of the normal).
+/// Exact for a straight segment of length `area` in 2D, for a square of that area in 3D whose sides follow the
+/// coordinate axes as closely as the normal allows. Without branches and calls, so that loops over patches are computed many
+/// at a time; `d` and `normal` are vectors, or arrays in such a loop.
+template <int D, class Distance, class Normal>
+[[gnu::always_inline]] inline double subtended_angle(const Distance& d, const Normal& normal, double area) {
+  if constexpr (D == 2) {
+    const double height = -(d[0] * normal[0] + d[1] * normal[1]);
+    // Between the directions to the two ends: tan = cross product / dot product.
+    const double along = d[0] * -normal[1] + d[1] * normal[0];
+    const double angle = polar_angle(height * height + along * along - 0.25 * area * area, area * height);
+    return height > 0 ? angle : 0.0;
+  } else {
+    // Sides: e, the axis most nearly along the patch less its part along the normal, and normal x e, both of the length
+    // `scale`. The angle does not change with the scale of all lengths, so the others take it on instead of a division. The
+    // sign of v does not matter.
+    const double height = -(d[0] * normal[0] + d[1] * normal[1] + d[2] * normal[2]);
+    const double cross[] = {d[1] * normal[2] - d[2] * normal[1], d[2] * normal[0] - d[0] * normal[2], d[0] * normal[1] - d[1] * normal[0]};
+    const bool second = std::abs(normal[1]) < std::abs(normal[0]);
+    double along = second ? d[1] : d[0], tilt = second ? normal[1] : normal[0], v = second ? cross[1] : cross[0];
+    const bool third = std::abs(normal[2]) < std::abs(tilt);
+    along = third ? d[2] : along, tilt = third ? normal[2] : tilt, v = third ? cross[2] : v;
+    const double scale = std::sqrt(1 - tilt * tilt);
+    const double u = along + tilt * height, half = 0.5 * scale * std::sqrt(area), level = scale * height;
+    // Signed sum of atan(a b / (level distance)) over the four corners (a, b), as the argument of a product of complex
+    // numbers: one arc tangent in place of four.
+    struct Complex {
+      double re, im;
+      Complex operator*(const Complex& o) const { return {re * o.re - im * o.im, re * o.im + im * o.re}; }
+    };
+    const auto corner = [level](double a, double b, double sign) {
+      return Complex{level * std::sqrt(a * a + b * b + level * level), sign * a * b};
+    };
+    const Complex product =
+        corner(u + half, v + half, 1) * corner(u - half, v + half, -1) * (corner(u + half, v - half, -1) * corner(u - half, v - half, 1));
+    const double angle = polar_angle(product.re, product.im);
+    // Beyond pi only from close above the patch; elsewhere a negative angle is zero but for rounding.
+    const bool close_above = (level < half) & (std::abs(u) < half) & (std::abs(v) < half);
+    const double seen = angle >= 0 ? angle : close_above ? angle + 2 * std::numbers::pi : 0.0;
+    return height > 0 ? seen : 0.0;
+  }
+}
+
+}  // namespace tern

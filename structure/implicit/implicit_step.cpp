@@ -1,0 +1,218 @@
+// TR-BDF2 for d' = v, M v' = f(d) + f_external, with g = 2 - sqrt(2) and h = g dt/2:
+//   d_g = d_n + h (v_n + v_g),               M (v_g - v_n)/h = f_n + f(d_g) + 2 f_external      trapezoidal rule to t + g dt
+//   d = d^ + h v,                            M (v - v^)/h = f(d) + f_external                   BDF2 to t + dt
+//   (d^, v^) = [ (d_g, v_g) - (1 - g)^2 (d_n, v_n) ]/(g (2 - g)).
+// With v eliminated both read  M (d - predictor)/h^2 - f(d) = constant,  whose tangent is M/h^2 + K. Mass damping decays the
+// velocity by exp(-alpha dt/2) before and after the step.
+
+#include "structure/implicit/implicit_step.hpp"
+
+#include <cmath>
+
+#include "structure/time_step.hpp"
+
+namespace tern::structure {
+namespace {
+
+/// Newton's method ends when it moves no particle by more than this share of the spacing.
+constexpr double tolerance = 1e-7;
+constexpr int most_iterations = 14;  // with one factor
+constexpr int most_halvings = 6;
+constexpr std::size_t most_updates = 6;  // kept while the factor is
+constexpr int expected_iterations = 4;   // with a new factor
+/// An assembled and factored tangent costs about as much as this many iterations (docs/STRUCTURE.md).
+constexpr double worth_of_a_factor = 28;
+/// A factor made for another step length serves while h^2 differs by less than this factor.
+constexpr double largest_ratio = 2;
+
+template <int D>
+Eigen::VectorXd gather(const std::vector<std::int32_t>& rows, const RowVectors<D>& from) {
+  Eigen::VectorXd values(static_cast<Eigen::Index>(rows.size()) * D);
+  Eigen::Index n = 0;
+  for (const auto row : rows)
+    for (int a = 0; a < D; ++a) values[n++] = from[a][row];
+  return values;
+}
+
+template <int D>
+void scatter(const std::vector<std::int32_t>& rows, const Eigen::VectorXd& values, RowVectors<D>& to) {
+  Eigen::Index n = 0;
+  for (const auto row : rows)
+    for (int a = 0; a < D; ++a) to[a][row] = values[n++];
+}
+
+/// Moves the clamped particles on for `dt`.
+template <int D>
+void drift_clamps(const Reference<D>& reference, double dt, State<D>& state) {
+  for (const Clamp& clamp : reference.clamps) {
+    if (!clamp.motion) continue;
+    for (const auto row : clamp.row)
+      for (int a = 0; a < D; ++a) state.displacement[a][row] += dt * state.velocity[a][row];
+  }
+}
+
+/// Decays the velocity for half of a step.
+template <int D>
+void damp(const Reference<D>& reference, double dt, State<D>& state) {
+  if (!reference.has_damping) return;
+  for (std::size_t n = 0; n < reference.blocks.size(); ++n) {
+    const double damping = reference.bodies[reference.blocks[n].body].mass_damping;
+    const double decay = std::exp(-0.5 * dt * damping);
+    for (int lane = 0; lane < lane_count; ++lane) {
+      const std::int32_t row = reference.blocks[n].row + lane;
+      if (reference.inverse_mass[row] == 0) continue;
+      for (int a = 0; a < D; ++a) {
+        double& v = state.velocity[a][row];
+        state.damping_loss[n][lane] += 0.5 * reference.mass[row] * v * v * (1 - decay * decay);
+        v *= decay;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+template <int D>
+Eigen::VectorXd ImplicitStep<D>::step_for(const Eigen::VectorXd& residual) {
+  Eigen::VectorXd step = residual;
+  std::vector<double> share(updates_.size());
+  for (std::size_t n = updates_.size(); n-- > 0;) {
+    share[n] = updates_[n].moved.dot(step) / updates_[n].product;
+    step -= share[n] * updates_[n].change;
+  }
+  step = tangent_.solve(step);
+  for (std::size_t n = 0; n < updates_.size(); ++n)
+    step += (share[n] - updates_[n].change.dot(step) / updates_[n].product) * updates_[n].moved;
+  return step;
+}
+
+template <int D>
+bool ImplicitStep<D>::solve(const Reference<D>& reference, double h, const Eigen::VectorXd& predictor, const Eigen::VectorXd& constant,
+                            State<D>& state, Workspace<D>& work) {
+  const auto& rows = tangent_.free_rows();
+  double spacing = std::numeric_limits<double>::max();
+  for (const Body& body : reference.bodies) spacing = std::min(spacing, body.spacing);
+  Eigen::VectorXd inertia(predictor.size());
+  for (std::size_t n = 0; n < rows.size(); ++n)
+    inertia.template segment<D>(static_cast<Eigen::Index>(n) * D).setConstant(reference.mass[rows[n]] / (h * h));
+
+  const auto evaluate = [&](const Eigen::VectorXd& at, Eigen::VectorXd& result) {
+    ++counts_.evaluations;
+    scatter<D>(rows, at, state.displacement);
+    if (!evaluate_elastic_force(reference, state, work)) return false;
+    result = constant + gather<D>(rows, state.internal_force) - inertia.cwiseProduct(at - predictor);
+    return result.allFinite();
+  };
+  // The residual in the norm of the inverse inertia.
+  const auto size = [&](const Eigen::VectorXd& r) { return r.cwiseProduct(r).cwiseQuotient(inertia).sum(); };
+
+  Eigen::VectorXd d = gather<D>(rows, state.displacement), residual, next, next_residual;
+  if (!evaluate(d, residual)) return false;
+  const double ratio = h * h / (factored_h_ * factored_h_);
+  bool renew = !(ratio < largest_ratio && ratio * largest_ratio > 1) || excess_ > worth_of_a_factor;
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    bool fresh = false;
+    if (renew) {
+      updates_.clear();
+      ++counts_.factors;
+      tangent_.assemble(reference, work, 1 / (h * h));
+      factored_h_ = tangent_.factorise() ? h : 0;
+      if (factored_h_ == 0) return false;
+      excess_ = 0;
+      fresh = true;
+    }
+    for (int iteration = 0; iteration < most_iterations; ++iteration) {
+      const Eigen::VectorXd step = step_for(residual);
+      const double largest = step.cwiseAbs().maxCoeff();
+      if (!std::isfinite(largest)) break;
+      double share = 1;
+      bool accepted = false;
+      const double before = size(residual);
+      for (int halving = 0; halving < most_halvings; ++halving, share *= 0.5) {
+        next = d + share * step;
+        accepted = evaluate(next, next_residual) && (size(next_residual) < before || share * largest <= tolerance * spacing);
+        if (accepted) break;
+      }
+      if (!accepted) break;
+      Update update{next - d, residual - next_residual, 0};
+      update.product = update.moved.dot(update.change);
+      d = next;
+      residual = next_residual;
+      if (share * largest <= tolerance * spacing) {
+        excess_ += std::max(0, iteration + 1 - expected_iterations);
+        return true;
+      }
+      if (update.product > 0) {
+        if (updates_.size() == most_updates) updates_.erase(updates_.begin());
+        updates_.push_back(std::move(update));
+      }
+    }
+    if (fresh || !evaluate(d, residual)) return false;
+    renew = true;
+  }
+  return false;
+}
+
+template <int D>
+Eigen::VectorXd ImplicitStep<D>::guess(int part, double dt, const Eigen::VectorXd& straight) const {
+  if (bend_[part].size() != straight.size()) return straight;
+  const double ratio = dt / bend_dt_;
+  return straight + ratio * ratio * bend_[part];
+}
+
+template <int D>
+bool ImplicitStep<D>::advance(const Reference<D>& reference, double dt, State<D>& state, Workspace<D>& work) {
+  const auto& rows = tangent_.free_rows();
+  const State<D> saved = state;
+  const double g = 2 - std::sqrt(2.0), h = 0.5 * g * dt;
+  damp(reference, dt, state);
+  const Eigen::VectorXd external = gather<D>(rows, work.external_force);
+  const Eigen::VectorXd d_n = gather<D>(rows, state.displacement), v_n = gather<D>(rows, state.velocity);
+  bool done = state.force_is_elastic;  // as the last implicit step leaves it
+  if (!done) {
+    done = evaluate_elastic_force(reference, state, work);
+    ++counts_.evaluations;
+  }
+  const double power_n = clamp_power(reference, state);
+  const Eigen::VectorXd f_n = gather<D>(rows, state.internal_force);
+
+  drift_clamps(reference, g * dt, state);
+  const Eigen::VectorXd straight = d_n + 2 * h * v_n;
+  if (done) {
+    scatter<D>(rows, guess(0, dt, straight), state.displacement);
+    done = solve(reference, h, straight, f_n + 2 * external, state, work);
+  }
+  if (done) {
+    const Eigen::VectorXd d_g = gather<D>(rows, state.displacement);
+    const Eigen::VectorXd v_g = (d_g - d_n) / h - v_n;
+    const double own = 1 / (g * (2 - g)), past = (1 - g) * (1 - g) * own;
+    const Eigen::VectorXd d_hat = own * d_g - past * d_n, v_hat = own * v_g - past * v_n;
+    const double power_g = clamp_power(reference, state);
+    drift_clamps(reference, (1 - g) * dt, state);
+    const Eigen::VectorXd straight_on = d_g + (1 - g) * dt * v_g;
+    scatter<D>(rows, guess(1, dt, straight_on), state.displacement);
+    done = solve(reference, h, d_hat + h * v_hat, external, state, work);
+    if (done) {
+      const Eigen::VectorXd d = gather<D>(rows, state.displacement);
+      bend_[0] = d_g - straight;
+      bend_[1] = d - straight_on;
+      bend_dt_ = dt;
+      scatter<D>(rows, (d - d_hat) / h, state.velocity);
+      damp(reference, dt, state);
+      // Work of the clamps by the trapezoidal rule over both parts of the step.
+      const double power = clamp_power(reference, state);
+      state.clamp_work += 0.5 * dt * (g * (power_n + power_g) + (1 - g) * (power_g + power));
+      ++counts_.steps;
+      return true;
+    }
+  }
+  state = saved;
+  for (auto& bend : bend_) bend.resize(0);
+  ++counts_.failed;
+  return false;
+}
+
+template class ImplicitStep<2>;
+template class ImplicitStep<3>;
+
+}  // namespace tern::structure

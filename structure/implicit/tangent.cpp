@@ -1,0 +1,221 @@
+// Tangent of the elastic force. With c = dx^2/12, G_a = dF/dX_a, Fi = F^-1, B_a = G_a Fi, D_a = sym(B_a), S_a = C:D_a (C Hooke's law),
+//   d2W = dF:d2Psi:dF + c sum_a [ dD_a:C:dD_a - 2 S_a:(dB_a dF Fi) ],   dB_a = (dG_a - B_a dF) Fi,   dD_a = sym(dB_a),
+//   d2Psi = mu d_ik d_JL + (mu - lambda ln J) Fi_Jk Fi_Li + lambda Fi_Ji Fi_Lk   (neo-Hookean),
+//   d2Psi = d_ik S_JL + F_iM C_MJNL F_kN                                          (St Venant-Kirchhoff).
+
+#include "structure/implicit/tangent.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "structure/time_step.hpp"
+
+namespace tern::structure {
+namespace {
+
+/// Stiffness C_MJNL of Hooke's law.
+double hooke_stiffness(const Material& m, int a, int b, int c, int d) {
+  return m.plane_lambda * (a == b) * (c == d) + m.mu * ((a == c) * (b == d) + (a == d) * (b == c));
+}
+
+template <int D>
+Matrix<D> hooke_stress(const Material& m, const Matrix<D>& e) {
+  return m.plane_lambda * e.trace() * Matrix<D>::Identity() + 2 * m.mu * e;
+}
+
+}  // namespace
+
+template <int D>
+Eigen::Matrix<double, D * D + D * curvature_components<D>, D * D + D * curvature_components<D>> energy_hessian(const Body& body,
+                                                                                                               const Workspace<D>& work,
+                                                                                                               std::int32_t row) {
+  constexpr int first = D * D, pairs = curvature_components<D>, size = first + D * pairs;
+  const Material& m = body.material;
+  const Matrix<D> f = deformation_gradient_of<D>(work, row), inverse = f.inverse();
+  Eigen::Matrix<double, size, size> hessian = Eigen::Matrix<double, size, size>::Zero();
+
+  if (m.law == MaterialLaw::neo_hookean) {
+    double log_j = std::log(f.determinant()), lambda = m.lambda;
+    if (m.plane_stress) {
+      // The thickness answers: d ln J / d ln J_2 = 2 mu F33^2/(2 mu F33^2 + lambda).
+      const double log_f33 = m.log_thickness_stretch(log_j), stiffness = 2 * m.mu * std::exp(2 * log_f33);
+      log_j += log_f33;
+      lambda *= stiffness / (stiffness + m.lambda);
+    }
+    for (int i = 0; i < D; ++i)
+      for (int J = 0; J < D; ++J)
+        for (int k = 0; k < D; ++k)
+          for (int L = 0; L < D; ++L)
+            hessian(i * D + J, k * D + L) = m.mu * (i == k) * (J == L) + (m.mu - m.lambda * log_j) * inverse(J, k) * inverse(L, i) +
+                                            lambda * inverse(J, i) * inverse(L, k);
+  } else {
+    const Matrix<D> stress = hooke_stress<D>(m, 0.5 * (f.transpose() * f - Matrix<D>::Identity()));
+    for (int i = 0; i < D; ++i)
+      for (int J = 0; J < D; ++J)
+        for (int k = 0; k < D; ++k)
+          for (int L = 0; L < D; ++L) {
+            double& entry = hessian(i * D + J, k * D + L);
+            entry = (i == k) * stress(J, L);
+            for (int M = 0; M < D; ++M)
+              for (int N = 0; N < D; ++N) entry += f(i, M) * hooke_stiffness(m, M, J, N, L) * f(k, N);
+          }
+  }
+
+  const double c = body.spacing * body.spacing / 12;
+  using Rows = Eigen::Matrix<double, D * D, size>;
+  Eigen::Matrix<double, D * D, D * D> stiffness;
+  for (int i = 0; i < D; ++i)
+    for (int J = 0; J < D; ++J)
+      for (int k = 0; k < D; ++k)
+        for (int L = 0; L < D; ++L) stiffness(i * D + J, k * D + L) = hooke_stiffness(m, i, J, k, L);
+  for (int direction = 0; direction < D; ++direction) {
+    Matrix<D> g;
+    for (int i = 0; i < D; ++i)
+      for (int b = 0; b < D; ++b) g(i, b) = work.curvature[i][curvature_index<D>(direction, b)][row];
+    const Matrix<D> b = g * inverse;
+    // dB, its symmetric part, and dF F^-1 as rows over (dF, dG).
+    Rows change = Rows::Zero(), strain, rate = Rows::Zero();
+    for (int i = 0; i < D; ++i)
+      for (int l = 0; l < D; ++l)
+        for (int J = 0; J < D; ++J) {
+          rate(i * D + l, i * D + J) = inverse(J, l);
+          change(i * D + l, first + i * pairs + curvature_index<D>(direction, J)) += inverse(J, l);
+          for (int k = 0; k < D; ++k) change(i * D + l, k * D + J) -= b(i, k) * inverse(J, l);
+        }
+    for (int i = 0; i < D; ++i)
+      for (int l = 0; l < D; ++l) strain.row(i * D + l) = 0.5 * (change.row(i * D + l) + change.row(l * D + i));
+    hessian += c * strain.transpose() * stiffness * strain;
+    const Matrix<D> stress = hooke_stress<D>(m, 0.5 * (b + b.transpose()));
+    // S:(dB dF Fi) = sum_ik dB_ik sum_l S_il (dF Fi)_kl.
+    Rows weighted = Rows::Zero();
+    for (int i = 0; i < D; ++i)
+      for (int k = 0; k < D; ++k)
+        for (int l = 0; l < D; ++l) weighted.row(i * D + k) += stress(i, l) * rate.row(k * D + l);
+    const Eigen::Matrix<double, size, size> product = change.transpose() * weighted;
+    hessian -= c * (product + product.transpose());
+  }
+  return hessian;
+}
+
+template <int D>
+Tangent<D>::Tangent(const Reference<D>& reference) {
+  std::vector<std::int32_t> node_of_row(reference.rows, -1);
+  for (const auto row : reference.particle_row) {
+    if (reference.inverse_mass[row] == 0) continue;
+    node_of_row[row] = static_cast<std::int32_t>(free_rows_.size());
+    free_rows_.push_back(row);
+  }
+  const auto nodes = static_cast<std::int32_t>(free_rows_.size());
+
+  for (const Block& block : reference.blocks) {
+    const Stencil<D>& stencil = reference.stencils[block.stencil];
+    for (int lane = 0; lane < lane_count; ++lane) {
+      const std::int32_t row = block.row + lane;
+      if (node_of_row[row] < 0) continue;
+      std::map<std::int32_t, Eigen::Matrix<double, operators, 1>> column;
+      Eigen::Matrix<double, operators, 1> own = Eigen::Matrix<double, operators, 1>::Zero();
+      for (std::uint32_t k = stencil.first; k < stencil.first + stencil.count; ++k) {
+        Eigen::Matrix<double, operators, 1> values;
+        for (int a = 0; a < D; ++a) values[a] = reference.neighbours[k].gradient[a][lane];
+        for (int c = 0; c < curvature_components<D>; ++c) values[D + c] = reference.neighbours[k].curvature[c][lane];
+        own -= values;
+        const std::int32_t node = values.isZero(0) ? -1 : node_of_row[row + reference.row_offset[k]];
+        if (node >= 0) column[node] = values;
+      }
+      column[node_of_row[row]] = own;
+      Particle particle;
+      particle.row = row;
+      particle.body = block.body;
+      particle.derivative.resize(operators, static_cast<Eigen::Index>(column.size()));
+      for (const auto& [node, values] : column) {
+        particle.derivative.col(static_cast<Eigen::Index>(particle.node.size())) = values;
+        particle.node.push_back(node);
+      }
+      assembly_size_ += static_cast<double>(column.size() * column.size()) * D * D * operators / 2;
+      particles_.push_back(std::move(particle));
+    }
+  }
+
+  // Pattern: the nodes below the diagonal of each node's columns.
+  std::vector<std::vector<std::int32_t>> below(nodes);
+  for (const Particle& particle : particles_)
+    for (std::size_t l = 0; l < particle.node.size(); ++l)
+      below[particle.node[l]].insert(below[particle.node[l]].end(), particle.node.begin() + l + 1, particle.node.end());
+  Eigen::VectorXi sizes(nodes * D);
+  for (std::int32_t l = 0; l < nodes; ++l) {
+    std::sort(below[l].begin(), below[l].end());
+    below[l].erase(std::unique(below[l].begin(), below[l].end()), below[l].end());
+    for (int c = 0; c < D; ++c) sizes[l * D + c] = static_cast<int>(below[l].size()) * D + D - c;
+  }
+  matrix_.resize(nodes * D, nodes * D);
+  matrix_.reserve(sizes);
+  for (std::int32_t l = 0; l < nodes; ++l)
+    for (int c = 0; c < D; ++c) {
+      for (int a = c; a < D; ++a) matrix_.insert(l * D + a, l * D + c) = 0;
+      for (const auto j : below[l])
+        for (int a = 0; a < D; ++a) matrix_.insert(j * D + a, l * D + c) = 0;
+    }
+  matrix_.makeCompressed();
+  for (Particle& particle : particles_)
+    for (std::size_t l = 0; l < particle.node.size(); ++l) {
+      const auto& column = below[particle.node[l]];
+      for (std::size_t j = l; j < particle.node.size(); ++j)
+        particle.place.push_back(
+            j == l ? -1 : static_cast<std::int32_t>(std::lower_bound(column.begin(), column.end(), particle.node[j]) - column.begin()));
+    }
+  factor_.cholmod().print = 0;  // a tangent that is not positive definite is an answer, not a message
+  factor_.analyzePattern(matrix_);
+}
+
+template <int D>
+void Tangent<D>::assemble(const Reference<D>& reference, const Workspace<D>& work, double mass_factor) {
+  constexpr int pairs = curvature_components<D>;
+  double* values = matrix_.valuePtr();
+  const auto* outer = matrix_.outerIndexPtr();
+  std::fill(values, values + matrix_.nonZeros(), 0.0);
+  Eigen::Matrix<double, Eigen::Dynamic, operators> left[D][D];
+  for (const Particle& particle : particles_) {
+    const Body& body = reference.bodies[particle.body];
+    const auto hessian = energy_hessian<D>(body, work, particle.row);
+    const double volume = reference.volume[particle.row];
+    // S^T A^ac of every pair of components: A^ac over the derivatives of component a and c.
+    for (int a = 0; a < D; ++a)
+      for (int c = 0; c < D; ++c) {
+        Eigen::Matrix<double, operators, operators> part;
+        const auto index = [](int component, int s) { return s < D ? component * D + s : D * D + component * pairs + s - D; };
+        for (int s = 0; s < operators; ++s)
+          for (int t = 0; t < operators; ++t) part(s, t) = volume * hessian(index(a, s), index(c, t));
+        left[a][c].noalias() = particle.derivative.transpose() * part;
+      }
+    const std::int32_t* place = particle.place.data();
+    const auto count = static_cast<Eigen::Index>(particle.node.size());
+    for (Eigen::Index l = 0; l < count; ++l) {
+      const auto right = particle.derivative.col(l);
+      for (Eigen::Index j = l; j < count; ++j, ++place)
+        for (int c = 0; c < D; ++c) {
+          double* column = values + outer[particle.node[l] * D + c];
+          if (*place < 0) {
+            for (int a = c; a < D; ++a) column[a - c] += left[a][c].row(j).dot(right);
+          } else {
+            for (int a = 0; a < D; ++a) column[D - c + *place * D + a] += left[a][c].row(j).dot(right);
+          }
+        }
+    }
+  }
+  for (std::size_t n = 0; n < free_rows_.size(); ++n)
+    for (int a = 0; a < D; ++a) values[outer[n * D + a]] += mass_factor * reference.mass[free_rows_[n]];
+}
+
+template <int D>
+bool Tangent<D>::factorise() {
+  factor_.factorize(matrix_);
+  return factor_.info() == Eigen::Success;
+}
+
+template class Tangent<2>;
+template class Tangent<3>;
+template Eigen::Matrix<double, 10, 10> energy_hessian<2>(const Body&, const Workspace<2>&, std::int32_t);
+template Eigen::Matrix<double, 27, 27> energy_hessian<3>(const Body&, const Workspace<3>&, std::int32_t);
+
+}  // namespace tern::structure

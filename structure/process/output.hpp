@@ -1,0 +1,65 @@
+#pragma once
+// What the structure process reports: gauges, energies, frames, measures.
+
+#include <vector>
+
+#include "run/frame_writer.hpp"
+#include "run/run_report.hpp"
+#include "scene/gauges.hpp"
+#include "structure/structure.hpp"
+
+namespace tern::structure {
+
+/// The gauges of a scene that belong to the structure, their material points found once.
+template <int D>
+class StructureGauges {
+ public:
+  /// Throws BadInput for a gauge outside its body or at a clamp that does not exist.
+  StructureGauges(const Case& scene, const Structure<D>& structure);
+  GaugeValues values(const Structure<D>& structure) const;
+
+ private:
+  struct Gauge {
+    GaugeCase input;
+    MaterialPoint point;
+  };
+  std::vector<Gauge> gauges_;
+};
+
+/// In the order of structure_energy_columns(scene).
+template <int D>
+std::vector<double> energy_values(const Case& scene, const Structure<D>& structure);
+
+/// Appends the present state.
+template <int D>
+void write_frame(const Structure<D>& structure, FrameWriter& frames, long step);
+
+/// Follows a run for its report.
+class Measures {
+ public:
+  /// After each window.
+  template <int D>
+  void add(const Structure<D>& structure) {
+    sub_steps_ += structure.sub_steps();
+    ++windows_;
+  }
+  template <int D>
+  void report(const Structure<D>& structure, RunReport& report) const {
+    report.set_count("particles", static_cast<long>(structure.particles()));
+    report.set_count("surface_points", static_cast<long>(structure.surface_points()));
+    report.set_count("sub_steps", sub_steps_);
+    const Evaluations& evaluations = structure.evaluations();
+    report.set_evaluations("elastic_force", evaluations.elastic_force);
+    report.set_evaluations("riemann_diffusion", evaluations.riemann_diffusion);
+    report.set_evaluations("hourglass_penalty", evaluations.hourglass_penalty);
+    report.set_evaluations("loads", evaluations.loads);
+    report.set_evaluations("moving_clamps", evaluations.moving_clamps);
+    report.set_count("windows_at_rest", evaluations.windows_at_rest);
+    if (windows_ > 0) report.set_measure("sub_steps_mean", static_cast<double>(sub_steps_) / static_cast<double>(windows_));
+  }
+
+ private:
+  long sub_steps_ = 0, windows_ = 0;
+};
+
+}  // namespace tern::structure

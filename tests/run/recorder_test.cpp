@@ -1,0 +1,36 @@
+// The instants at which rows are written.
+
+#include "run/recorder.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+
+#include "fixtures/scratch_directory.hpp"
+
+namespace tern {
+namespace {
+
+// The two other processes of a coupled run evaluate gauges by the same rule. Seen to fail with written() adding the
+// interval to the last row's time: the rows then drift away from the multiples.
+TEST(Recorder, WritesTheFirstInstantAtOrAfterEveryMultipleOfTheInterval) {
+  const ScratchDirectory directory;
+  std::vector<double> due;
+  {
+    Recorder recorder(directory.path(), {"p_Pa"}, {"kinetic_J"}, 0.1);
+    for (int k = 0; k < 12; ++k) {
+      const Ticks now = to_ticks(0.03 * k);
+      if (recorder.due(now)) due.push_back(seconds(now));
+      recorder.account(now, {0.0}, {0.0});
+    }
+  }
+  const std::string table = text_of(directory / "gauges.csv");
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 5) << table;
+  ASSERT_EQ(due.size(), 4u);
+  const std::array expected{0.0, 0.12, 0.21, 0.3};
+  for (int k = 0; k < 4; ++k) EXPECT_NEAR(due[k], expected[k], 1e-6);
+}
+
+}  // namespace
+}  // namespace tern

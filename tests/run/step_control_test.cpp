@@ -1,0 +1,82 @@
+// Window lengths: targets are met exactly and no step is much shorter or longer than the one before.
+
+#include "run/step_control.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <vector>
+
+namespace tern {
+namespace {
+
+constexpr unsigned seed = 20240117;
+
+/// Steps taken from 0 through all targets, in ticks; `propose` gives the proposal of each step [s].
+template <class Propose>
+std::vector<Ticks> steps_through(const std::vector<Ticks>& targets, Propose&& propose) {
+  StepControl control;
+  std::vector<Ticks> steps;
+  Ticks now = 0;
+  for (Ticks target : targets) {
+    while (now < target) {
+      steps.push_back(control.next(propose(), now, target));
+      now += steps.back();
+      EXPECT_GT(steps.back(), 0);
+      if (steps.size() > 100000) return steps;
+    }
+    EXPECT_EQ(now, target);
+  }
+  return steps;
+}
+
+std::vector<Ticks> random_targets(std::mt19937& random, int count, double least, double most) {
+  std::uniform_real_distribution<double> interval(least, most);
+  std::vector<Ticks> targets;
+  double t = 0;
+  for (int k = 0; k < count; ++k) targets.push_back(to_ticks(t += interval(random)));
+  return targets;
+}
+
+// Seen to fail: with the last step rounded to a whole proposal instead of the remaining ticks.
+TEST(StepControl, LandsExactlyOnEveryTargetForAnyProposals) {
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  std::lognormal_distribution<double> proposal(std::log(1e-3), 0.7);
+  steps_through(random_targets(random, 300, 1e-4, 2e-2), [&] { return proposal(random); });
+}
+
+// Seen to fail: with the steps ahead of a target not stretched evenly (steps_ahead = 0), so that a sliver remains.
+TEST(StepControl, NeverHalvesTheStepWhileProposalsAreSteady) {
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  const auto steps = steps_through(random_targets(random, 500, 1e-3, 3e-2), [] { return 1e-3; });
+  for (std::size_t k = 1; k < steps.size(); ++k) ASSERT_GE(seconds(steps[k]), (0.5 - 1e-5) * seconds(steps[k - 1])) << "step " << k;
+}
+
+// From rest the first proposal counts alone; later ones may exceed the step before by 10 %, and by 10 % more to meet a
+// target. Seen to fail: without the limit on growth.
+TEST(StepControl, GrowsByNoMoreThanTenPercentTwice) {
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  std::lognormal_distribution<double> proposal(std::log(1e-3), 1.0);
+  const auto steps = steps_through(random_targets(random, 300, 2e-3, 5e-2), [&] { return proposal(random); });
+  ASSERT_GT(steps.size(), 1000u);
+  for (std::size_t k = 1; k < steps.size(); ++k) ASSERT_LE(seconds(steps[k]), (1.21 + 1e-5) * seconds(steps[k - 1])) << "step " << k;
+}
+
+// Seen to fail: with the proposal stretched by 1.3 to meet a target.
+TEST(StepControl, ExceedsAProposalByNoMoreThanTenPercent) {
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  std::lognormal_distribution<double> distribution(std::log(1e-3), 0.5);
+  std::vector<double> proposals;
+  const auto steps = steps_through(random_targets(random, 200, 1e-3, 2e-2), [&] {
+    proposals.push_back(distribution(random));
+    return proposals.back();
+  });
+  for (std::size_t k = 0; k < steps.size(); ++k) ASSERT_LE(seconds(steps[k]), 1.1 * proposals[k] + 2 / ticks_per_second) << "step " << k;
+}
+
+}  // namespace
+}  // namespace tern

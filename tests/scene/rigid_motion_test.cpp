@@ -1,0 +1,84 @@
+// Motion of rigid walls: tables and placements.
+
+#include "scene/rigid_motion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "base/error.hpp"
+
+namespace tern {
+namespace {
+
+std::string sine_table(int rows) {
+  std::string text = "# roll of a tank\nt_s, angle_rad\n";
+  for (int k = 0; k < rows; ++k) text += std::to_string(0.02 * k) + "," + std::to_string(std::sin(0.02 * k)) + "\n";
+  return text;
+}
+
+// The rows have six digits. Seen to fail with the second derivatives of the spline left 0: the second differences are then
+// 0 inside an interval and jump at its ends.
+TEST(MotionTable, GivesASmoothMotionWithTheAccelerationOfItsRows) {
+  const MotionTable table(sine_table(200), "roll.csv", 2);
+  EXPECT_TRUE(table.rotates());
+  for (double t = 0.5; t < 3.5; t += 0.0137) {
+    EXPECT_NEAR(table.at(t)[3], std::sin(t), 1e-6);
+    const double step = 4e-3;
+    const double second = (table.at(t + step)[3] - 2 * table.at(t)[3] + table.at(t - step)[3]) / (step * step);
+    EXPECT_NEAR(second, -std::sin(t), 0.02) << t;
+  }
+}
+
+// Seen to fail without the limit of t to the last row.
+TEST(MotionTable, HoldsItsLastRow) {
+  const MotionTable table("t_s,x_m,y_m\n0,0,0\n1,2,3\n2,4,1\n", "gate.csv", 2);
+  EXPECT_DOUBLE_EQ(table.at(2)[0], 4);
+  EXPECT_DOUBLE_EQ(table.at(9)[0], 4);
+  EXPECT_DOUBLE_EQ(table.at(9)[1], 1);
+  EXPECT_NEAR(table.at(1)[1], 3, 1e-14);
+}
+
+// With a check left out no sentence comes, or another one.
+TEST(MotionTable, IsRefusedWithFileAndLine) {
+  const auto sentence = [](const std::string& text, int dimension = 2) -> std::string {
+    try {
+      MotionTable(text, "gate.csv", dimension);
+    } catch (const BadInput& fault) {
+      return fault.what();
+    }
+    return "";
+  };
+  const auto has = [](const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; };
+  const auto check = [&](const std::string& text, const std::string& part) { EXPECT_PRED2(has, sentence(text), part); };
+  check("t_s,x_m\n0.1,0\n1,1\n", "gate.csv:2: the table begins at t = 0.1 s");
+  check("t_s,x_m\n0,0.5\n1,1\n", "gate.csv:2: x_m is 0.5 at t = 0");
+  check("# comment\nt_s,x_m\n0,0\n1,1\n1,2\n", "gate.csv:5: the time 1 s does not come after 1 s");
+  check("t_s,x_m\n0,0\n1\n", "gate.csv:3: the row has 1 cells");
+  check("t_s,x_m\n0,0\n1,one\n", "gate.csv:3: 'one' is not a finite number");
+  check("t_s,x_m\n0,0\n1,nan\n", "gate.csv:3: 'nan' is not a finite number");
+  check("t_s,z_m\n0,0\n1,1\n", "no column 'z_m' in a motion table in 2D");
+  check("t_s,x\n0,0\n1,1\n", "no column 'x'");
+  check("t_s,x_m,x_m\n0,0,0\n1,1,1\n", "stands twice");
+  check("t_s\n0\n1\n", "has to name t_s and at least one");
+  check("t_s,x_m\n0,0\n", "has 1 rows of numbers, but needs at least 2");
+  EXPECT_EQ(sentence("t_s,z_m\n0,0\n1,1\n", 3), "");
+}
+
+// Seen to fail with the sense of rotation reversed.
+TEST(Placement, TurnsAboutThePivotAndThenShifts) {
+  RigidMotion motion;
+  motion.pivot = {1, 2, 0};
+  motion.rotation = Expression("0.5*pi*t");
+  motion.displacement = {Expression("3*t"), Expression(), Expression()};
+  const Vector<2> x = placement<2>(motion, 1)(Vector<2>(2, 2));
+  EXPECT_NEAR(x[0], 4, 1e-12);
+  EXPECT_NEAR(x[1], 3, 1e-12);
+  motion.axis = {1, 0, 0};
+  const Vector<3> y = placement<3>(motion, 1)(Vector<3>(0, 3, 0));
+  EXPECT_NEAR((y - Vector<3>(3, 2, 1)).norm(), 0, 1e-12);
+}
+
+}  // namespace
+}  // namespace tern

@@ -1,0 +1,161 @@
+// What a plane face contributes to a particle's sums, against the lattice continued behind the plane.
+
+#include "sph/face_kernel.hpp"
+
+#include <gtest/gtest.h>
+
+namespace tern {
+namespace {
+
+constexpr double spacing = 0.02;
+
+/// A lattice of particles on the plane x_1 = 0 (y > 0, first layer dx/2 above it) and what one particle of a layer
+/// sees.
+template <int D>
+struct LatticeOnPlane {
+  double gradient = 0;  ///< dx sum grad w, component along the normal, fluid and hidden side, calibrated [-]
+  double number = 0;    ///< (sum V w)/(value of the full lattice)
+  double trace = 0;     ///< tr M / D
+  double face = 0;      ///< dx sum_k A_k w~, the part of the face alone [-]
+};
+
+/// `patches` per spacing; `offset` of the particle along the plane [dx].
+template <int D>
+LatticeOnPlane<D> evaluate(double ratio, int layer, double patches, double offset = 0) {
+  const Kernel<D> kernel(ratio * spacing);
+  const FaceKernel<D> faces(kernel, spacing);
+  const LatticeSums reference = lattice_sums<D>(kernel, spacing);
+  const double volume = std::pow(spacing, D);
+  const int reach = static_cast<int>(std::ceil(kernel.support() / spacing));
+
+  LatticeOnPlane<D> result;
+  for (int k = D == 3 ? -reach : 0; k <= (D == 3 ? reach : 0); ++k)
+    for (int j = -layer; j <= reach; ++j)
+      for (int i = -reach; i <= reach; ++i) {
+        const double r = spacing * std::sqrt(double(i * i + j * j + k * k));
+        result.number += volume * kernel.value(r);
+        const double weight = volume * kernel.gradient_weight(r) / reference.gradient_moment;
+        result.gradient += spacing * weight * j * spacing;
+        result.trace += weight * r * r / D;
+      }
+
+  const double size = spacing / patches, area = std::pow(size, D - 1), height = (layer + 0.5) * spacing;
+  const int extent = static_cast<int>(std::ceil(kernel.support() / size)) + 2;
+  Vector<D> normal = Vector<D>::Zero();
+  normal[1] = 1;
+  for (int k = D == 3 ? -extent : 0; k < (D == 3 ? extent : 1); ++k)
+    for (int i = -extent; i < extent; ++i) {
+      Vector<D> d;
+      d[0] = (i + 0.5) * size - offset * spacing;
+      d[1] = -height;
+      if (D == 3) d[D - 1] = (k + 0.5) * size - 0.7 * offset * spacing;
+      const double r = d.norm();
+      if (r >= faces.support()) continue;
+      const double angle = subtended_angle<D>(d, normal, area);
+      result.face += spacing * area * faces.surface_weight(r);
+      result.number += angle * faces.hidden_density(r);
+      result.trace += angle * faces.hidden_moment(r) / D;
+    }
+  result.gradient -= result.face;
+  result.number /= reference.density;
+  return result;
+}
+
+template <int D>
+void expect_lattice_completed(double ratio) {
+  for (int layer = 0; layer < 3; ++layer)
+    for (double offset : {0.0, 0.11}) {
+      const auto sums = evaluate<D>(ratio, layer, 4, offset);
+      SCOPED_TRACE(testing::Message() << D << "D, h/dx " << ratio << ", layer " << layer << ", offset " << offset);
+      EXPECT_NEAR(sums.gradient, 0, layer < 2 ? 1e-6 : 1e-3);
+      EXPECT_NEAR(sums.number, 1, layer == 0 ? 2e-3 : 1e-4);
+      EXPECT_NEAR(sums.trace, 1, layer == 1 ? 2e-4 : 1.2e-3);
+    }
+}
+
+// Patches of a quarter spacing. Measured, h/dx 1.3 and 1.5, 2D and 3D: sum grad w dx below 6e-8 in the two layers of
+// the calibration and 7e-4 in the third (1.5 only); n off by 0.7e-3 to 1.5e-3 in the layer at the plane, 5e-5 above; tr
+// M/D by 0.5e-3 to 1.1e-3 at the plane, 1.5e-4 in the second layer, 1.1e-3 in the third. Seen to fail: with w in place
+// of w~ (gradient); with the weights a + b s of the density, then of the moment, left out.
+TEST(FaceKernel, CompletesALatticeRestingOnAPlane) {
+  for (double ratio : {1.3, 1.5}) {
+    expect_lattice_completed<2>(ratio);
+    expect_lattice_completed<3>(ratio);
+  }
+}
+
+template <int D>
+void expect_convergence(double ratio) {
+  double before = 0;
+  for (double patches : {2., 4., 8., 16.}) {
+    double error = 0;
+    for (int layer = 0; layer < 2; ++layer) {
+      const auto sums = evaluate<D>(ratio, layer, patches, 0.07);
+      error = std::max({error, std::abs(sums.gradient), std::abs(sums.number - 1), std::abs(sums.trace - 1)});
+    }
+    SCOPED_TRACE(testing::Message() << D << "D, h/dx " << ratio << ", patches of dx/" << patches);
+    if (before > 0) {
+      EXPECT_LT(error, 0.27 * before);
+    }
+    before = error;
+  }
+  EXPECT_LT(before, 1e-4);
+}
+
+// The limit is what the lattice continued behind the plane would give. Patches of dx/2 are off by 3e-3 (2D) and 6e-3
+// (3D), and every halving divides that by four. Seen to fail: with the hidden sums of a shell s^D instead of s^(D-1).
+TEST(FaceKernel, SumsTendToTheContinuedLatticeAsPatchesShrink) {
+  for (double ratio : {1.3, 1.5}) {
+    expect_convergence<2>(ratio);
+    expect_convergence<3>(ratio);
+  }
+}
+
+/// Force of a uniform unit pressure per area of face: every particle above one lattice cell of it gives 2 p V A w~.
+template <int D>
+double transferred_pressure(double ratio) {
+  double sum = 0;
+  for (int layer = 0; (layer + 0.5) < 2 * ratio; ++layer) sum += 2 * evaluate<D>(ratio, layer, 4).face;
+  return sum;
+}
+
+// Measured: 1.0000 at h/dx 1.3, 1.0014 (2D) and 1.0008 (3D) at 1.5. Seen to fail: with w in place of w~, and with the
+// lattice behind the plane not calibrated by M_xx.
+TEST(FaceKernel, TransfersAUniformPressureThroughAFlatFace) {
+  for (double ratio : {1.3, 1.5}) {
+    EXPECT_NEAR(transferred_pressure<2>(ratio), 1, 2e-3);
+    EXPECT_NEAR(transferred_pressure<3>(ratio), 1, 2e-3);
+  }
+}
+
+// Seen to fail: without the length of the segment (2D), and with corners a whole instead of half a side away (3D).
+TEST(SubtendedAngle, OfAClosedBoxIsTheWholeSphere) {
+  double circle = 0, sphere = 0;
+  constexpr int patches = 6;
+  const Vector<2> inside2(0.13, -0.21);
+  const Vector<3> inside3(0.13, -0.21, 0.3);
+  for (int side = 0; side < 6; ++side) {
+    const int axis = side / 2, sign = side % 2 ? 1 : -1;
+    for (int i = 0; i < patches; ++i) {
+      const double u = (i + 0.5) / patches - 0.5;
+      if (axis < 2) {
+        Vector<2> x = Vector<2>::Zero(), n = x;
+        x[axis] = 0.5 * sign, n[axis] = -sign, x[1 - axis] = u;
+        circle += subtended_angle<2>(x - inside2, n, 1.0 / patches);
+      }
+      for (int j = 0; j < patches; ++j) {
+        Vector<3> x = Vector<3>::Zero(), n = x;
+        x[axis] = 0.5 * sign, n[axis] = -sign;
+        x[(axis + 1) % 3] = u, x[(axis + 2) % 3] = (j + 0.5) / patches - 0.5;
+        sphere += subtended_angle<3>(x - inside3, n, 1.0 / (patches * patches));
+      }
+    }
+  }
+  EXPECT_NEAR(circle, 2 * std::numbers::pi, 1e-12);
+  EXPECT_NEAR(sphere, 4 * std::numbers::pi, 1e-12);
+  // From behind a patch is not seen.
+  EXPECT_EQ(subtended_angle<2>(Vector<2>(0, 1), Vector<2>(0, 1), 0.5), 0);
+}
+
+}  // namespace
+}  // namespace tern
