@@ -162,7 +162,7 @@ class Session:
         try:
             message = wire.Message.FromString(frames[1])
         except Exception:  # DecodeError; its module differs between versions of protobuf
-            raise Breach("2", f"{len(frames[1])} bytes that are not a message of proto/tern.proto") from None
+            raise Breach("2", f"{len(frames[1])} bytes that are not a message of proto/wire/tern.proto") from None
         self._peer = frames[0]
         self._received += 1
         has = message.WhichOneof("body")

@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <string>
 
+#include "base/error.hpp"
 #include "proto/wire/message_check.hpp"
 
 namespace tern::proto {

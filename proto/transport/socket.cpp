@@ -129,7 +129,7 @@ Socket::Socket(SocketKind kind, const std::optional<Keys>& keys) : kind_(kind) {
       ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL;
   if (kind == SocketKind::router) {
     set(socket_, ZMQ_ROUTER_MANDATORY, 1);  // a message to a lost peer is an error
-    if (keys) doorkeeper_.emplace(context_, keys->allowed);
+    if (keys) zap_handler_.emplace(context_, keys->allowed);
     events |= ZMQ_EVENT_ACCEPTED;
   } else {
     events |= ZMQ_EVENT_CLOSED | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
@@ -153,14 +153,14 @@ Socket::Socket(SocketKind kind, const std::optional<Keys>& keys) : kind_(kind) {
   // process looks; in the destructor it would never look again.
   set(monitor_, ZMQ_RCVHWM, 0);
   require(zmq_connect(monitor_, address) == 0, "watch a socket");
-  descriptors_ = {descriptor(socket_), descriptor(monitor_), doorkeeper_ ? doorkeeper_->descriptor() : -1};
+  descriptors_ = {descriptor(socket_), descriptor(monitor_), zap_handler_ ? zap_handler_->descriptor() : -1};
 }
 
 Socket::~Socket() {
   zmq_socket_monitor(socket_, nullptr, 0);
   zmq_close(monitor_);
   zmq_close(socket_);
-  doorkeeper_.reset();
+  zap_handler_.reset();
   while (zmq_ctx_term(context_) != 0 && zmq_errno() == EINTR) {}
 }
 
@@ -200,7 +200,7 @@ bool Socket::receive(const std::function<void(const Received&)>& handle) {
     Frame extra;
     more = zmq_msg_recv(&extra.message, socket_, 0) >= 0 && extra.more();
   }
-  const char* role = doorkeeper_ ? zmq_msg_gets(&payload.message, "User-Id") : nullptr;
+  const char* role = zap_handler_ ? zmq_msg_gets(&payload.message, "User-Id") : nullptr;
   handle({{reinterpret_cast<const char*>(peer.data()), peer.size()},
           role != nullptr ? role : "",
           zmq_msg_get(&payload.message, ZMQ_SRCFD),
@@ -212,8 +212,8 @@ bool Socket::receive(const std::function<void(const Received&)>& handle) {
 std::optional<SocketEvent> Socket::next_event() {
   using What = SocketEvent::What;
   if (!events_may_wait_) return std::nullopt;
-  if (doorkeeper_)
-    if (auto who = doorkeeper_->answer()) return SocketEvent{What::key_refused, -1, *std::move(who)};
+  if (zap_handler_)
+    if (auto who = zap_handler_->answer()) return SocketEvent{What::key_refused, -1, *std::move(who)};
   Frame frame;
   if (zmq_msg_recv(&frame.message, monitor_, ZMQ_DONTWAIT) < 0) {
     events_may_wait_ = false;

@@ -2,6 +2,8 @@
 
 #include "proto/transport/traffic.hpp"
 
+#include "base/error.hpp"
+
 #include <fmt/format.h>
 
 namespace tern::proto {

@@ -24,7 +24,7 @@ PROGRAMS = {"fluid": "tern-fluid", "structure": "tern-structure", "coupler": "te
 ROLES = {"foreign": "structure"}  # of whom the others speak, where it is not the name
 AT_ONCE = 6  # runs side by side: most of them wait
 
-# The points of a run at which a process fails, as fault_injection.cpp reads them; numbers of bodies in proto/tern.proto.
+# The points of a run at which a process fails, as fault_injection.cpp reads them; numbers of bodies in proto/wire/tern.proto.
 POINTS = {
     "fluid": {"connecting": "open", "handshake": "send:10:1", "trial step": "receive:13:2", "pressure solve": "send:16:2",
               "load exchange": "receive:17:2", "output": "frame:2", "shutdown": "receive:20:1"},

@@ -4,7 +4,7 @@ import pathlib
 import sys
 
 sys.dont_write_bytecode = True
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "proto" / "python"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "proto" / "python"))
 from participant import Participant, RunEnded  # noqa: E402
 from schema import wire  # noqa: E402
 

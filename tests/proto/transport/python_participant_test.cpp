@@ -27,7 +27,7 @@ std::future<int> python_fluid(const std::string& endpoint, const std::string& ha
                               const std::string& keys = {}) {
   return std::async(std::launch::async, [=] {
     const int status = std::system(
-        ("/usr/bin/python3 " TERN_SOURCE_DIR "/tests/proto/python_fluid.py " + endpoint + " " + hash + " " + keys + " 2> " + output)
+        ("/usr/bin/python3 " TERN_SOURCE_DIR "/tests/proto/transport/python_fluid.py " + endpoint + " " + hash + " " + keys + " 2> " + output)
             .c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   });
@@ -62,7 +62,7 @@ void windows(CouplerChannel& coupler) {
 }
 
 TEST_F(PythonParticipant, RefusesMessagesThatCannotBeUsed) {
-  EXPECT_EQ(std::system("/usr/bin/python3 " TERN_SOURCE_DIR "/tests/proto/python_check.py"), 0);
+  EXPECT_EQ(std::system("/usr/bin/python3 " TERN_SOURCE_DIR "/tests/proto/transport/python_check.py"), 0);
 }
 
 TEST_F(PythonParticipant, TakesPartInARun) {
