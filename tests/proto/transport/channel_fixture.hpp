@@ -14,6 +14,7 @@
 #include <string>
 
 #include "fixtures/message_samples.hpp"
+#include "proto/transport/channel.hpp"
 #include "proto/transport/keys.hpp"
 
 namespace tern::proto {
