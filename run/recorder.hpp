@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "base/step_control.hpp"
 #include "base/time.hpp"
-#include "run/step_control.hpp"
 #include "run/table_writer.hpp"
 #include "scene/gauges.hpp"
 

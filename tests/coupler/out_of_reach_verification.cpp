@@ -4,9 +4,9 @@
 
 #include <cstring>
 
+#include "base/step_control.hpp"
 #include "coupler/window.hpp"
 #include "fluid/fluid.hpp"
-#include "run/step_control.hpp"
 #include "structure/coupled_structure.hpp"
 
 namespace tern::coupler::testing {

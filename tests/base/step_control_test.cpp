@@ -1,6 +1,6 @@
 // Window lengths: targets are met exactly and no step is much shorter or longer than the one before.
 
-#include "run/step_control.hpp"
+#include "base/step_control.hpp"
 
 #include <gtest/gtest.h>
 

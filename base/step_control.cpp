@@ -1,4 +1,4 @@
-#include "run/step_control.hpp"
+#include "base/step_control.hpp"
 
 #include <algorithm>
 #include <cmath>
