@@ -1,9 +1,9 @@
 # Rooms: static libraries that see nothing but their own headers and those of the rooms they depend on.
 #
 # A room's headers are reached through a directory of links of its own (build/.../rooms/NAME), never through the source tree, so that
-# including the header of a room that is not declared as a dependency does not compile (tests/layers).
+# including the header of a room that is not declared as a dependency does not compile (tests/layers/layers_test.py).
 
-# tern_room(NAME SOURCE_DIRECTORIES dir ... [HEADERS_ONLY] [DEPENDS target ...])
+# tern_room(NAME DIRECTORIES dir ... [DEPENDS target ...])
 # The headers and sources directly in each directory (not below it) are the room.
 function(tern_room name)
   cmake_parse_arguments(ROOM "" "" "DIRECTORIES;DEPENDS" ${ARGN})
@@ -30,4 +30,6 @@ function(tern_room name)
     target_include_directories(tern_${name} INTERFACE ${links})
     target_link_libraries(tern_${name} INTERFACE ${ROOM_DEPENDS})
   endif()
+  set_property(GLOBAL APPEND PROPERTY TERN_ROOMS ${name})
+  set_property(TARGET tern_${name} PROPERTY TERN_DIRECTORIES ${ROOM_DIRECTORIES})
 endfunction()
