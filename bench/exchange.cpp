@@ -67,9 +67,9 @@ class Answerer {
 /// What the two sides tell each other. Labels are shuffled, as particles are sorted by place and not by label.
 struct Content {
   Surface<2> surface;
-  Band<2> band;
-  DissipativeLoad<2> load;
-  BandPressure<2> pressure;
+  InterfaceParticles<2> band;
+  InterfaceCondition<2> load;
+  InterfacePressure<2> pressure;
 
   explicit Content(std::size_t points) {
     const std::vector<Vector<2>> vectors(points, Vector<2>(0.1, -1.3));
@@ -99,7 +99,7 @@ void answer_coupler(const std::string& endpoint, std::size_t points) {
       const Surface<2> surface = proto::from_wire<2>(order.surface());
       *answer.mutable_band() = proto::to_wire<2>(content.band);
     } else if (order.has_dissipative_load()) {
-      const DissipativeLoad<2> load = proto::from_wire<2>(order.dissipative_load());
+      const InterfaceCondition<2> load = proto::from_wire<2>(order.dissipative_load());
       *answer.mutable_band_pressure() = proto::to_wire<2>(content.pressure);
     } else {
       answer.mutable_finished();
@@ -130,13 +130,13 @@ class Coupler {
     wire::Message message;
     *message.mutable_surface() = proto::to_wire<2>(content_.surface);
     channel_.send(wire::FLUID, std::move(message));
-    const Band<2> band = proto::from_wire<2>(channel_.receive(wire::FLUID, {Kind::kBand}).band());
+    const InterfaceParticles<2> band = proto::from_wire<2>(channel_.receive(wire::FLUID, {Kind::kBand}).band());
   }
   void exchange_pressure() {
     wire::Message message;
     *message.mutable_dissipative_load() = proto::to_wire<2>(content_.load);
     channel_.send(wire::FLUID, std::move(message));
-    const BandPressure<2> pressure = proto::from_wire<2>(channel_.receive(wire::FLUID, {Kind::kBandPressure}).band_pressure());
+    const InterfacePressure<2> pressure = proto::from_wire<2>(channel_.receive(wire::FLUID, {Kind::kBandPressure}).band_pressure());
   }
   std::size_t bytes_sent() const { return channel_.bytes_sent(); }
   std::size_t bytes_received() const { return channel_.bytes_received(); }
@@ -418,6 +418,6 @@ int main(int argc, char** argv) {
         [](const wire::Message& message) { const Surface<2> surface = proto::from_wire<2>(message.surface()); });
     measure_passages(
         points, "Band", [&](wire::Message& message) { *message.mutable_band() = proto::to_wire<2>(content.band); },
-        [](const wire::Message& message) { const Band<2> band = proto::from_wire<2>(message.band()); });
+        [](const wire::Message& message) { const InterfaceParticles<2> band = proto::from_wire<2>(message.band()); });
   }
 }

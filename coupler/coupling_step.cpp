@@ -43,7 +43,8 @@ void CouplingStep<D>::pass(double begin, double duration, const Surface<D>& surf
 }
 
 template <int D>
-DissipativeLoad<D> CouplingStep<D>::dissipative_load(double begin, double duration, const Surface<D>& surface, const Band<D>& band) {
+InterfaceCondition<D> CouplingStep<D>::dissipative_load(double begin, double duration, const Surface<D>& surface,
+                                                        const InterfaceParticles<D>& band) {
   begin_ = begin;
   duration_ = duration;
   surface_ = surface;
@@ -70,7 +71,7 @@ DissipativeLoad<D> CouplingStep<D>::dissipative_load(double begin, double durati
 }
 
 template <int D>
-DissipativeLoad<D> CouplingStep<D>::dissipative_load(const std::vector<Vector<D>>& surface_velocity) {
+InterfaceCondition<D> CouplingStep<D>::dissipative_load(const std::vector<Vector<D>>& surface_velocity) {
   surface_.velocity = dissipative_.surface_velocity = surface_velocity;
   add_known_forces();
   return dissipative_;
@@ -89,7 +90,7 @@ void CouplingStep<D>::add_known_forces() {
 }
 
 template <int D>
-const SurfaceLoad<D>* CouplingStep<D>::next_trial(const BandPressure<D>& pressure) {
+const SurfaceLoad<D>* CouplingStep<D>::next_trial(const InterfacePressure<D>& pressure) {
   if (algorithm_ != CouplingAlgorithm::cm3) return nullptr;
   const SurfaceLoad<D> known = load_;
   const WindowAudit audit = audit_;
@@ -110,7 +111,7 @@ const SurfaceLoad<D>* CouplingStep<D>::next_trial(const BandPressure<D>& pressur
 }
 
 template <int D>
-BandForce<D> CouplingStep<D>::interface_force(const BandPressure<D>& pressure) {
+InterfaceForce<D> CouplingStep<D>::interface_force(const InterfacePressure<D>& pressure) {
   band_force_.force.assign(band_->id.size(), Vector<D>::Zero());
   add_pressure(pressure);
   settle_contacts(pressure);
@@ -259,7 +260,7 @@ void CouplingStep<D>::set_robin_condition() {
 }
 
 template <int D>
-void CouplingStep<D>::add_pressure(const BandPressure<D>& pressure) {
+void CouplingStep<D>::add_pressure(const InterfacePressure<D>& pressure) {
   evaluations_.pressure += static_cast<long>(pairs_.all_pairs().size());
   const Vector<D> gravity = [&] {
     Vector<D> g;
@@ -283,7 +284,7 @@ void CouplingStep<D>::add_pressure(const BandPressure<D>& pressure) {
 }
 
 template <int D>
-void CouplingStep<D>::settle_contacts(const BandPressure<D>& pressure) {
+void CouplingStep<D>::settle_contacts(const InterfacePressure<D>& pressure) {
   if (algorithm_ == CouplingAlgorithm::cm3) contact_.force.assign(load_.force.size(), Vector<D>::Zero());
   // Inelastic: a particle nearer to a face than the contact distance goes on with the face; the impulse is part of the load.
   // Thin sheets and spray feel too little pressure to be stopped otherwise.

@@ -42,18 +42,18 @@ class CouplingStep {
   void pass(double begin, double duration, const Surface<D>& surface);
 
   /// First exchange: who sees whom, Riemann and VEM forces from u* and the trial velocity, and how the surface yields.
-  DissipativeLoad<D> dissipative_load(double begin, double duration, const Surface<D>& surface, const Band<D>& band);
+  InterfaceCondition<D> dissipative_load(double begin, double duration, const Surface<D>& surface, const InterfaceParticles<D>& band);
 
   /// The same window once more, with the velocities that the structure reaches under next_trial().
-  DissipativeLoad<D> dissipative_load(const std::vector<Vector<D>>& surface_velocity);
+  InterfaceCondition<D> dissipative_load(const std::vector<Vector<D>>& surface_velocity);
 
   /// CM3: the load under which structure and fluid have to try this window again, null when their answers agree or cannot be
   /// brought to agree; null with the other algorithms. Throws NumericalFailure when the load is not finite.
-  const SurfaceLoad<D>* next_trial(const BandPressure<D>& pressure);
+  const SurfaceLoad<D>* next_trial(const InterfacePressure<D>& pressure);
 
   /// Last exchange: pressure and contact forces, and the load of the structure (everything). Throws NumericalFailure
   /// when a force is not finite, and when a load turns round from window to window.
-  BandForce<D> interface_force(const BandPressure<D>& pressure);
+  InterfaceForce<D> interface_force(const InterfacePressure<D>& pressure);
 
   /// Load on the structure over this window; valid after interface_force().
   const SurfaceLoad<D>& surface_load() const { return load_; }
@@ -79,8 +79,8 @@ class CouplingStep {
   double robin_mass(std::size_t k) const;       ///< [kg/m^2]
   double largest_gain() const;
   void set_robin_condition();
-  void add_pressure(const BandPressure<D>& pressure);
-  void settle_contacts(const BandPressure<D>& pressure);
+  void add_pressure(const InterfacePressure<D>& pressure);
+  void settle_contacts(const InterfacePressure<D>& pressure);
   void check_balance();
   void check_alternation();
 
@@ -110,15 +110,15 @@ class CouplingStep {
   FixedPoint fixed_point_;
   InterfacePairs<D> pairs_;
   double begin_ = 0, duration_ = 0;
-  Surface<D> surface_;             ///< of the present trial
-  const Band<D>* band_ = nullptr;  ///< of the present window; the caller keeps it alive until interface_force()
-  SurfaceLoad<D> load_;            ///< that the fluid answers the present trial with
-  SurfaceLoad<D> trial_load_;      ///< under which the structure has made it
-  DissipativeLoad<D> dissipative_;
+  Surface<D> surface_;                           ///< of the present trial
+  const InterfaceParticles<D>* band_ = nullptr;  ///< of the present window; the caller keeps it alive until interface_force()
+  SurfaceLoad<D> load_;                          ///< that the fluid answers the present trial with
+  SurfaceLoad<D> trial_load_;                    ///< under which the structure has made it
+  InterfaceCondition<D> dissipative_;
   std::vector<double> area_at_start_, stretch_;  ///< of every point [m^(D-1)]; its area over that
   std::vector<double> share_;                    ///< load of each point under a uniform pressure p, over p A; of the present window
   std::vector<double> carried_;                  ///< pressure of every pair, times b_ik its force [Pa]
-  BandForce<D> band_force_;
+  InterfaceForce<D> band_force_;
   SurfaceLoad<D> contact_, trial_contact_;  ///< CM3: the contacts in load_, and in trial_load_
   WindowAudit audit_;
   Evaluations evaluations_;

@@ -28,11 +28,11 @@ void run_window(FluidSide& fluid, StructureSide& structure, CouplingStep<D>& ste
     structure.apply(step.surface_load());
     return;
   }
-  const Band<D> band = fluid.see_surface(surface);
-  BandPressure<D> pressure = fluid.solve_pressure(step.dissipative_load(seconds(begin), seconds(duration), surface, band));
+  const InterfaceParticles<D> band = fluid.see_surface(surface);
+  InterfacePressure<D> pressure = fluid.solve_pressure(step.dissipative_load(seconds(begin), seconds(duration), surface, band));
   while (const SurfaceLoad<D>* trial = step.next_trial(pressure))  // CM3 only
     pressure = fluid.solve_pressure(step.dissipative_load(structure.respond(*trial)));
-  const BandForce<D> force = step.interface_force(pressure);
+  const InterfaceForce<D> force = step.interface_force(pressure);
   fluid.end_window(force);
   structure.apply(step.surface_load());
 }

@@ -50,16 +50,16 @@ class Fluid {
   /// Predicts over the window and finds neighbours at its middle.
   void begin_window(Ticks begin, Ticks duration);
   /// The structure's surface at the middle of the window; returns the particles that see it.
-  Band<D> see_surface(const Surface<D>& surface);
+  InterfaceParticles<D> see_surface(const Surface<D>& surface);
   /// What of the pressure equation does not ask for the load. To be called while others compute that, or left to solve_pressure().
   void prepare_pressure();
   /// Applies the forces already known and solves the pressure Poisson equation. Of a load with velocities of the surface: the
   /// same window once more, with these.
-  BandPressure<D> solve_pressure(const DissipativeLoad<D>& load);
+  InterfacePressure<D> solve_pressure(const InterfaceCondition<D>& load);
   /// The velocities of all other particles. To be called while others compute the force on the band, or left to end_window().
   void complete_velocity();
   /// Applies the pressure, moves, shifts and settles contacts with walls. Throws NumericalFailure.
-  void end_window(const BandForce<D>& force);
+  void end_window(const InterfaceForce<D>& force);
 
   /// One window without a surface: none is in reach, or there is none.
   void pass_window();
@@ -125,13 +125,13 @@ class Fluid {
   void compute_density_source();  // density_source.cpp
   void move_surface_at(const std::vector<Vector<D>>& velocity);
   void assemble_pressure_matrix();  // pressure_poisson.cpp: the rows of all that see no face of the structure
-  void assemble_pressure_matrix_at_structure(const DissipativeLoad<D>& load);  // and of the others
-  void find_pools_that_yield(const DissipativeLoad<D>& load);
+  void assemble_pressure_matrix_at_structure(const InterfaceCondition<D>& load);  // and of the others
+  void find_pools_that_yield(const InterfaceCondition<D>& load);
   double missing_support(int i) const;  ///< of a particle's kernel, where it is more than disorder
-  void assemble_pressure_row(int i, const DissipativeLoad<D>& load);
-  void assemble_pressure_source(const DissipativeLoad<D>& load);  // pressure_poisson.cpp
+  void assemble_pressure_row(int i, const InterfaceCondition<D>& load);
+  void assemble_pressure_source(const InterfaceCondition<D>& load);  // pressure_poisson.cpp
   /// kappa_ik of a patch that the particle sees with this weight A_k w~_ik [m^(D-2)].
-  double yielding(const DissipativeLoad<D>& load, int k, double weight) const;
+  double yielding(const InterfaceCondition<D>& load, int k, double weight) const;
   void prepare_pressure_solve();    // pressure_poisson.cpp
   void account_for_sealed_fluid();  // sealed.cpp
   void solve_pressure_poisson();    // pressure_poisson.cpp
@@ -140,7 +140,7 @@ class Fluid {
   void settle_wall_contacts();                // wall_contact.cpp
   void shift_particles();                     // shifting.cpp
   void hide_walls_behind_structure();
-  void add_images(Band<D>& band);
+  void add_images(InterfaceParticles<D>& band);
   void count_leaks(const Faces<D>& faces, const FaceRows& rows);
   void remove_escaped();
   void check_speed();   // speed_limit.cpp

@@ -36,7 +36,7 @@ void Fluid<D>::begin_window(Ticks begin, Ticks duration) {
 }
 
 template <int D>
-Band<D> Fluid<D>::see_surface(const Surface<D>& surface) {
+InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   ScopedTimer timer(timing_.boundary);
   if (walls_.moving()) {
     evaluations_.moving_walls += static_cast<long>(walls_.faces().size());
@@ -77,7 +77,7 @@ Band<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   pressure_prepared_ = false;
   unprojected_velocity_.clear();
   band_.clear();
-  Band<D> band;
+  InterfaceParticles<D> band;
   for (std::size_t i = 0; i < state_.size(); ++i) {
     if (surface_rows_.count[i] == 0) continue;
     band_.push_back(static_cast<int>(i));
@@ -96,7 +96,7 @@ Band<D> Fluid<D>::see_surface(const Surface<D>& surface) {
 }
 
 template <int D>
-void Fluid<D>::add_images(Band<D>& band) {
+void Fluid<D>::add_images(InterfaceParticles<D>& band) {
   const int i = band_.back();
   mirror_in_walls<D>(seen_walls_.faces(), wall_rows_, i, predicted_position_[i], 0.25 * constants_.spacing, images_);
   const double support = constants_.faces.support();
@@ -119,7 +119,7 @@ void Fluid<D>::prepare_pressure() {
 }
 
 template <int D>
-BandPressure<D> Fluid<D>::solve_pressure(const DissipativeLoad<D>& load) {
+InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load) {
   const bool first = load.surface_velocity.empty();
   if (!pressure_prepared_) prepare_pressure();
   {
@@ -150,7 +150,7 @@ BandPressure<D> Fluid<D>::solve_pressure(const DissipativeLoad<D>& load) {
   ScopedTimer timer(timing_.correction);
   apply_pressure_gradient(Where::at_structure);
   velocity_complete_ = false;
-  BandPressure<D> band;
+  InterfacePressure<D> band;
   for (int i : band_) {
     band.pressure.push_back(state_.pressure[i]);
     band.velocity.push_back(predicted_velocity_[i]);
@@ -166,7 +166,7 @@ void Fluid<D>::complete_velocity() {
 }
 
 template <int D>
-void Fluid<D>::end_window(const BandForce<D>& force) {
+void Fluid<D>::end_window(const InterfaceForce<D>& force) {
   if (!velocity_complete_) complete_velocity();
   ScopedTimer timer(timing_.correction);
   for (std::size_t m = 0; m < force.force.size(); ++m) predicted_velocity_[band_[m]] += (duration_s_ / constants_.mass) * force.force[m];
@@ -368,23 +368,23 @@ StepProposal Fluid<D>::propose_step() const {
   return proposal;
 }
 
-#define TERN_INSTANTIATE(D)                                                     \
-  template void Fluid<D>::begin_window(Ticks, Ticks);                           \
-  template Band<D> Fluid<D>::see_surface(const Surface<D>&);                    \
-  template void Fluid<D>::prepare_pressure();                                   \
-  template BandPressure<D> Fluid<D>::solve_pressure(const DissipativeLoad<D>&); \
-  template void Fluid<D>::complete_velocity();                                  \
-  template void Fluid<D>::end_window(const BandForce<D>&);                      \
-  template void Fluid<D>::pass_window();                                        \
-  template StepProposal Fluid<D>::propose_step() const;                         \
-  template std::optional<FluidExtent<D>> Fluid<D>::extent() const;              \
-  template void Fluid<D>::add_images(Band<D>&);                                 \
-  template void Fluid<D>::predict();                                            \
-  template void Fluid<D>::wrap_into_period();                                   \
-  template void Fluid<D>::sort_by_cell();                                       \
-  template void Fluid<D>::hide_walls_behind_structure();                        \
-  template void Fluid<D>::move_surface_at(const std::vector<Vector<D>>&);       \
-  template void Fluid<D>::count_leaks(const Faces<D>&, const FaceRows&);        \
+#define TERN_INSTANTIATE(D)                                                             \
+  template void Fluid<D>::begin_window(Ticks, Ticks);                                   \
+  template InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>&);              \
+  template void Fluid<D>::prepare_pressure();                                           \
+  template InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>&); \
+  template void Fluid<D>::complete_velocity();                                          \
+  template void Fluid<D>::end_window(const InterfaceForce<D>&);                         \
+  template void Fluid<D>::pass_window();                                                \
+  template StepProposal Fluid<D>::propose_step() const;                                 \
+  template std::optional<FluidExtent<D>> Fluid<D>::extent() const;                      \
+  template void Fluid<D>::add_images(InterfaceParticles<D>&);                           \
+  template void Fluid<D>::predict();                                                    \
+  template void Fluid<D>::wrap_into_period();                                           \
+  template void Fluid<D>::sort_by_cell();                                               \
+  template void Fluid<D>::hide_walls_behind_structure();                                \
+  template void Fluid<D>::move_surface_at(const std::vector<Vector<D>>&);               \
+  template void Fluid<D>::count_leaks(const Faces<D>&, const FaceRows&);                \
   template void Fluid<D>::remove_escaped();
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

@@ -1,5 +1,5 @@
 #pragma once
-// What crosses the fluid-structure interface. Surface points belong to the structure, band particles to the fluid;
+// What crosses the fluid-structure interface. Surface points belong to the structure, interface particles to the fluid;
 // neither side learns anything else about the other. All arrays of one struct have the same length.
 
 #include <cstdint>
@@ -29,7 +29,7 @@ struct Surface {
 
 /// Fluid particles within the kernel support of the interface, at their predicted positions.
 template <int D>
-struct Band {
+struct InterfaceParticles {
   std::vector<std::uint32_t> id;    ///< particle label, stable over the run
   std::vector<Vector<D>> position;  ///< predicted position r* [m]
   std::vector<Vector<D>> velocity;  ///< predicted velocity u* [m/s]
@@ -37,19 +37,19 @@ struct Band {
   std::vector<double> volume;       ///< [m^D]
   std::vector<double> divergence;   ///< div u* over all phases [1/s], for the velocity-divergence-error-mitigating term; empty without it
 
-  /// Mirror images of band particles behind the walls they stand at, where a face of the structure sees them: the fluid
+  /// Mirror images of interface particles behind the walls they stand at, where a face of the structure sees them: the fluid
   /// beyond a wall that a face meets, which loads that face as well. Both of one length, which is not that of the others.
-  std::vector<std::uint32_t> image_of;    ///< index of the band particle
+  std::vector<std::uint32_t> image_of;    ///< index of the interface particle
   std::vector<Vector<D>> image_position;  ///< [m]
 
   /// Surface points that look into a wall of the fluid instead of into room for it; ascending. Only those at walls need be named.
   std::vector<std::uint32_t> covered;
 };
 
-/// What the fluid is told before its pressure solve: forces that are already known, and how the surface moves and yields.
+/// What the fluid is told before its pressure solve: the explicit forces on its interface particles and the Robin condition of the surface.
 template <int D>
-struct DissipativeLoad {
-  std::vector<Vector<D>> force;            ///< on each band particle [N/m^(3-D)]
+struct InterfaceCondition {
+  std::vector<Vector<D>> force;            ///< on each interface particle [N/m^(3-D)]
   std::vector<double> reference_pressure;  ///< p-hat on each surface point [Pa], under which the trial state already moves
   std::vector<double> robin_mass;          ///< m_p on each surface point [kg/m^2]; 0: it does not yield
   /// Velocity of each surface point under the load that is tried now [m/s]; empty: as in Surface.
@@ -57,16 +57,16 @@ struct DissipativeLoad {
   bool repeats = false;  ///< the same window may be asked for once more
 };
 
-/// The band after a pressure solve.
+/// The interface particles after a pressure solve.
 template <int D>
-struct BandPressure {
+struct InterfacePressure {
   std::vector<double> pressure;     ///< p [Pa]
   std::vector<Vector<D>> velocity;  ///< velocity after all forces but the interface pressure [m/s]
 };
 
-/// Force of the whole interface on the band particles, dissipative part excluded (it was applied before) [N/m^(3-D)].
+/// Force of the whole interface on the interface particles, dissipative part excluded (it was applied before) [N/m^(3-D)].
 template <int D>
-struct BandForce {
+struct InterfaceForce {
   std::vector<Vector<D>> force;
 };
 

@@ -29,19 +29,19 @@ class RemoteParticipants {
     channel_.send(wire::FLUID, order);
     channel_.send(wire::STRUCTURE, std::move(order));
   }
-  Band<D> see_surface(const Surface<D>& surface) {
+  InterfaceParticles<D> see_surface(const Surface<D>& surface) {
     wire::Message message;
     *message.mutable_surface() = proto::to_wire<D>(surface);
     channel_.send(wire::FLUID, std::move(message));
     return proto::from_wire<D>(channel_.receive(wire::FLUID, {proto::Kind::kBand}).band());
   }
-  BandPressure<D> solve_pressure(const DissipativeLoad<D>& load) {
+  InterfacePressure<D> solve_pressure(const InterfaceCondition<D>& load) {
     wire::Message message;
     *message.mutable_dissipative_load() = proto::to_wire<D>(load);
     channel_.send(wire::FLUID, std::move(message));
     return proto::from_wire<D>(channel_.receive(wire::FLUID, {proto::Kind::kBandPressure}).band_pressure());
   }
-  void end_window(const BandForce<D>& force) {
+  void end_window(const InterfaceForce<D>& force) {
     wire::Message message;
     *message.mutable_band_force() = proto::to_wire<D>(force);
     channel_.send(wire::FLUID, std::move(message));

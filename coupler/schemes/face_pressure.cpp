@@ -35,8 +35,8 @@ Vector<D> corrected_gradient(const FaceSums<D>& sums) {
 }  // namespace
 
 template <int D>
-void integrate_over_faces(const Kernel<D>& kernel, std::span<const InterfacePair<D>> pairs, const Surface<D>& surface, const Band<D>& band,
-                          InterfaceScheme scheme, std::vector<double>& carried) {
+void integrate_over_faces(const Kernel<D>& kernel, std::span<const InterfacePair<D>> pairs, const Surface<D>& surface,
+                          const InterfaceParticles<D>& band, InterfaceScheme scheme, std::vector<double>& carried) {
   std::vector<FaceSums<D>> sums(surface.position.size());
   for (std::size_t m = 0; m < pairs.size(); ++m) {
     FaceSums<D>& at = sums[pairs[m].point];
@@ -74,9 +74,9 @@ std::vector<double> uniform_load(std::span<const InterfacePair<D>> pairs, const 
 
 template std::vector<double> uniform_load<2>(std::span<const InterfacePair<2>>, const Surface<2>&, InterfaceScheme);
 template std::vector<double> uniform_load<3>(std::span<const InterfacePair<3>>, const Surface<3>&, InterfaceScheme);
-template void integrate_over_faces<2>(const Kernel<2>&, std::span<const InterfacePair<2>>, const Surface<2>&, const Band<2>&,
+template void integrate_over_faces<2>(const Kernel<2>&, std::span<const InterfacePair<2>>, const Surface<2>&, const InterfaceParticles<2>&,
                                       InterfaceScheme, std::vector<double>&);
-template void integrate_over_faces<3>(const Kernel<3>&, std::span<const InterfacePair<3>>, const Surface<3>&, const Band<3>&,
+template void integrate_over_faces<3>(const Kernel<3>&, std::span<const InterfacePair<3>>, const Surface<3>&, const InterfaceParticles<3>&,
                                       InterfaceScheme, std::vector<double>&);
 
 }  // namespace tern::coupler

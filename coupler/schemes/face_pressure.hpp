@@ -21,8 +21,8 @@ namespace tern::coupler {
 
 /// Replaces the carried pressures q_i [Pa] of all pairs by those which, times b_ik, are the pair forces of the scheme.
 template <int D>
-void integrate_over_faces(const Kernel<D>& kernel, std::span<const InterfacePair<D>> pairs, const Surface<D>& surface, const Band<D>& band,
-                          InterfaceScheme scheme, std::vector<double>& carried);
+void integrate_over_faces(const Kernel<D>& kernel, std::span<const InterfacePair<D>> pairs, const Surface<D>& surface,
+                          const InterfaceParticles<D>& band, InterfaceScheme scheme, std::vector<double>& carried);
 
 /// Load of every surface point under a uniform pressure, over that pressure times its area. With riemann what the pairs fill of the
 /// half space before it, with pi and fsa its wet share.

@@ -3,7 +3,7 @@
 namespace tern::coupler {
 
 template <int D>
-void InterfacePairs<D>::find(const Band<D>& band, const Surface<D>& surface) {
+void InterfacePairs<D>::find(const InterfaceParticles<D>& band, const Surface<D>& surface) {
   pairs_.clear();
   particle_pairs_ = averted_pairs_ = 0;
   if (band.id.empty()) return;

@@ -30,7 +30,7 @@ inline MitigationPressure mitigation_pressure(VemForm form, double fluid, double
 /// behind a point moves with it and adds nothing.
 template <int D>
 std::vector<double> divergence_at_surface(const Kernel<D>& kernel, std::span<const InterfacePair<D>> pairs, const Surface<D>& surface,
-                                          const Band<D>& band) {
+                                          const InterfaceParticles<D>& band) {
   std::vector<double> divergence(surface.position.size(), 0);
   for (const auto& pair : pairs) {
     const Vector<D>& d = pair.offset;

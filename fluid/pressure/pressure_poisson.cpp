@@ -42,7 +42,7 @@ void Fluid<D>::assemble_pressure_matrix() {
   const int n = static_cast<int>(state_.size());
   yields_to_level_.clear();
   matrix_.reset(n, [&](int i) { return active_[i] ? neighbours_.count[i] : 0; });
-  const DissipativeLoad<D> none;
+  const InterfaceCondition<D> none;
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (int i = 0; i < n; ++i)
     if (surface_rows_.count[i] == 0) assemble_pressure_row(i, none);
@@ -50,7 +50,7 @@ void Fluid<D>::assemble_pressure_matrix() {
 }
 
 template <int D>
-void Fluid<D>::assemble_pressure_matrix_at_structure(const DissipativeLoad<D>& load) {
+void Fluid<D>::assemble_pressure_matrix_at_structure(const InterfaceCondition<D>& load) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(band_.size()), all = static_cast<std::ptrdiff_t>(state_.size());
   if (n > 0) find_pools_that_yield(load);
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
@@ -62,7 +62,7 @@ void Fluid<D>::assemble_pressure_matrix_at_structure(const DissipativeLoad<D>& l
 }
 
 template <int D>
-void Fluid<D>::find_pools_that_yield(const DissipativeLoad<D>& load) {
+void Fluid<D>::find_pools_that_yield(const InterfaceCondition<D>& load) {
   const int n = static_cast<int>(state_.size());
   missing_support_.resize(n);
   for (int i = 0; i < n; ++i) missing_support_[i] = static_cast<float>(missing_support(i));
@@ -81,7 +81,7 @@ void Fluid<D>::find_pools_that_yield(const DissipativeLoad<D>& load) {
 }
 
 template <int D>
-void Fluid<D>::assemble_pressure_row(int i, const DissipativeLoad<D>& load) {
+void Fluid<D>::assemble_pressure_row(int i, const InterfaceCondition<D>& load) {
   if (!active_[i]) {
     matrix_.set_row(i, 0, 1, [](int) { return std::pair<int, float>{0, 0.0f}; });
     return;
@@ -112,7 +112,7 @@ void Fluid<D>::assemble_pressure_row(int i, const DissipativeLoad<D>& load) {
 }
 
 template <int D>
-void Fluid<D>::assemble_pressure_source(const DissipativeLoad<D>& load) {
+void Fluid<D>::assemble_pressure_source(const InterfaceCondition<D>& load) {
   const int n = static_cast<int>(state_.size());
   const double density = constants_.density, scale = -density / duration_s_ * constants_.volume;
   source_.assign(matrix_.padded_rows(), 0);
@@ -133,7 +133,7 @@ void Fluid<D>::assemble_pressure_source(const DissipativeLoad<D>& load) {
 }
 
 template <int D>
-double Fluid<D>::yielding(const DissipativeLoad<D>& load, int k, double weight) const {
+double Fluid<D>::yielding(const InterfaceCondition<D>& load, int k, double weight) const {
   return load.robin_mass[k] > 0 ? 2 * constants_.density * constants_.volume * weight / load.robin_mass[k] : 0;
 }
 
@@ -195,15 +195,15 @@ void Fluid<D>::solve_pressure_poisson() {
   for (std::ptrdiff_t i = 0; i < n; ++i) state_.pressure[i] = pressure_[i];
 }
 
-#define TERN_INSTANTIATE(D)                                                                 \
-  template void Fluid<D>::assemble_pressure_matrix();                                       \
-  template void Fluid<D>::assemble_pressure_matrix_at_structure(const DissipativeLoad<D>&); \
-  template void Fluid<D>::assemble_pressure_row(int, const DissipativeLoad<D>&);            \
-  template void Fluid<D>::assemble_pressure_source(const DissipativeLoad<D>&);              \
-  template double Fluid<D>::missing_support(int) const;                                     \
-  template void Fluid<D>::find_pools_that_yield(const DissipativeLoad<D>&);                 \
-  template double Fluid<D>::yielding(const DissipativeLoad<D>&, int, double) const;         \
-  template void Fluid<D>::prepare_pressure_solve();                                         \
+#define TERN_INSTANTIATE(D)                                                                    \
+  template void Fluid<D>::assemble_pressure_matrix();                                          \
+  template void Fluid<D>::assemble_pressure_matrix_at_structure(const InterfaceCondition<D>&); \
+  template void Fluid<D>::assemble_pressure_row(int, const InterfaceCondition<D>&);            \
+  template void Fluid<D>::assemble_pressure_source(const InterfaceCondition<D>&);              \
+  template double Fluid<D>::missing_support(int) const;                                        \
+  template void Fluid<D>::find_pools_that_yield(const InterfaceCondition<D>&);                 \
+  template double Fluid<D>::yielding(const InterfaceCondition<D>&, int, double) const;         \
+  template void Fluid<D>::prepare_pressure_solve();                                            \
   template void Fluid<D>::solve_pressure_poisson();
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

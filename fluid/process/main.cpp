@@ -103,7 +103,7 @@ class Participant {
     ScopedTimer timer(compute_s_);
     fluid_.begin_window(begin, duration);
   }
-  Band<D> see_surface(const Surface<D>& surface) {
+  InterfaceParticles<D> see_surface(const Surface<D>& surface) {
     ScopedTimer timer(compute_s_);
     return fluid_.see_surface(surface);
   }
@@ -111,7 +111,7 @@ class Participant {
     ScopedTimer timer(compute_s_);
     fluid_.prepare_pressure();
   }
-  BandPressure<D> solve_pressure(const DissipativeLoad<D>& load) {
+  InterfacePressure<D> solve_pressure(const InterfaceCondition<D>& load) {
     ScopedTimer timer(compute_s_);
     return fluid_.solve_pressure(load);
   }
@@ -119,7 +119,7 @@ class Participant {
     ScopedTimer timer(compute_s_);
     fluid_.complete_velocity();
   }
-  wire::WindowDone end(const BandForce<D>& force) {
+  wire::WindowDone end(const InterfaceForce<D>& force) {
     ScopedTimer timer(compute_s_);
     fluid_.end_window(force);
     return done();

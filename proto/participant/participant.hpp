@@ -13,11 +13,11 @@
 //   void apply(const SurfaceLoad<D>&);                              the window for good
 // A fluid:
 //   void begin_window(Ticks begin, Ticks duration);
-//   Band<D> see_surface(const Surface<D>&);
+//   InterfaceParticles<D> see_surface(const Surface<D>&);
 //   void prepare_pressure();                                        while the coupler computes the load; may do nothing
-//   BandPressure<D> solve_pressure(const DissipativeLoad<D>&);      repeated where the load has a surface_velocity
+//   InterfacePressure<D> solve_pressure(const InterfaceCondition<D>&);      repeated where the load has a surface_velocity
 //   void complete_velocity();                                       while the coupler computes the force; may do nothing
-//   wire::WindowDone end(const BandForce<D>&);                      all but its account
+//   wire::WindowDone end(const InterfaceForce<D>&);                      all but its account
 //   wire::WindowDone pass();                                        the same of a window without surface, which comes only to a
 //                                                                   fluid whose last WindowDone had an extent
 

@@ -64,7 +64,7 @@ Surface<D> from_wire(const wire::Surface& message) {
 }
 
 template <int D>
-wire::Band to_wire(const Band<D>& band) {
+wire::Band to_wire(const InterfaceParticles<D>& band) {
   wire::Band message;
   message.mutable_id()->Assign(band.id.begin(), band.id.end());
   put<D>(message.mutable_position(), band.position);
@@ -79,7 +79,7 @@ wire::Band to_wire(const Band<D>& band) {
 }
 
 template <int D>
-Band<D> from_wire(const wire::Band& message) {
+InterfaceParticles<D> from_wire(const wire::Band& message) {
   return {get(message.id()),
           get_vectors<D>(message.position()),
           get_vectors<D>(message.velocity()),
@@ -92,7 +92,7 @@ Band<D> from_wire(const wire::Band& message) {
 }
 
 template <int D>
-wire::DissipativeLoad to_wire(const DissipativeLoad<D>& load) {
+wire::DissipativeLoad to_wire(const InterfaceCondition<D>& load) {
   wire::DissipativeLoad message;
   put<D>(message.mutable_force(), load.force);
   put(message.mutable_reference_pressure(), load.reference_pressure);
@@ -103,13 +103,13 @@ wire::DissipativeLoad to_wire(const DissipativeLoad<D>& load) {
 }
 
 template <int D>
-DissipativeLoad<D> from_wire(const wire::DissipativeLoad& message) {
+InterfaceCondition<D> from_wire(const wire::DissipativeLoad& message) {
   return {get_vectors<D>(message.force()), get(message.reference_pressure()), get(message.robin_mass()),
           get_vectors<D>(message.surface_velocity()), message.repeats()};
 }
 
 template <int D>
-wire::BandPressure to_wire(const BandPressure<D>& pressure) {
+wire::BandPressure to_wire(const InterfacePressure<D>& pressure) {
   wire::BandPressure message;
   put(message.mutable_pressure(), pressure.pressure);
   put<D>(message.mutable_velocity(), pressure.velocity);
@@ -117,19 +117,19 @@ wire::BandPressure to_wire(const BandPressure<D>& pressure) {
 }
 
 template <int D>
-BandPressure<D> from_wire(const wire::BandPressure& message) {
+InterfacePressure<D> from_wire(const wire::BandPressure& message) {
   return {get(message.pressure()), get_vectors<D>(message.velocity())};
 }
 
 template <int D>
-wire::BandForce to_wire(const BandForce<D>& force) {
+wire::BandForce to_wire(const InterfaceForce<D>& force) {
   wire::BandForce message;
   put<D>(message.mutable_force(), force.force);
   return message;
 }
 
 template <int D>
-BandForce<D> from_wire(const wire::BandForce& message) {
+InterfaceForce<D> from_wire(const wire::BandForce& message) {
   return {get_vectors<D>(message.force())};
 }
 
@@ -174,20 +174,20 @@ FluidExtent<D> from_wire(const wire::Extent& message) {
 
 #define TERN_INSTANTIATE(D)                                                   \
   template wire::Surface to_wire<D>(const Surface<D>&);                       \
-  template wire::Band to_wire<D>(const Band<D>&);                             \
-  template wire::DissipativeLoad to_wire<D>(const DissipativeLoad<D>&);       \
-  template wire::BandPressure to_wire<D>(const BandPressure<D>&);             \
-  template wire::BandForce to_wire<D>(const BandForce<D>&);                   \
+  template wire::Band to_wire<D>(const InterfaceParticles<D>&);               \
+  template wire::DissipativeLoad to_wire<D>(const InterfaceCondition<D>&);    \
+  template wire::BandPressure to_wire<D>(const InterfacePressure<D>&);        \
+  template wire::BandForce to_wire<D>(const InterfaceForce<D>&);              \
   template wire::SurfaceLoad to_wire<D>(const SurfaceLoad<D>&);               \
   template wire::SurfaceVelocity to_wire<D>(const std::vector<Vector<D>>&);   \
   template std::vector<Vector<D>> from_wire<D>(const wire::SurfaceVelocity&); \
   template wire::Extent to_wire<D>(const FluidExtent<D>&);                    \
   template FluidExtent<D> from_wire<D>(const wire::Extent&);                  \
   template Surface<D> from_wire<D>(const wire::Surface&);                     \
-  template Band<D> from_wire<D>(const wire::Band&);                           \
-  template DissipativeLoad<D> from_wire<D>(const wire::DissipativeLoad&);     \
-  template BandPressure<D> from_wire<D>(const wire::BandPressure&);           \
-  template BandForce<D> from_wire<D>(const wire::BandForce&);                 \
+  template InterfaceParticles<D> from_wire<D>(const wire::Band&);             \
+  template InterfaceCondition<D> from_wire<D>(const wire::DissipativeLoad&);  \
+  template InterfacePressure<D> from_wire<D>(const wire::BandPressure&);      \
+  template InterfaceForce<D> from_wire<D>(const wire::BandForce&);            \
   template SurfaceLoad<D> from_wire<D>(const wire::SurfaceLoad&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

@@ -15,13 +15,13 @@ SurfaceProperties from_wire(const wire::SurfaceProperties& message);
 template <int D>
 wire::Surface to_wire(const Surface<D>& surface);  ///< account left empty
 template <int D>
-wire::Band to_wire(const Band<D>& band);
+wire::Band to_wire(const InterfaceParticles<D>& band);
 template <int D>
-wire::DissipativeLoad to_wire(const DissipativeLoad<D>& load);
+wire::DissipativeLoad to_wire(const InterfaceCondition<D>& load);
 template <int D>
-wire::BandPressure to_wire(const BandPressure<D>& pressure);
+wire::BandPressure to_wire(const InterfacePressure<D>& pressure);
 template <int D>
-wire::BandForce to_wire(const BandForce<D>& force);
+wire::BandForce to_wire(const InterfaceForce<D>& force);
 template <int D>
 wire::SurfaceLoad to_wire(const SurfaceLoad<D>& load);
 template <int D>
@@ -33,13 +33,13 @@ wire::Extent to_wire(const FluidExtent<D>& extent);
 template <int D>
 Surface<D> from_wire(const wire::Surface& message);
 template <int D>
-Band<D> from_wire(const wire::Band& message);
+InterfaceParticles<D> from_wire(const wire::Band& message);
 template <int D>
-DissipativeLoad<D> from_wire(const wire::DissipativeLoad& message);
+InterfaceCondition<D> from_wire(const wire::DissipativeLoad& message);
 template <int D>
-BandPressure<D> from_wire(const wire::BandPressure& message);
+InterfacePressure<D> from_wire(const wire::BandPressure& message);
 template <int D>
-BandForce<D> from_wire(const wire::BandForce& message);
+InterfaceForce<D> from_wire(const wire::BandForce& message);
 template <int D>
 SurfaceLoad<D> from_wire(const wire::SurfaceLoad& message);
 template <int D>

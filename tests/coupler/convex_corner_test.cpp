@@ -52,7 +52,7 @@ struct Scene {
   fluid::Fluid<2> fluid{c};
   structure::Structure<2> structure{c};
   Surface<2> surface = structure.surface();
-  Band<2> band;
+  InterfaceParticles<2> band;
 
   Scene() {
     fluid.begin_window(0, to_ticks(window));
@@ -135,7 +135,7 @@ TEST(ConvexCorner, LeavesWaterAtRest) {
   Scene scene;
   scene.c.coupling.algorithm = CouplingAlgorithm::cm0;
   CouplingStep<2> step(scene.c, scene.structure.surface_properties());
-  const BandPressure<2> pressure = scene.fluid.solve_pressure(step.dissipative_load(0, window, scene.surface, scene.band));
+  const InterfacePressure<2> pressure = scene.fluid.solve_pressure(step.dissipative_load(0, window, scene.surface, scene.band));
   scene.fluid.end_window(step.interface_force(pressure));
   const auto& state = scene.fluid.state();
   double push = 0, lowest = 1e300, highest = -1e300;
@@ -165,7 +165,7 @@ TEST(ConvexCorner, IsPassedWithoutAJump) {
   double largest = 0;
   for (int n = 0; n <= steps; ++n) {
     const double angle = 1.5 * std::numbers::pi * (n / double(steps)) - 0.5 * std::numbers::pi;  // round the upper right corner
-    Band<2> band;
+    InterfaceParticles<2> band;
     add_particle<2>(band, Vector<2>(high + 0.6 * dx * std::cos(angle), high + 0.6 * dx * std::sin(angle)), dx);
     if (band.position[0].maxCoeff() <= high) continue;
     step.dissipative_load(0, window, scene.surface, band);
@@ -190,7 +190,7 @@ TEST(ConvexCorner, IsNoneAtAWall) {
   structure::Structure<2> structure(c);
   const Surface<2> surface = structure.surface();
   fluid.begin_window(0, to_ticks(window));
-  const Band<2> band = fluid.see_surface(surface);
+  const InterfaceParticles<2> band = fluid.see_surface(surface);
   std::size_t at_walls = 0;
   for (std::uint32_t k : band.covered) at_walls += std::abs(surface.normal[k][0]) > 0.5;
   EXPECT_EQ(at_walls, band.covered.size());
@@ -250,7 +250,7 @@ std::pair<double, double> loads_of_a_cube(InterfaceScheme scheme, double patch) 
   for (std::size_t k = 0; k < points.position.size(); ++k) add_point<3>(surface, points.position[k], points.normal[k], points.area[k]);
   fluid::Fluid<3> fluid(c);
   fluid.begin_window(0, to_ticks(1e-6));
-  const Band<3> band = fluid.see_surface(surface);
+  const InterfaceParticles<3> band = fluid.see_surface(surface);
   CouplingStep<3> step(c, properties(surface.position.size()));
   step.dissipative_load(0, 1e-6, surface, band);
   step.interface_force(pressure_field<3>(band, [](const Vector<3>& x) { return rho * g * (width - x[1]); }));

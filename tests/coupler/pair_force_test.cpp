@@ -14,8 +14,8 @@ constexpr double dx = 0.01, duration = 2e-4;
 template <int D>
 struct RandomInterface {
   Surface<D> surface;
-  Band<D> band;
-  BandPressure<D> pressure;
+  InterfaceParticles<D> band;
+  InterfacePressure<D> pressure;
 };
 
 /// A bent plate two particles thick in a cloud of fluid particles, everything else at random; pressures positive.
@@ -210,7 +210,8 @@ Case mitigation_only(double coefficient, VemForm form = VemForm::pairmax) {
 }
 
 template <int D>
-double power_of(const Surface<D>& surface, const Band<D>& band, const SurfaceLoad<D>& on_surface, const DissipativeLoad<D>& on_band) {
+double power_of(const Surface<D>& surface, const InterfaceParticles<D>& band, const SurfaceLoad<D>& on_surface,
+                const InterfaceCondition<D>& on_band) {
   double power = 0;
   for (std::size_t i = 0; i < band.id.size(); ++i) power += on_band.force[i].dot(band.velocity[i]);
   for (std::size_t k = 0; k < surface.position.size(); ++k) power += on_surface.force[k].dot(surface.velocity[k]);

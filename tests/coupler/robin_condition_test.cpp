@@ -64,7 +64,7 @@ TEST(RobinMass, IsNotGivenToAnExplicitCoupling) {
 
 /// Part of its half space that a point with this mass behind it has before it, as the fluid is told.
 constexpr double mass_behind = 20;
-double share(const DissipativeLoad<2>& load, std::size_t k) { return mass_behind / load.robin_mass[k]; }
+double share(const InterfaceCondition<2>& load, std::size_t k) { return mass_behind / load.robin_mass[k]; }
 
 // Seen to fail: with the new dissipative part added instead of subtracted; with nothing carried.
 TEST(RobinReferencePressure, IsWhatTheLastLoadCarriedLessTheNewDissipativePart) {
@@ -112,7 +112,7 @@ TEST(RobinReferencePressure, IsTheLastLoadOfEveryScheme) {
 }
 
 /// Water beside a wall x = 0 on a face that meets it and that ends, wet, at x = 0.2; particles up to 0.15 dx off their lattice.
-void disordered_corner(Surface<2>& surface, Band<2>& band) {
+void disordered_corner(Surface<2>& surface, InterfaceParticles<2>& band) {
   for (int k = 0; k < 40; ++k) add_point<2>(surface, {(k + 0.5) * 0.5 * dx, 0.0}, {0.0, 1.0}, 0.5 * dx);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> off(-0.15 * dx, 0.15 * dx);
@@ -133,7 +133,7 @@ TEST(RobinReferencePressure, LeavesABodyAloneThatCarriesAUniformPressure) {
   for (auto scheme : {InterfaceScheme::fsa, InterfaceScheme::pi, InterfaceScheme::riemann}) {
     SCOPED_TRACE("scheme " + std::to_string(static_cast<int>(scheme)));
     Surface<2> surface;
-    Band<2> band;
+    InterfaceParticles<2> band;
     disordered_corner(surface, band);
     Case c = scene(2, dx);
     c.coupling.scheme = scheme;
@@ -162,7 +162,7 @@ TEST(RobinReferencePressure, LeavesABodyAloneThatCarriesAUniformPressure) {
 // Seen to fail: with the load over the area as reference.
 TEST(RobinReferencePressure, MakesNoEnergyWhereBothSidesAgree) {
   Surface<2> surface;
-  Band<2> band;
+  InterfaceParticles<2> band;
   disordered_corner(surface, band);
   band.image_of.clear();
   band.image_position.clear();
@@ -195,7 +195,7 @@ Vector<2> after_contact(double height, const Vector<2>& velocity, const Vector<2
                         WindowAudit* audit = nullptr, double section_mass = 1e16) {
   auto surface = flat_plate<2>(12 * dx, 4 * dx, 0.5 * dx);
   for (auto& u : surface.velocity) u = face_velocity;
-  Band<2> band;
+  InterfaceParticles<2> band;
   add_particle<2>(band, {0.0025, height}, dx, velocity);
   Case c = scene(2, dx);
   c.coupling.algorithm = CouplingAlgorithm::cm2;
@@ -242,9 +242,9 @@ TEST(Contact, OfALightFaceIsAsHeldOrAsFreeAsTheTrialsShow) {
     c.coupling.tolerance = 1e-9;
     auto surface = flat_plate<2>(12 * dx, 4 * dx, area);
     for (auto& u : surface.velocity) u = {0.0, -0.5};
-    Band<2> band;
+    InterfaceParticles<2> band;
     add_particle<2>(band, {0.0025, 0.2 * dx}, dx, {0.0, -1.5});
-    const BandPressure<2> pressure = pressure_field<2>(band, [](const Vector<2>&) { return 0.0; });
+    const InterfacePressure<2> pressure = pressure_field<2>(band, [](const Vector<2>&) { return 0.0; });
     CouplingStep<2> step(c, properties(surface.position.size(), behind));
     step.dissipative_load(0, window, surface, band);
     std::vector<Vector<2>> velocity = surface.velocity;

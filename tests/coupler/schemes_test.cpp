@@ -15,10 +15,10 @@ constexpr std::pair<const char*, InterfaceScheme> schemes[] = {
 
 /// Four layers over a plate, every particle moved by up to `disorder` dx in each direction.
 template <int D>
-Band<D> water(double half, double disorder) {
+InterfaceParticles<D> water(double half, double disorder) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> uniform(-disorder * dx, disorder * dx);
-  Band<D> band = fluid_layers<D>(half, 4, dx);
+  InterfaceParticles<D> band = fluid_layers<D>(half, 4, dx);
   for (auto& x : band.position)
     for (int c = 0; c < D; ++c) x[c] += uniform(random);
   return band;
@@ -94,7 +94,7 @@ TEST(SchemeInAPressureGradient, OnlyFsaIsExact) {
 /// Load of a uniform pressure over the left half of a plate, as a share of it, on the point nearest to x.
 double share_of_pressure(InterfaceScheme scheme, double x) {
   const auto surface = flat_plate<2>(12 * dx, 4 * dx, 0.5 * dx);
-  Band<2> band;
+  InterfaceParticles<2> band;
   for (const auto& at : fluid_layers<2>(12 * dx, 4, dx).position)
     if (at[0] < 0) add_particle<2>(band, at, dx);
   Case c = scene(2, dx);

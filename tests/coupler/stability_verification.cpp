@@ -48,7 +48,7 @@ TEST(Stability, SealedWaterRoundABodyThatDoesNotYieldIsFound) {
   CouplingStep<2> step(c, structure.surface_properties());
   fluid.begin_window(0, to_ticks(1e-3));
   const Surface<2> surface = structure.surface();
-  const Band<2> band = fluid.see_surface(surface);
+  const InterfaceParticles<2> band = fluid.see_surface(surface);
   fluid.solve_pressure(step.dissipative_load(0, 1e-3, surface, band));
   EXPECT_TRUE(fluid.sealed().any);
 }

@@ -13,7 +13,7 @@ constexpr double dx = 0.01;
 /// their images.
 struct Corner {
   Surface<2> surface;
-  Band<2> band;
+  InterfaceParticles<2> band;
 
   explicit Corner(bool images) {
     for (int k = 0; k < 40; ++k) add_point<2>(surface, {(k + 0.5) * 0.5 * dx, 0.0}, {0.0, 1.0}, 0.5 * dx);

@@ -25,17 +25,17 @@ struct BothSides {
     return surface;
   }
   std::optional<FluidExtent<2>> extent() const { return fluid_extent; }
-  Band<2> see_surface(const Surface<2>&) {
+  InterfaceParticles<2> see_surface(const Surface<2>&) {
     calls.push_back("see_surface");
-    Band<2> band;
+    InterfaceParticles<2> band;
     add_particle<2>(band, {0, 0.05}, 0.1);
     return band;
   }
-  BandPressure<2> solve_pressure(const DissipativeLoad<2>&) {
+  InterfacePressure<2> solve_pressure(const InterfaceCondition<2>&) {
     calls.push_back("solve_pressure");
     return {{1000}, {Vector<2>::Zero()}};
   }
-  void end_window(const BandForce<2>&) { calls.push_back("end_window"); }
+  void end_window(const InterfaceForce<2>&) { calls.push_back("end_window"); }
   void pass_window() { calls.push_back("pass_window"); }
   std::vector<Vector<2>> respond(const SurfaceLoad<2>&) {
     calls.push_back("respond");

@@ -74,8 +74,9 @@ void round_trip(std::size_t n) {
   expect_same_bits<D>(surface.normal, surface2.normal);
   expect_same_bits(surface.area, surface2.area);
 
-  const Band<D> band{labels(random, n),  vectors<D>(random, n), vectors<D>(random, n),     scalars(random, n),   scalars(random, n),
-                     scalars(random, n), labels(random, n + 2), vectors<D>(random, n + 2), labels(random, n + 3)};
+  const InterfaceParticles<D> band{labels(random, n),     vectors<D>(random, n),     vectors<D>(random, n),
+                                   scalars(random, n),    scalars(random, n),        scalars(random, n),
+                                   labels(random, n + 2), vectors<D>(random, n + 2), labels(random, n + 3)};
   const auto band2 = from_wire<D>(through_bytes(to_wire(band)));
   EXPECT_EQ(band.id, band2.id);
   expect_same_bits<D>(band.position, band2.position);
@@ -87,7 +88,7 @@ void round_trip(std::size_t n) {
   expect_same_bits<D>(band.image_position, band2.image_position);
   EXPECT_EQ(band.covered, band2.covered);
 
-  const DissipativeLoad<D> load{vectors<D>(random, n), scalars(random, n + 1), scalars(random, n + 1), vectors<D>(random, n + 1), true};
+  const InterfaceCondition<D> load{vectors<D>(random, n), scalars(random, n + 1), scalars(random, n + 1), vectors<D>(random, n + 1), true};
   const auto load2 = from_wire<D>(through_bytes(to_wire(load)));
   expect_same_bits<D>(load.force, load2.force);
   expect_same_bits(load.reference_pressure, load2.reference_pressure);
@@ -95,12 +96,12 @@ void round_trip(std::size_t n) {
   expect_same_bits<D>(load.surface_velocity, load2.surface_velocity);
   EXPECT_EQ(load.repeats, load2.repeats);
 
-  const BandPressure<D> pressure{scalars(random, n), vectors<D>(random, n)};
+  const InterfacePressure<D> pressure{scalars(random, n), vectors<D>(random, n)};
   const auto pressure2 = from_wire<D>(through_bytes(to_wire(pressure)));
   expect_same_bits(pressure.pressure, pressure2.pressure);
   expect_same_bits<D>(pressure.velocity, pressure2.velocity);
 
-  const BandForce<D> force{vectors<D>(random, n)};
+  const InterfaceForce<D> force{vectors<D>(random, n)};
   expect_same_bits<D>(force.force, from_wire<D>(through_bytes(to_wire(force))).force);
   const SurfaceLoad<D> surface_load{vectors<D>(random, n)};
   expect_same_bits<D>(surface_load.force, from_wire<D>(through_bytes(to_wire(surface_load))).force);
