@@ -1,7 +1,7 @@
 #!/usr/bin/python3 -B
 """What delay and bandwidth between the machines cost a coupled run. Table of docs/NETWORK.md:
 
-    TERN_BUILD=build/release bench/network_delay.py [--until T] [CASE]
+    PYTHONPATH=tests/process TERN_BUILD=build/release bench/network_delay.py [--until T] [CASE]
 
 Three processes on this machine; each participant's connection goes through a relay (tests/process/relay.py) that delays every byte by
 a set time per direction, or limits the bits per second. The relay's own delay is measured first, with a byte to and fro. A window
@@ -16,17 +16,15 @@ import os
 import socket
 import statistics
 import subprocess
-import sys
 import tempfile
 import threading
 import time
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT / "tests" / "process")]
+from network_run import NetworkRun, make_keys
+from relay import Relay
 
-from network_run import NetworkRun, make_keys  # noqa: E402
-from relay import Relay  # noqa: E402
+ROOT = Path(__file__).resolve().parent.parent
 
 
 def one_way_delay(**words):

@@ -20,7 +20,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 CASE = ROOT / "tests" / "process" / "cases" / "rigid_piston"
-PARTICIPANTS = ROOT / "proto" / "python" / "participants"
+PARTICIPANTS = ROOT / "python" / "tern" / "participant" / "solvers"
 STEP_S = 5e-5
 PARTS = 10
 

@@ -1,4 +1,4 @@
-// What a step costs on this machine, as ./tern measures it once per build (launcher/calibration.py).
+// What a step costs on this machine, as ./tern measures it once per build (python/tern/launch/calibration.py).
 
 #include <cmath>
 #include <fstream>

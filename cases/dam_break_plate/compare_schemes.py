@@ -1,30 +1,25 @@
-#!/usr/bin/python3
 """The interface schemes on the dam break on the plate: runs them, prints a table, and from 0.8 s on draws the fields.
 
-    cases/dam_break_plate/compare_schemes.py                 to 0.45 s
-    cases/dam_break_plate/compare_schemes.py --until 0.82    with the picture of the published comparison at 0.80 s
+    ./tern python cases/dam_break_plate/compare_schemes.py                 to 0.45 s
+    ./tern python cases/dam_break_plate/compare_schemes.py --until 0.82    with the picture of the published comparison at 0.80 s
 
 Runs go to runs/schemes/NAME, the picture to runs/schemes/fields.png; a run that has already come as far is used again.
 """
 
 import argparse
-import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(ROOT))
+import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
 
-import matplotlib  # noqa: E402
+from tern.plot import fields, style
+from tern.results.summary import measure
+from tern.results.tables import read_table
+from tern.studies.reuse import at, run_or_reuse
 
 matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-
-from launcher.summary import measure  # noqa: E402
-from plotting import fields, run_files, style  # noqa: E402
-from plotting.comparison import at, run_or_reuse  # noqa: E402
-
+ROOT = Path(__file__).resolve().parent.parent.parent
 CASE = ROOT / "cases" / "dam_break_plate"
 SCHEMES = {  # label: (directory, scheme, with VEM, shown in the picture)
     "FSA": ("fsa", "fsa", False, True),
@@ -103,7 +98,7 @@ def void(fluid, structure, spacing):
 
 def judge(label, result):
     """The numbers of one run."""
-    gauges, energy = result.table("gauges.csv"), result.table("energy.csv")
+    gauges, energy = result.gauges, result.energies
     numbers = {f"P {time:.2f}": at(gauges, "P.ux_m", time) for time in TIMES}
     for name in ("momentum_audit_max", "volume_drift", "particles_leaked"):
         numbers[name] = measure(result.contents, name)
@@ -112,9 +107,9 @@ def judge(label, result):
     kept = [name for name in end if name.endswith(("kinetic_J", "potential_J", "strain_J", "dissipation_J", "diffusion_J"))]
     numbers["energy"] = sum(end[name] for name in kept) / (0.5 * DENSITY * GRAVITY * HEIGHT**2 * WIDTH)
     numbers["end"] = gauges["t_s"][-1]
-    frames = [time for time, _ in result.frame_times("fluid") if WINDOW[0] - 1e-6 <= time <= WINDOW[1] + 1e-6]
+    frames = [frame.time for frame in result.frames_of("fluid") if WINDOW[0] - 1e-6 <= frame.time <= WINDOW[1] + 1e-6]
     if frames:
-        spacing, side = result.spacing("fluid"), sides(result.frame("structure", 0)[1])
+        spacing, side = result.spacing("fluid"), sides(result.frames_of("structure")[0])
         both = [fields.read(result, time)[1:] for time in frames]
         rough = [roughness(fluid, plate, side, spacing) for fluid, plate in both]
         voids = [void(fluid, plate, spacing) for fluid, plate in both]
@@ -128,7 +123,7 @@ def print_table(results, until):
     print("| u_x(P) [m] at | " + " | ".join(f"{time:.2f}" for time in times) + " | momentum audit | volume drift | through a face "
           "| staggering [J/m] | energy |")
     print("|---" * (len(times) + 6) + "|")
-    reference = run_files.read_table(CASE / "reference" / "sphinxsys_dp4mm_nogate_hp0.09.csv")
+    reference = read_table(CASE / "reference" / "sphinxsys_dp4mm_nogate_hp0.09.csv")
     print("| SPHinXsys (plate 4 mm further) | " + " | ".join(f"{at(reference, 'ux_P_m', time):.4f}" for time in times) + " | | | | | |")
     for label, numbers in results.items():
         row = [f"{numbers[f'P {time:.2f}']:.4f}" for time in times]
@@ -161,12 +156,12 @@ def picture(runs, directory):
         axes[-1].set_title(f"{label}, t = {exact:.2f} s", loc="left")
     fields.colour_bars(figure, axes, drawn, shrink=0.8, aspect=35)
     history = figure.add_subplot(grid[1, :])
-    reference = run_files.read_table(CASE / "reference" / "sphinxsys_dp4mm_nogate_hp0.09.csv")
-    end = max(result.table("gauges.csv")["t_s"][-1] for result in runs.values())
+    reference = read_table(CASE / "reference" / "sphinxsys_dp4mm_nogate_hp0.09.csv")
+    end = max(result.gauges["t_s"][-1] for result in runs.values())
     shown_part = reference["t_s"] <= end
     history.plot(reference["t_s"][shown_part], reference["ux_P_m"][shown_part], label="SPHinXsys (another code)", **style.REFERENCE)
     for (label, result), colour in zip(runs.items(), style.RUN_COLOURS):
-        table = result.table("gauges.csv")
+        table = result.gauges
         history.plot(table["t_s"], table["P.ux_m"], color=colour, label=label)
     history.set_xlim(0.2, end)
     history.set_xlabel("t [s]")

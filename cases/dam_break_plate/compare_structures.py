@@ -1,35 +1,26 @@
-#!/usr/bin/python3
 """The plate by tern's particles and by GetFEM's finite elements, under the same fluid: two tables and a picture.
 
-    cases/dam_break_plate/compare_structures.py
+    ./tern python cases/dam_break_plate/compare_structures.py
 
 The dam break to 0.5 s and two metres of water at rest (hydrostatic_plate). Runs go to runs/structures/NAME, the picture to
 runs/structures/plates.png; a run that is there is used again.
 """
 
 import argparse
-import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(ROOT))
+import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
 
-from launcher import packages  # noqa: E402
-
-packages.ensure(packages.PYTHON + packages.PARTICIPANTS["getfem_structure.py"])
-
-import matplotlib  # noqa: E402
+from tern import paths
+from tern.plot import style
+from tern.studies.reuse import at, run_or_reuse
+from tern.verify import reducers
 
 matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-
-from launcher import reducers  # noqa: E402
-from plotting import style  # noqa: E402
-from plotting.comparison import at, run_or_reuse  # noqa: E402
-
-GETFEM = ROOT / "proto" / "python" / "participants" / "getfem_structure.py"
+ROOT = Path(__file__).resolve().parent.parent.parent
+GETFEM = paths.solvers() / "getfem_structure.py"
 FINITE_ELEMENTS = "GetFEM, 2 elements across"
 PLATES = {  # label: (directory, particles across or None, command)
     "tern, 4 particles across": ("tern_4", 4, {}),
@@ -53,7 +44,7 @@ def cpu(result):
 def dam_break(directory):
     """u_x(P), its first maximum, and how far it gets from that of the finite elements."""
     runs = {label: run("dam_break_plate", 0.004, label, directory, 0.5) for label in PLATES}
-    tables = {label: result.table("gauges.csv") for label, result in runs.items()}
+    tables = {label: result.gauges for label, result in runs.items()}
     reference = tables[FINITE_ELEMENTS]
     print("| u_x(P) [m] at | " + " | ".join(f"{time:.2f} s" for time in TIMES) + " | first maximum | largest distance to 2 elements "
           "| CPU of the structure |")

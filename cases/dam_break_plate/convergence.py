@@ -1,25 +1,21 @@
-#!/usr/bin/python3
 """How the displacement of P converges: one thing at a time changed from the case as it stands.
 
-    cases/dam_break_plate/convergence.py                 to 0.40 s, all rows but the finest fluid
-    cases/dam_break_plate/convergence.py --finest        with the fluid at 2 mm
+    ./tern python cases/dam_break_plate/convergence.py                 to 0.40 s, all rows but the finest fluid
+    ./tern python cases/dam_break_plate/convergence.py --finest        with the fluid at 2 mm
 
 Prints a table of P, its largest distance from the row it should converge to, and the CPU time. Runs go to
 runs/convergence/NAME; a run that has already come as far is used again.
 """
 
 import argparse
-import sys
 from pathlib import Path
 
+import numpy as np
+
+from tern.results.summary import measure
+from tern.studies.reuse import at, run_or_reuse
+
 ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(ROOT))
-
-import numpy as np  # noqa: E402
-
-from launcher.summary import measure  # noqa: E402
-from plotting.comparison import at, run_or_reuse  # noqa: E402
-
 CASE = ROOT / "cases" / "dam_break_plate"
 TIMES = (0.26, 0.28, 0.30, 0.35, 0.40)
 # Name, what is changed, its settings, and the row that it should approach (of the same family, the finest).
@@ -50,7 +46,7 @@ def main():
     arguments.out.mkdir(parents=True, exist_ok=True)
     rows = [row for row in ROWS if arguments.finest or row[0] != "fluid_2"]
     runs = {name: run_or_reuse(what, CASE, arguments.out / name, arguments.until, settings) for name, what, settings, _ in rows}
-    tables = {name: run.table("gauges.csv") for name, run in runs.items()}
+    tables = {name: run.gauges for name, run in runs.items()}
     times = [time for time in TIMES if time <= arguments.until + 1e-9]
     print("| u_x(P) [m] at | " + " | ".join(f"{time:.2f}" for time in times)
           + " | largest distance [mm] | from | steps | trials | CPU [s] |\n" + "|---" * (len(times) + 6) + "|")

@@ -5,8 +5,9 @@ import os
 import subprocess
 import sys
 
-from launcher import build, cases, packages
-from launcher.errors import BAD_INPUT, DONE, INPUT_OUTPUT, INTERRUPTED, NUMERICAL_FAILURE, LauncherError
+from tern import paths
+from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, INTERRUPTED, NUMERICAL_FAILURE, Error
+from tern.launch import build, cases, packages, run
 
 DESCRIPTION = """tern: fluid-structure simulation with three processes: an incompressible-SPH fluid, a
 total-Lagrangian-SPH structure, and a coupler between them."""
@@ -93,7 +94,7 @@ def parser():
 
     one = _add(commands, "run", _run, "run a case and leave its results in one directory",
                ["./tern run cases/dam_break_plate", "./tern run dam_break_plate --until 0.3 --set fluid.spacing=0.008",
-                "./tern run cases/piston --structure \"proto/python/participants/rigid_spring.py --stiffness 2e7\"",
+                "./tern run cases/piston --structure \"rigid_spring.py --stiffness 2e7\"",
                 "./tern run CASE --only fluid --endpoint ipc:///tmp/mine.sock   (the other two are started by hand)",
                 "./tern run CASE --only coupler --bind tcp://0.0.0.0:5555 --keys DIR   (the other two come over the network)"])
     _case_options(one)
@@ -129,6 +130,11 @@ def parser():
     one = _add(commands, "keys", _keys, "make the keys of a run over a network, and say which belongs where",
                ["./tern keys ~/tern-keys"])
     one.add_argument("directory", metavar="DIR", help="where to put them; made if missing, earlier keys are never overwritten")
+
+    one = _add(commands, "python", _python, "run Python with tern and what it needs importable: a script, a module, or nothing to type at it",
+               ["./tern python cases/dam_break_plate/convergence.py --until 0.4", "./tern python my_script.py        (import tern)",
+                "./tern python                     (import tern; help(tern))"])
+    one.add_argument("words", metavar="...", nargs=argparse.REMAINDER, help="what python3 takes: FILE ARGUMENTS, -m MODULE ARGUMENTS")
 
     one = _add(commands, "test", _test, "build and run all tests",
                ["./tern test", "./tern test -L unit       (labels: unit, verify, process)",
@@ -222,21 +228,20 @@ def _forwarded(arguments):
 
 
 def _run(arguments):
-    from launcher import run
     if arguments.endpoint and not arguments.only:
-        raise LauncherError(BAD_INPUT, "--endpoint is for a single process; add --only fluid, structure or coupler.")
+        raise Error(BAD_INPUT, "--endpoint is for a single process; add --only fluid, structure or coupler.")
     if arguments.bind:
         if arguments.only != "coupler" or arguments.endpoint:
-            raise LauncherError(BAD_INPUT, "--bind is for --only coupler, in place of --endpoint; participants come with ./tern join.")
+            raise Error(BAD_INPUT, "--bind is for --only coupler, in place of --endpoint; participants come with ./tern join.")
         arguments.endpoint = arguments.bind
     if (arguments.keys or arguments.insecure) and not arguments.only:
-        raise LauncherError(BAD_INPUT, "--keys and --insecure are for runs over a network; add --only coupler --bind tcp://HOST:PORT.")
+        raise Error(BAD_INPUT, "--keys and --insecure are for runs over a network; add --only coupler --bind tcp://HOST:PORT.")
     if arguments.only and not arguments.endpoint:
-        raise LauncherError(BAD_INPUT, "--only needs --endpoint: the address at which the three processes meet.")
+        raise Error(BAD_INPUT, "--only needs --endpoint: the address at which the three processes meet.")
     arguments.case_options = _forwarded(arguments)
     arguments.network_options = ["--keys", arguments.keys] if arguments.keys else []
     arguments.network_options += ["--insecure"] if arguments.insecure else []
-    cause, _ = run.run(arguments)
+    cause, _ = run.run(run.Request(**{name: getattr(arguments, name) for name in run.Request.__dataclass_fields__}))
     if cause.exit_code != DONE:
         print(f"tern: stopped: {cause.sentence} (exit code {cause.exit_code})", file=sys.stderr)
     return cause.exit_code
@@ -250,55 +255,62 @@ def _join(arguments):
 
 
 def _keys(arguments):
-    from launcher import keys
+    from tern.launch import keys
     keys.make(arguments.directory)
     return DONE
 
 
 def _case_tool(arguments):
     path = cases.find(arguments.case)
-    from launcher import calibration
+    from tern.launch import calibration
     directory = build.ensure(arguments.build, ["tern-case"])
     costs = calibration.costs_file(directory)
     options = ["--costs", costs] if costs else []
     code = subprocess.run([directory / "tern-case", arguments.tool, path, *_forwarded(arguments), *options], check=False).returncode
     if code == DONE and arguments.tool == "explain":
-        from launcher import advice
+        from tern.studies import advice
         if words := advice.text(cases.read(directory, path, _forwarded(arguments))):
             print("\n" + words)
     return code
 
 
+def _ensure_pictures(*more):
+    """Installs what pictures and arrays need; the pictures of a command go to files."""
+    packages.ensure([*packages.PYTHON, *more])
+    os.environ["MPLBACKEND"] = "Agg"
+
+
 def _verify(arguments):
-    from launcher import verify
+    from tern.verify import command
     packages.ensure(packages.PYTHON)
     arguments.case_options = _forwarded(arguments)
-    return verify.verify(arguments)
+    return command.verify(arguments)
 
 
 def _study(arguments):
-    packages.ensure(packages.PYTHON)
-    from launcher.study import command, documents
+    _ensure_pictures()
+    from tern.studies import command, documents
     if arguments.write_docs:
         return documents.write(arguments)
     if arguments.case is None:
-        raise LauncherError(BAD_INPUT, "study needs a CASE (or --write-docs).")
+        raise Error(BAD_INPUT, "study needs a CASE (or --write-docs).")
     return command.study(arguments)
 
 
 def _status(arguments):
-    from launcher import status
+    from tern.launch import status
     return status.status(arguments)
 
 
 def _conform(arguments):
-    from launcher import conform
+    from tern.launch import conform
     arguments.case_options = _forwarded(arguments)
     return conform.conform(arguments)
 
 
 def _extremes(arguments):
-    from launcher.extremes import command
+    _ensure_pictures()
+    from tern.extremes import command
     return command.extremes(arguments)
 
 
@@ -306,33 +318,38 @@ def _plot(arguments):
     if arguments.animate:
         return _animate(arguments)
     if arguments.fps or arguments.field:
-        raise LauncherError(BAD_INPUT, "--fps and --field are for a film; add --animate.")
-    packages.ensure(packages.PYTHON)
-    times = ["--times", *(repr(time) for time in arguments.times)] if arguments.times else []
-    return subprocess.run([sys.executable, "-B", build.ROOT / "plotting", *arguments.runs, *times], check=False).returncode
+        raise Error(BAD_INPUT, "--fps and --field are for a film; add --animate.")
+    _ensure_pictures()
+    from tern.plot import pictures
+    for picture in pictures.plot(arguments.runs, arguments.times):
+        print(picture)
+    return DONE
 
 
 def _animate(arguments):
     if arguments.times:
-        raise LauncherError(BAD_INPUT, "--times is for pictures; a film (--animate) takes all frames.")
-    packages.ensure(packages.PYTHON + packages.FILM)
-    from plotting import film, run_files
+        raise Error(BAD_INPUT, "--times is for pictures; a film (--animate) takes all frames.")
+    _ensure_pictures(*packages.FILM)
+    from tern.plot import film
     for directory in arguments.runs:
-        try:
-            print(film.animate(directory, arguments.fps, arguments.field or "pressure"), flush=True)
-        except run_files.UnreadableRun as error:
-            raise LauncherError(BAD_INPUT, str(error)) from error
+        print(film.animate(directory, arguments.fps, arguments.field or "pressure"), flush=True)
     return DONE
 
 
 def _report(arguments):
-    packages.ensure(packages.PYTHON + packages.REPORT)
-    from report import write
+    _ensure_pictures(*packages.REPORT)
+    from tern.report import write
     print(write.write_page(arguments.directories, arguments.out, arguments.times))
     return DONE
 
 
+def _python(arguments):
+    packages.ensure(packages.PYTHON)
+    os.execv(sys.executable, [sys.executable, "-B", *arguments.words])
+
+
 def _test(arguments):
+    paths.source()
     packages.ensure(packages.BUILD + packages.PYTHON + packages.REPORT + packages.FILM + packages.TESTS
                     + sum(packages.PARTICIPANTS.values(), []))
     fuzz = arguments.label == "fuzz"
@@ -354,10 +371,13 @@ def _test(arguments):
 
 def main(words):
     """Runs one command; returns the exit code."""
-    arguments = parser().parse_args(words)
+    if words[:1] == ["python"] and words[1:2] not in (["-h"], ["--help"]):
+        arguments = argparse.Namespace(function=_python, words=words[1:])  # options and all, they are not ours
+    else:
+        arguments = parser().parse_args(words)
     try:
         return arguments.function(arguments)
-    except LauncherError as error:
+    except Error as error:
         print(f"tern: {error}", file=sys.stderr)
         return error.exit_code
     except KeyboardInterrupt:

@@ -1,4 +1,4 @@
-"""Exit codes of tern, the same for the launcher and the three processes, and the exception that carries one."""
+"""Exit codes of tern, the same for ./tern and the three processes, and the exceptions that carry one."""
 
 DONE = 0
 BAD_INPUT = 2
@@ -17,9 +17,20 @@ STATUS = {
 }
 
 
-class LauncherError(Exception):
-    """An error for the user: one full sentence (what, where, remedy) and the exit code of the launcher."""
+class Error(Exception):
+    """An error for the user: one full sentence (what, where, remedy) and the exit code of the command line."""
 
     def __init__(self, exit_code, sentence):
         super().__init__(sentence)
         self.exit_code = exit_code
+
+
+class UnreadableRun(Error):
+    """The directory does not hold what was asked of it; one sentence."""
+
+    def __init__(self, sentence):
+        super().__init__(BAD_INPUT, sentence)
+
+
+class ReductionError(Exception):
+    """A quantity could not be computed; the sentence says why. It counts as failed, not as passed."""

@@ -4,7 +4,7 @@ import ast
 import math
 import operator
 
-from launcher.series import ReductionError
+from tern.errors import ReductionError
 
 _BINARY = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
            ast.Pow: operator.pow}

@@ -13,15 +13,14 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "proto" / "python"))
 
 
 def coupler_messages():
     """One message of every kind of the coupler, 2D, two surface points, one band particle; each after its length."""
     from google.protobuf.internal.encoder import _VarintBytes
 
-    from participant import PROTOCOL_VERSION
-    from schema import wire
+    from tern.participant.channel import PROTOCOL_VERSION
+    from tern.participant.schema import wire
     bodies = [
         {"hello": wire.Hello(dimension=2)},  # so that the check knows the dimension
         {"welcome": wire.Welcome(surface_points=2)},

@@ -4,16 +4,15 @@
 import json
 import os
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent.parent))
+from fake_build import ROOT
+from real_run import build_directory
 
-from fake_build import ROOT  # noqa: E402
-from launcher import advice, calibration  # noqa: E402
-from real_run import build_directory  # noqa: E402
+from tern.launch import calibration
+from tern.studies import advice
 
 
 def tern(*words):

@@ -6,7 +6,6 @@ import json
 import os
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 import unittest
@@ -17,11 +16,9 @@ from unittest import mock
 from fake_build import ROOT, FakeBuild, wait_until
 from real_run import build_directory
 
-sys.path.insert(0, str(ROOT))
-
-from launcher.errors import LauncherError  # noqa: E402
-from launcher.extremes import bisection, families, page, run_cell, scenes, verdict  # noqa: E402
-from launcher.extremes.table import Table  # noqa: E402
+from tern.errors import Error
+from tern.extremes import bisection, families, page, run_cell, scenes, verdict
+from tern.extremes.table import Table
 
 EXPECTED = {
     "density ratio 0.1, 4 across, E 1e+07 Pa, one face wet, CM0": ("stopped", "The interface has made"),
@@ -199,7 +196,7 @@ class PageTest(unittest.TestCase):
             self.assertEqual(path.read_text(), f"before\n{page.BEGIN}\n![extremes: map](pictures/extremes_map.png)\n\nnew\n{page.END}\nafter\n")
             self.assertTrue((path.parent / "pictures" / "extremes_map.png").is_file())
             path.write_text("a page without markers\n")
-            self.assertRaises(LauncherError, page.insert, path, "new\n", [])
+            self.assertRaises(Error, page.insert, path, "new\n", [])
 
 
 if __name__ == "__main__":

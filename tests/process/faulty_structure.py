@@ -11,12 +11,11 @@ import sys
 import time
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.dont_write_bytecode = True
-sys.path.insert(0, str(ROOT / "proto" / "python"))
-from participant import Participant, RunEnded  # noqa: E402
-from schema import wire  # noqa: E402
+from tern.participant import channel
+from tern.participant.channel import Participant, RunEnded
+from tern.participant.schema import wire
 
+ROOT = Path(__file__).resolve().parents[2]
 FAULT, CASE = sys.argv[1:3]
 ENDPOINT = sys.argv[sys.argv.index("--endpoint") + 1]
 POINTS, MASS, STIFFNESS = 4, 20.0, 1e4  # kg/m^2, Pa/m
@@ -97,8 +96,7 @@ def main():
 
 
 if FAULT == "credulous":  # takes whatever comes
-    import participant
-    participant.check_body = lambda *_: None
+    channel.check_body = lambda *_: None
 try:
     main()
 except RunEnded as end:

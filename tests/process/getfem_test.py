@@ -6,7 +6,6 @@ How the tests were seen to fail is said in each.
 
 import json
 import subprocess
-import sys
 import types
 import unittest
 
@@ -14,17 +13,16 @@ import numpy as np
 from fake_build import ROOT
 from real_run import RealRunTest, build_directory, without_waits
 
-LIBRARY = ROOT / "proto" / "python"
-GETFEM = LIBRARY / "participants" / "getfem_structure.py"
-sys.path[:0] = [str(ROOT), str(LIBRARY), str(LIBRARY / "participants")]
+from tern.participant.side import Case
+from tern.results import series
+
+GETFEM = ROOT / "python" / "tern" / "participant" / "solvers" / "getfem_structure.py"
 try:
-    import getfem_structure
+    from tern.participant.solvers import getfem_structure
 except ImportError as error:
     if "getfem" not in str(error) and "scipy" not in str(error):
         raise
     getfem_structure = None
-from launcher import series  # noqa: E402
-from side import Case  # noqa: E402
 
 
 def setUpModule():

@@ -20,8 +20,7 @@ import numpy as np
 
 from real_run import ROOT, build_directory
 
-sys.path.insert(0, str(ROOT))
-from plotting.run_files import Run  # noqa: E402
+from tern.results.run import Run
 
 SCENES = ROOT / "tests" / "process" / "cases" / "knobs"
 SECTIONS = ("[fluid.numerics]", "[structure.numerics]", "[coupling]", "[coupling.vem]")
@@ -50,7 +49,7 @@ class Result:
                                                     for role in ("fluid", "structure") if (directory / f"report.{role}.json").exists()}
         self.figures = {name: value for report in reports.values() for table in ("measures", "counts")
                         for name, value in report.get(table, {}).items()}
-        self.energy, self.gauges, self.steps = (run.table(f"{name}.csv") for name in ("energy", "gauges", "steps"))
+        self.energy, self.gauges, self.steps = run.energies, run.gauges, run.steps
         self.step_count = len(self.steps["t_s"])
         self.limits = set(self.steps["limit"]) - {"output"}
         if (directory / "fluid.h5").exists():

@@ -1,7 +1,7 @@
 #!/usr/bin/python3 -B
 """The launcher with stand-ins for the three processes: first cause, exit codes, Ctrl-C, names, nothing left behind.
 
-How the tests were seen to fail is said in each; "without X" means that X was taken out of launcher/.
+How the tests were seen to fail is said in each; "without X" means that X was taken out of tern/launch.
 """
 
 import json

@@ -1,5 +1,5 @@
 #!/usr/bin/python3 -B
-"""Foreign participants in place of tern's own: the examples of proto/python/participants against closed forms, and how the
+"""Foreign participants in place of tern's own: the ones in tern/participant/solvers against closed forms, and how the
 launcher treats a command that fails.
 
 How the tests were seen to fail is said in each.
@@ -11,7 +11,6 @@ import os
 import shlex
 import signal
 import subprocess
-import sys
 import time
 import unittest
 from pathlib import Path
@@ -20,10 +19,9 @@ import numpy as np
 from fake_build import ROOT, is_alive, wait_until
 from real_run import RealRunTest
 
-sys.path.insert(0, str(ROOT))
-from launcher import series  # noqa: E402
+from tern.results import series
 
-PARTICIPANTS = ROOT / "proto" / "python" / "participants"
+PARTICIPANTS = ROOT / "python" / "tern" / "participant" / "solvers"
 PISTON = ROOT / "tests" / "process" / "cases" / "rigid_piston"
 STIFFNESS, WIDTH, GRAVITY = 2e7, 0.4, 9.81
 LID, WATER = 500 * 0.1, 1000 * 0.2  # mass per area [kg/m^2]

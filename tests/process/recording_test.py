@@ -5,15 +5,15 @@ How the tests were seen to fail is said in each.
 """
 
 import signal
-import sys
 import unittest
 
 from fake_build import ROOT
 from real_run import RealRunTest, SCENE, without_waits
 
-PARTICIPANTS = ROOT / "proto" / "python" / "participants"
+from tern.participant.recording import messages
+
+PARTICIPANTS = ROOT / "python" / "tern" / "participant" / "solvers"
 PISTON = ROOT / "tests" / "process" / "cases" / "rigid_piston"
-sys.path.insert(0, str(ROOT / "proto" / "python"))
 
 
 class RecordingTest(RealRunTest):
@@ -94,7 +94,6 @@ class RecordingTest(RealRunTest):
 
     # Seen to fail: without the test for a message that is cut short in messages() (DecodeError).
     def test_an_interrupted_run_leaves_a_record_that_can_be_read(self):
-        from recording import messages
         self.out = self.path / "first"
         process = self.start("--record", "--quiet")
         self.wait_until_running(process)

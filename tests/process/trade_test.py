@@ -6,19 +6,17 @@ import math
 import os
 import signal
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent.parent))
+from fake_build import ROOT, FakeBuild, wait_until
+from real_run import build_directory
 
-from fake_build import ROOT, FakeBuild, wait_until  # noqa: E402
-from launcher import cases  # noqa: E402
-from launcher.study import accuracy, documents, front, knobs, rows, sweep  # noqa: E402
-from launcher.study.rows import Row  # noqa: E402
-from plotting import run_files  # noqa: E402
-from real_run import build_directory  # noqa: E402
+from tern.launch import cases
+from tern.results.tables import read_table
+from tern.studies import accuracy, documents, front, knobs, rows, sweep
+from tern.studies.rows import Row
 
 # A fluid whose front arrives at 1 + 4 dx^2 seconds, which bursts where the Courant number is 0.3, and takes 1/dx^3 of a time.
 FLUID = r'''#!/usr/bin/python3 -IB
@@ -294,7 +292,7 @@ class CommittedTablesTest(unittest.TestCase):
         points = {"draft": knobs.Point("draft", "preset", "draft", ("--preset", "draft")), "standard": knobs.STANDARD}
         work = sweep.Sweep(path, [], out, criterion, [])
         found = [work.measure(planned) for planned in sweep.plan(build, path, [], [points[name] for name in names])]
-        tables = {name: run_files.read_table(out / "points" / name / "gauges.csv") for name in names}
+        tables = {name: read_table(out / "points" / name / "gauges.csv") for name in names}
         for row in found:
             self.assertTrue(row.done, row.cause)
             if row.error is None:

@@ -7,15 +7,12 @@ function ./tern verify uses; so each is a proof that its reducer can go red.
 
 import json
 import math
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent.parent))
-
-from launcher import expected, verify  # noqa: E402
-from launcher.errors import LauncherError  # noqa: E402
+from tern.errors import Error
+from tern.verify import bands, expected
 
 EVERYWHERE = {"unit": "m", "source": "closed form", "confidence": "A", "name": "q"}
 
@@ -32,7 +29,7 @@ class ReducerTest(unittest.TestCase):
         rows = [f"{t:.9g},{'' if function(t) is None else format(function(t), '.9g')}" for t in times]
         (self.run / "gauges.csv").write_text("t_s,P.ux_m\n" + "\n".join(rows) + "\n")
         table = EVERYWHERE | {"column": "P.ux_m"} | {key.rstrip("_"): value for key, value in quantity.items()}
-        return verify.judge(self.run, [expected.check("expected.toml", table, self.run)])[0]
+        return bands.judge(self.run, [expected.check("expected.toml", table, self.run)])[0]
 
     def both(self, right, spoilt, **quantity):
         row = self.judge(right, **quantity)
@@ -90,7 +87,7 @@ class ReducerTest(unittest.TestCase):
             (self.run / "energy.csv").write_text("t_s,kinetic_J,potential_J\n" + "\n".join(rows) + "\n")
             table = EVERYWHERE | {"kind": "largest_rise", "file": "energy.csv", "column": ["kinetic_J", "potential_J"],
                                   "at_most": 1e-9}
-            return verify.judge(self.run, [expected.check("expected.toml", table, self.run)])[0]["passed"]
+            return bands.judge(self.run, [expected.check("expected.toml", table, self.run)])[0]["passed"]
         self.assertTrue(judge(-1))
         self.assertFalse(judge(-0.9))
 
@@ -128,17 +125,17 @@ class ReducerTest(unittest.TestCase):
 
     def test_a_missing_file_or_column_fails_and_says_so(self):
         table = EVERYWHERE | {"kind": "maximum", "column": "Q.ux_m", "at_most": 1.0}
-        self.assertIn("does not exist", verify.judge(self.run, [dict(table)])[0]["why"])
+        self.assertIn("does not exist", bands.judge(self.run, [dict(table)])[0]["why"])
         (self.run / "gauges.csv").write_text("t_s,P.ux_m\n0,1\n")
-        self.assertIn("no column Q.ux_m; it has t_s, P.ux_m", verify.judge(self.run, [dict(table)])[0]["why"])
+        self.assertIn("no column Q.ux_m; it has t_s, P.ux_m", bands.judge(self.run, [dict(table)])[0]["why"])
 
     def test_measures_come_from_run_json(self):
         table = EVERYWHERE | {"kind": "measure", "measure": "volume_drift", "magnitude": True, "at_most": 0.01}
         for value, passed in ((-0.009, True), (-0.011, False)):
             (self.run / "run.json").write_text(json.dumps({"processes": {"fluid": {"measures": {"volume_drift": value}}}}))
-            self.assertEqual(verify.judge(self.run, [table])[0]["passed"], passed)
+            self.assertEqual(bands.judge(self.run, [table])[0]["passed"], passed)
         (self.run / "run.json").write_text("{}")
-        self.assertIn("no process reported", verify.judge(self.run, [table])[0]["why"])
+        self.assertIn("no process reported", bands.judge(self.run, [table])[0]["why"])
 
     def test_field_norms_at_a_frame(self):
         import h5py
@@ -158,22 +155,22 @@ class ReducerTest(unittest.TestCase):
         for norm, spoilt in (("l2", 1.02), ("max", 1.02), ("mean", 1.03)):
             quantity = expected.check("expected.toml", table | {"norm": norm, "band": [-0.01, 0.01]}, self.run)
             write(9810 * (1 - y))
-            self.assertTrue(verify.judge(self.run, [quantity])[0]["passed"])
+            self.assertTrue(bands.judge(self.run, [quantity])[0]["passed"])
             write(9810 * (1 - y) * spoilt)
-            self.assertFalse(verify.judge(self.run, [quantity])[0]["passed"])
+            self.assertFalse(bands.judge(self.run, [quantity])[0]["passed"])
         window = {key: value for key, value in table.items() if key != "at"} | {"from": 0.0, "norm": "l2", "at_most": 0.1}
-        self.assertFalse(verify.judge(self.run, [window])[0]["passed"], "the worst frame of a window counts")
+        self.assertFalse(bands.judge(self.run, [window])[0]["passed"], "the worst frame of a window counts")
         write(9810 * (1 - y) + 981 * (y > 0.5))
         whole = table | {"norm": "max", "at_most": 0.01}
-        self.assertFalse(verify.judge(self.run, [whole])[0]["passed"])
-        self.assertTrue(verify.judge(self.run, [whole | {"max": [1.0, 0.4]}])[0]["passed"], "a box leaves the rest out")
+        self.assertFalse(bands.judge(self.run, [whole])[0]["passed"])
+        self.assertTrue(bands.judge(self.run, [whole | {"max": [1.0, 0.4]}])[0]["passed"], "a box leaves the rest out")
 
     def test_a_mistake_in_expected_toml_is_refused(self):
         # Seen to fail: without _check_keys().
         for wrong in ({"kind": "maximun", "at_most": 1}, {"kind": "maximum"}, {"kind": "maximum", "at_most": 1, "too": 2},
                       {"kind": "value", "at_most": 1}, {"kind": "max_difference", "at_most": 1},
                       {"kind": "maximum", "at_most": 1, "band": [0, 1]}):
-            with self.assertRaises(LauncherError):
+            with self.assertRaises(Error):
                 expected.check("expected.toml", EVERYWHERE | {"column": "P.ux_m"} | wrong, self.run)
 
     def test_every_expected_toml_of_the_repository_is_valid(self):

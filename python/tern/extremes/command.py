@@ -3,11 +3,11 @@
 import time
 from pathlib import Path
 
-from launcher import build, packages
-from launcher.errors import BAD_INPUT, DONE, NUMERICAL_FAILURE, LauncherError
-from launcher.extremes import bisection, families, page
-from launcher.extremes.run_cell import run_cell
-from launcher.extremes.table import Table
+from tern.launch import build
+from tern.errors import BAD_INPUT, DONE, NUMERICAL_FAILURE, Error
+from tern.extremes import bisection, families, page
+from tern.extremes.run_cell import run_cell
+from tern.extremes.table import Table
 
 
 class Progress:
@@ -55,7 +55,7 @@ def _chosen(only, quick):
     """(cells, boundaries) that were asked for."""
     names = list(families.FAMILIES)
     if only and only not in (*names, "boundary"):
-        raise LauncherError(BAD_INPUT, f"--only {only}: there is no such family; the families are {', '.join([*names, 'boundary'])}.")
+        raise Error(BAD_INPUT, f"--only {only}: there is no such family; the families are {', '.join([*names, 'boundary'])}.")
     cells = [cell for name in names if only in (None, name) for cell in families.FAMILIES[name]()]
     if quick:
         return [cell for cell in cells if cell.name in families.QUICK], []
@@ -67,7 +67,6 @@ def extremes(arguments):
     cells, boundaries = _chosen(arguments.only, arguments.quick)
     if arguments.page:
         page.check(Path(arguments.page))
-    packages.ensure(packages.PYTHON)
     directory = build.ensure(arguments.build)
     out = Path(arguments.out or "runs/extremes")
     out.mkdir(parents=True, exist_ok=True)
@@ -78,7 +77,7 @@ def extremes(arguments):
     found = [whole.boundary(boundary) for boundary in boundaries]
     text = page.text(whole.rows, found)
     (out / "extremes.md").write_text(text, encoding="utf-8")
-    from launcher.extremes import picture
+    from tern.extremes import picture
     pictures = picture.draw(whole.rows, out)
     if arguments.page:
         page.insert(Path(arguments.page), text, pictures)

@@ -3,8 +3,8 @@
 from dataclasses import dataclass, replace
 from typing import Callable
 
-from launcher.extremes import scenes
-from launcher.extremes.cell import Cell
+from tern.extremes import scenes
+from tern.extremes.cell import Cell
 
 ALGORITHMS = ("CM0", "CM2", "CM3")
 RATIOS, LAYERS, MODULI, FACES = (0.01, 0.1, 1, 10), (2, 4, 8), (1e5, 1e7, 1e9), (1, 2)

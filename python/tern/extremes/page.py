@@ -3,8 +3,8 @@
 import re
 import shutil
 
-from launcher.errors import BAD_INPUT, LauncherError
-from launcher.extremes import families
+from tern.errors import BAD_INPUT, Error
+from tern.extremes import families
 
 BEGIN, END = "<!-- extremes: written by ./tern extremes -->", "<!-- extremes: end -->"
 CLASSES = ("bounded", "stopped", "wrong")
@@ -70,13 +70,13 @@ def text(rows, found):
 
 
 def check(path):
-    """The page with its markers; LauncherError where there is none."""
+    """The page with its markers; Error where there is none."""
     try:
         whole = path.read_text(encoding="utf-8")
     except OSError as error:
-        raise LauncherError(BAD_INPUT, f"--page {path} cannot be read: {error.strerror}.") from error
+        raise Error(BAD_INPUT, f"--page {path} cannot be read: {error.strerror}.") from error
     if whole.count(BEGIN) != 1 or whole.count(END) != 1 or whole.index(BEGIN) > whole.index(END):
-        raise LauncherError(BAD_INPUT, f"--page {path}: the page needs the lines {BEGIN} and {END}, once each and in this order.")
+        raise Error(BAD_INPUT, f"--page {path}: the page needs the lines {BEGIN} and {END}, once each and in this order.")
     return whole
 
 

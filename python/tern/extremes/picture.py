@@ -1,13 +1,9 @@
 """The map as coloured grids: what is bounded, stopped, wrong."""
 
-import matplotlib
+import matplotlib.pyplot as plt
+from matplotlib.patches import Patch
 
-matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt  # noqa: E402
-from matplotlib.patches import Patch  # noqa: E402
-
-from launcher.extremes import families  # noqa: E402
+from tern.extremes import families
 
 COLOURS = {"bounded": "#56b4e9", "stopped": "#e69f00", "wrong": "#d00000"}  # told apart with any colour vision
 

@@ -7,8 +7,8 @@ import signal
 import subprocess
 import time
 
-from launcher.build import ROOT
-from launcher.extremes import verdict
+from tern import paths
+from tern.extremes import verdict
 
 LONGEST_S = 300.0  # of a cell; hanging is one way to be wrong
 GRACE_S = 10.0
@@ -35,7 +35,7 @@ def run_cell(cell, directory, build, longest=LONGEST_S):
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     (folder / "case.toml").write_text(cell.case, encoding="utf-8")
-    command = [ROOT / "tern", "run", folder, "--out", folder / "run", "--quiet", *(["--allow-unstable"] if cell.allow_unstable else [])]
+    command = [paths.command(), "run", folder, "--out", folder / "run", "--quiet", *(["--allow-unstable"] if cell.allow_unstable else [])]
     for option in cell.options:
         command += ["--set", option]
     began = time.monotonic()

@@ -2,7 +2,7 @@
 
 import math
 
-from launcher.extremes.cell import GRAVITY, WATER, Cell
+from tern.extremes.cell import GRAVITY, WATER, Cell
 
 DEPTH, WIDTH, FLUID_SPACING, PLATE_SPACING = 0.16, 0.24, 0.01, 0.005
 SLOSH = (0.98, -GRAVITY)  # a tank tilted by a tenth of gravity at t = 0

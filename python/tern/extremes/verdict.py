@@ -10,12 +10,11 @@ Bounded: the run ended, and
 A scene may say that it needs other limits. Stopped: exit code 2 or 3 and a sentence that names a key of the case to change.
 """
 
-import json
 import math
 import re
 
-from launcher import series, summary
-from launcher.errors import BAD_INPUT, DONE, NUMERICAL_FAILURE
+from tern.errors import BAD_INPUT, DONE, NUMERICAL_FAILURE, ReductionError, UnreadableRun
+from tern.results import report, series, summary
 
 FIGURES = ("speed", "energy", "volume", "unrest")
 KEY = re.compile(r"\b(fluid|structure|coupling|domain)(\.\w+)+|\[(fluid|structure|domain)\]|\bspacing\b")
@@ -44,7 +43,7 @@ def _columns(path, names):
     for name in names:
         try:
             found[name] = series.read(path, name)
-        except series.ReductionError as error:
+        except ReductionError as error:
             if "has no column" not in str(error):
                 raise
     return found
@@ -92,7 +91,7 @@ def figures(cell, directory, contents):
     if cell.load:
         loads = _columns(directory / "gauges.csv", LOADS)
         if not loads:
-            raise series.ReductionError("gauges.csv has no load of the plate")
+            raise ReductionError("gauges.csv has no load of the plate")
         halves = unrest(list(loads.values()), cell.until)
         if halves:
             values["unrest_before"], values["unrest"] = (value / cell.load for value in halves)
@@ -116,8 +115,8 @@ def classify(cell, directory, exit_code, errors=""):
     """The row of one cell: class, figures, message. `exit_code` None: the run did not end in time."""
     row = {"class": "wrong", "exit_code": "" if exit_code is None else exit_code, "message": "", "windows": ""}
     try:
-        contents = json.loads((directory / "run.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        contents = report.read(directory)
+    except UnreadableRun:
         contents = {}
     row["windows"] = contents.get("steps", "")
     if exit_code is None:
@@ -128,7 +127,7 @@ def classify(cell, directory, exit_code, errors=""):
         return row | {"class": "wrong" if fault else "stopped", "message": (f"{fault}: " if fault else "") + sentence}
     try:
         values = figures(cell, directory, contents)
-    except (series.ReductionError, KeyError, ValueError) as error:
+    except (ReductionError, KeyError, ValueError) as error:
         return row | {"message": f"the results cannot be judged: {error}"}
     verdict, why = judge(cell, values)
     return row | {name: f"{values[name]:.4g}" for name in FIGURES if name in values} | {"class": verdict, "message": why}

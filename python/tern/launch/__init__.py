@@ -1,1 +1,1 @@
-"""The launcher behind ./tern: packages, build, processes of a run, verification. Standard library only."""
+"""A run from a case to its results: packages, build, the processes and why they ended. Standard library only."""

@@ -11,10 +11,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-from launcher import packages
-from launcher.errors import BAD_INPUT, INPUT_OUTPUT, LauncherError
+from tern import paths
+from tern.errors import BAD_INPUT, INPUT_OUTPUT, Error
+from tern.launch import packages
 
-ROOT = Path(__file__).resolve().parent.parent
 EXECUTABLES = ("tern-case", "tern-fluid", "tern-structure", "tern-coupler")
 PRESETS = ("release", "debug", "asan", "tsan")
 FUZZERS = ("fuzz-message", "fuzz-case")  # of the preset fuzz
@@ -26,11 +26,15 @@ def ensure(preset="release", targets=EXECUTABLES):
     if given:
         absent = [name for name in EXECUTABLES if not os.access(Path(given) / name, os.X_OK)]
         if absent:
-            raise LauncherError(BAD_INPUT, f"TERN_BUILD names {given}, which has no executable {', '.join(absent)}; "
+            raise Error(BAD_INPUT, f"TERN_BUILD names {given}, which has no executable {', '.join(absent)}; "
                                            f"build there first or unset TERN_BUILD.")
         return Path(given).resolve()
+    if paths.installed():
+        if preset != "release":
+            raise Error(BAD_INPUT, f"--build {preset}: an installed tern is one build; the others are made from its sources.")
+        return paths.build()
     packages.ensure(packages.BUILD)
-    directory = ROOT / "build" / preset
+    directory = paths.build(preset)
     directory.mkdir(parents=True, exist_ok=True)
     with open(directory / ".tern-lock", "w", encoding="utf-8") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)  # two launchers in one clone take turns
@@ -61,7 +65,7 @@ def _quietly(command, activity):
     terminal = sys.stderr.isatty()
     announced = False
     output = []
-    with subprocess.Popen(command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+    with subprocess.Popen(command, cwd=paths.source(), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, text=True, errors="replace") as process:
         for line in process.stdout:
             output.append(line)
@@ -76,4 +80,4 @@ def _quietly(command, activity):
         sys.stderr.write("\r\x1b[K")
     if process.returncode != 0:
         sys.stderr.write("".join(output))
-        raise LauncherError(INPUT_OUTPUT, f"{activity} failed; the command was: {' '.join(command)}; its output is above.")
+        raise Error(INPUT_OUTPUT, f"{activity} failed; the command was: {' '.join(command)}; its output is above.")

@@ -9,7 +9,9 @@ import tempfile
 from datetime import date
 from pathlib import Path
 
-from launcher import build
+from tern import paths
+from tern.errors import UnreadableRun
+from tern.results import report
 
 SCENE = Path(__file__).with_name("calibration.toml")
 PARTS = ("neighbours", "boundary", "assembly", "pressure_solve", "correction")
@@ -46,17 +48,17 @@ def costs_file(directory):
     print("tern: measuring once what a step costs on this machine (some seconds)", file=sys.stderr, flush=True)
     with tempfile.TemporaryDirectory(prefix="tern-costs-") as folder:
         out = Path(folder) / "run"
-        process = subprocess.Popen([build.ROOT / "tern", "run", SCENE, "--out", out, "--quiet"], stdin=subprocess.DEVNULL,
+        process = subprocess.Popen([paths.command(), "run", SCENE, "--out", out, "--quiet"], stdin=subprocess.DEVNULL,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=os.environ | {"TERN_BUILD": str(directory)})
         try:
             if process.wait(timeout=60) != 0:
                 return None
-            costs = _costs(json.loads((out / "run.json").read_text(encoding="utf-8")))
+            costs = _costs(report.read(out))
         except subprocess.TimeoutExpired:
             process.send_signal(signal.SIGINT)  # the launcher ends the three
             process.wait()
             return None
-        except (OSError, ValueError, KeyError, ZeroDivisionError):
+        except (UnreadableRun, KeyError, ZeroDivisionError):
             return None
     path.write_text(json.dumps(costs, indent=1) + "\n", encoding="utf-8")
     return path

@@ -6,22 +6,27 @@ import os
 import subprocess
 from pathlib import Path
 
-from launcher.build import ROOT
-from launcher.errors import BAD_INPUT, INPUT_OUTPUT, LauncherError
+from tern import paths
+from tern.errors import BAD_INPUT, INPUT_OUTPUT, Error
+
+
+def named(file):
+    """The names of all cases that have this file, e.g. case.toml."""
+    return sorted({path.parent.name for directory in paths.cases() for path in directory.glob(f"*/{file}")})
 
 
 def find(name_or_path):
-    """The case.toml meant by a path of it, of its folder, or by a name under cases/."""
-    for candidate in (Path(name_or_path), ROOT / "cases" / name_or_path):
+    """The case.toml meant by a path of it, of its folder, or by a name under ./cases or among the cases that come with tern."""
+    for candidate in (Path(name_or_path), *(directory / name_or_path for directory in paths.cases())):
         if candidate.is_dir() and (candidate / "case.toml").is_file():
             return (candidate / "case.toml").resolve()
         if candidate.is_file():
             return candidate.resolve()
-    known = sorted(path.parent.name for path in (ROOT / "cases").glob("*/case.toml"))
+    known = named("case.toml")
     near = difflib.get_close_matches(Path(name_or_path).name, known, n=1)
     hint = f"did you mean {near[0]}?" if near else f"known cases: {', '.join(known) or 'none'}."
-    raise LauncherError(BAD_INPUT, f"There is no case {name_or_path} (neither a file, nor a folder with a case.toml, "
-                                   f"nor a name under {ROOT / 'cases'}); {hint}")
+    raise Error(BAD_INPUT, f"There is no case {name_or_path} (neither a file, nor a folder with a case.toml, "
+                                   f"nor a name under {' or '.join(map(str, paths.cases()))}); {hint}")
 
 
 def read(build, path, options):
@@ -30,12 +35,12 @@ def read(build, path, options):
                             stderr=subprocess.PIPE, text=True, errors="replace", check=False)
     if answer.returncode != 0:
         sentence = answer.stderr.strip().removeprefix("tern-case:").strip()
-        raise LauncherError(answer.returncode if answer.returncode in (BAD_INPUT, INPUT_OUTPUT) else BAD_INPUT,
+        raise Error(answer.returncode if answer.returncode in (BAD_INPUT, INPUT_OUTPUT) else BAD_INPUT,
                             sentence or f"tern-case could not read {path} (exit code {answer.returncode}).")
     try:
         return json.loads(answer.stdout)
     except json.JSONDecodeError as error:
-        raise LauncherError(INPUT_OUTPUT, f"tern-case json {path} did not answer with JSON ({error}).") from error
+        raise Error(INPUT_OUTPUT, f"tern-case json {path} did not answer with JSON ({error}).") from error
 
 
 def is_run(directory):
@@ -77,6 +82,6 @@ def make_out_directory(case_name, asked, force):
         probe.touch()
         probe.unlink()
     except OSError as error:
-        raise LauncherError(INPUT_OUTPUT, f"The output directory {base} cannot be written ({os.strerror(error.errno)}); "
+        raise Error(INPUT_OUTPUT, f"The output directory {base} cannot be written ({os.strerror(error.errno)}); "
                                           f"choose another one with --out.") from error
     return directory.resolve()

@@ -1,27 +1,23 @@
-"""./tern conform: does a participant keep the protocol? The checks are in proto/python/conformance.py."""
+"""./tern conform: does a participant keep the protocol? The checks are in tern/participant/conformance.py."""
 
-import sys
-
-from launcher import build, cases, packages, run
-from launcher.errors import BAD_INPUT, DONE, NUMERICAL_FAILURE, LauncherError
-
-sys.path.insert(0, str(build.ROOT / "proto" / "python"))
+from tern.launch import build, cases, packages, run
+from tern.errors import BAD_INPUT, DONE, NUMERICAL_FAILURE, Error
 
 
 def conform(arguments):
     """Runs the checks, prints one line for each; exit code 0 when all hold, 3 when one does not."""
     packages.ensure(["protobuf-compiler", *packages.PYTHON])
-    import conformance  # needs them
+    from tern.participant import conformance  # needs them
 
     unknown = [name for name in arguments.check if name not in conformance.CHECKS]
     if unknown:
-        raise LauncherError(BAD_INPUT, f"There is no check {unknown[0]!r}; there are {', '.join(conformance.CHECKS)}.")
+        raise Error(BAD_INPUT, f"There is no check {unknown[0]!r}; there are {', '.join(conformance.CHECKS)}.")
     address = arguments.target if arguments.target.startswith(("tcp://", "ipc://")) else None
     directory = build.ensure(arguments.build, ["tern-case", "tern-structure"])
     scene = cases.read(directory, cases.find(arguments.case), arguments.case_options)
     for side in ("fluid", "structure"):
         if not scene[f"has_{side}"]:
-            raise LauncherError(BAD_INPUT, f"The case {scene['name']} has no {side}: a participant is tested in a case with both.")
+            raise Error(BAD_INPUT, f"The case {scene['name']} has no {side}: a participant is tested in a case with both.")
     command = None if address else run.foreign_command(arguments.target, arguments.role, scene, ["fluid", "structure"])
     if command:
         packages.ensure_for(command)
@@ -39,7 +35,7 @@ def conform(arguments):
             at_rest = conformance.surface_of(own, say)
         findings = conformance.run(subject, arguments.check or list(conformance.CHECKS), at_rest, say)
     except conformance.CannotBind as error:
-        raise LauncherError(BAD_INPUT, str(error)) from None
+        raise Error(BAD_INPUT, str(error)) from None
     broken = [name for name, breach in findings.items() if breach]
     print(f"tern: {len(findings) - len(broken)} of {len(findings)} checks hold"
           + (f"; broken: {', '.join(broken)}" if broken else ""), flush=True)

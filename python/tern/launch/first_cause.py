@@ -3,7 +3,7 @@
 import signal
 from dataclasses import dataclass
 
-from launcher.errors import DONE, INPUT_OUTPUT, INTERRUPTED, PEER_LOST, STATUS
+from tern.errors import DONE, INPUT_OUTPUT, INTERRUPTED, PEER_LOST, STATUS
 
 SAME_MOMENT_S = 1.0
 

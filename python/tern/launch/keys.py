@@ -3,8 +3,8 @@
 import os
 from pathlib import Path
 
-from launcher import packages
-from launcher.errors import BAD_INPUT, INPUT_OUTPUT, LauncherError
+from tern.launch import packages
+from tern.errors import BAD_INPUT, INPUT_OUTPUT, Error
 
 ROLES = ("coupler", "fluid", "structure")
 ALLOW_LIST = "participants.allowed"  # as in proto/keys.hpp
@@ -37,7 +37,7 @@ def make(directory):
     names = [f"{role}.{kind}" for role in ROLES for kind in ("secret", "public")] + [ALLOW_LIST]
     present = [name for name in names if os.path.lexists(directory / name)]
     if present:
-        raise LauncherError(BAD_INPUT, f"{directory} holds {', '.join(present)} already; keys are never overwritten: choose another "
+        raise Error(BAD_INPUT, f"{directory} holds {', '.join(present)} already; keys are never overwritten: choose another "
                                        f"directory, or remove the old ones on all machines.")
     try:
         directory.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -47,6 +47,6 @@ def make(directory):
             _write(directory / f"{role}.public", public + "\n", 0o644)
         _write(directory / ALLOW_LIST, "".join(f"{role} {pairs[role][0]}\n" for role in ROLES[1:]), 0o644)
     except OSError as error:
-        raise LauncherError(INPUT_OUTPUT, f"The keys cannot be written to {directory} ({os.strerror(error.errno)}); choose another "
+        raise Error(INPUT_OUTPUT, f"The keys cannot be written to {directory} ({os.strerror(error.errno)}); choose another "
                                           f"directory.") from error
     print(EXPLANATION.format(directory=directory, allow_list=ALLOW_LIST))

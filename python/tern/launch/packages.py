@@ -6,7 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-from launcher.errors import INPUT_OUTPUT, LauncherError
+from tern import paths
+from tern.errors import INPUT_OUTPUT, Error
 
 BUILD = (
     "g++ cmake ninja-build pkg-config git libeigen3-dev libsuitesparse-dev libopenblas-dev libzmq3-dev cppzmq-dev "
@@ -18,15 +19,14 @@ REPORT = ["python3-markdown", "python3-pil"]
 FILM = ["ffmpeg"]
 FUZZ = "clang libclang-rt-dev libomp-dev".split()
 PYTHON = "python3-numpy python3-matplotlib python3-h5py python3-zmq python3-protobuf".split()
-# Of single participants of proto/python/participants, beyond those of all.
+# Of single participants of tern/participant/solvers, beyond those of all.
 PARTICIPANTS = {"getfem_structure.py": "python3-getfem python3-scipy".split()}
 
 
 def ensure_for(command):
     """Installs what a participant of this repository needs; a stranger's program is its owner's business."""
-    library = Path(__file__).resolve().parent.parent / "proto" / "python"
     for word in command:
-        if os.path.isfile(word) and library in Path(word).resolve().parents:
+        if os.path.isfile(word) and paths.solvers() in Path(word).resolve().parents:
             ensure(["protobuf-compiler", *PYTHON, *PARTICIPANTS.get(Path(word).name, [])])
 
 
@@ -48,7 +48,7 @@ def ensure(packages):
     sudo = [] if os.geteuid() == 0 else ["sudo"]
     names = " ".join(absent)
     if sudo and shutil.which("sudo") is None:
-        raise LauncherError(INPUT_OUTPUT, f"Debian packages are missing and there is no sudo to install them: as root, "
+        raise Error(INPUT_OUTPUT, f"Debian packages are missing and there is no sudo to install them: as root, "
                                           f"run apt-get install {names}, then start tern again.")
     print(f"tern: installing {len(absent)} missing Debian packages with {' '.join(sudo + ['apt-get'])}: {names}",
           file=sys.stderr, flush=True)
@@ -58,5 +58,5 @@ def ensure(packages):
         answer = subprocess.run([*quiet, *step], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
         if answer.returncode != 0:
             sys.stderr.write(answer.stdout)
-            raise LauncherError(INPUT_OUTPUT, f"apt-get {step[0]} failed (its output is above); install by hand: "
+            raise Error(INPUT_OUTPUT, f"apt-get {step[0]} failed (its output is above); install by hand: "
                                               f"apt-get install {names}, then start tern again.")

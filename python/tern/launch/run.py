@@ -6,14 +6,40 @@ import shlex
 import shutil
 import sys
 import time
+from dataclasses import dataclass, field
 from datetime import datetime, timezone
 from pathlib import Path
 
-from launcher import build, cases, first_cause, packages, summary
-from launcher.errors import BAD_INPUT, DONE, INPUT_OUTPUT, STATUS, LauncherError
-from launcher.processes import Group, Interrupts
+from tern import paths
+from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, STATUS, Error
+from tern.launch import build, cases, first_cause, packages
+from tern.launch.processes import Group, Interrupts
+from tern.results import summary
 
+OLD_SOLVERS = Path("proto/python/participants")  # where they were one version ago
 ROLES = ("coupler", "fluid", "structure")  # the order of starting: the coupler binds the endpoint
+
+
+@dataclass
+class Request:
+    """What ./tern run is asked for; the defaults are those of its options."""
+
+    case: str                    # a case.toml, its folder, or a name
+    case_options: list = field(default_factory=list)  # --set and --preset, in words
+    out: str | None = None
+    force: bool = False
+    until: float | None = None   # s
+    threads: int | None = None
+    deadline: float | None = None  # s
+    quiet: bool = False
+    build: str = "release"
+    fluid: str | None = None     # a command in place of tern-fluid
+    structure: str | None = None
+    record: bool = False
+    allow_unstable: bool = False
+    only: str | None = None      # one role
+    endpoint: str | None = None
+    network_options: list = field(default_factory=list)  # --keys and --insecure, in words
 
 
 def write_json(path, value):
@@ -30,9 +56,17 @@ def roles_of(case, only):
     if only is None:
         return needed
     if only not in needed:
-        raise LauncherError(BAD_INPUT, f"--only {only}: the case {case['name']} needs no {only} process, only "
+        raise Error(BAD_INPUT, f"--only {only}: the case {case['name']} needs no {only} process, only "
                                        f"{' and '.join(needed)}.")
     return [only]
+
+
+def _program(word):
+    """What a command starts: a file, a program on the PATH, or by its name one of the participants that come with tern."""
+    own = Path(word)
+    if own.parent == OLD_SOLVERS:
+        print(f"tern: {own.parent} is gone; write {own.name} only, from any folder.", file=sys.stderr)
+    return shutil.which(word) or (shutil.which(own.name, path=paths.solvers()) if own.parent in (Path(), OLD_SOLVERS) else None)
 
 
 def foreign_command(text, role, case, roles):
@@ -42,29 +76,28 @@ def foreign_command(text, role, case, roles):
     try:
         words = shlex.split(text)
     except ValueError as error:
-        raise LauncherError(BAD_INPUT, f"--{role} {text!r} cannot be split into words: {error}.") from error
+        raise Error(BAD_INPUT, f"--{role} {text!r} cannot be split into words: {error}.") from error
     if not words:
-        raise LauncherError(BAD_INPUT, f"--{role} is empty; give the command that takes the place of tern-{role}.")
+        raise Error(BAD_INPUT, f"--{role} is empty; give the command that takes the place of tern-{role}.")
     if not (case["has_fluid"] and case["has_structure"]):
-        raise LauncherError(BAD_INPUT, f"--{role}: the case {case['name']} is not coupled; one side can be replaced only where "
+        raise Error(BAD_INPUT, f"--{role}: the case {case['name']} is not coupled; one side can be replaced only where "
                                        "there are two.")
     if role not in roles:
-        raise LauncherError(BAD_INPUT, f"--{role} is of no use with --only {roles[0]}.")
-    program = shutil.which(words[0])
+        raise Error(BAD_INPUT, f"--{role} is of no use with --only {roles[0]}.")
+    program = _program(words[0])
     if program is None:
         reason = ("is not executable; make it so (chmod +x), or put its interpreter before it" if os.path.isfile(words[0])
                   else "is neither a file nor a program on the PATH")
-        raise LauncherError(BAD_INPUT, f"--{role}: {words[0]} {reason}.")
+        raise Error(BAD_INPUT, f"--{role}: {words[0]} {reason}.")
     return [os.path.abspath(program), *words[1:]]
 
 
 def foreign_environment(directory, threads):
     """What a participant started by us finds: the build that reads cases, the Python library of participants, and as many
     threads in the libraries it uses as tern's own processes have."""
-    library = str(build.ROOT / "proto" / "python")
     threads = str(threads or 1)
     return os.environ | {"TERN_BUILD": str(directory), "OMP_NUM_THREADS": threads, "OPENBLAS_NUM_THREADS": threads,
-                         "PYTHONPATH": os.pathsep.join(filter(None, (library, os.environ.get("PYTHONPATH"))))}
+                         "PYTHONPATH": os.pathsep.join(map(str, filter(None, (paths.python(), paths.old_names(), os.environ.get("PYTHONPATH")))))}
 
 
 def _reports(out, roles):
@@ -99,19 +132,18 @@ def _merged(run, processes, reports, cause, wall_s):
     }
 
 
-def run(arguments):
-    """Runs a case. Returns (exit code, directory of the results)."""
-    path = cases.find(arguments.case)
-    directory = build.ensure(arguments.build)
-    case_options = arguments.case_options
-    case = cases.read(directory, path, case_options)
-    roles = roles_of(case, arguments.only)
+def run(request):
+    """Runs a case. Returns (why it ended: first_cause.Cause, directory of the results)."""
+    path = cases.find(request.case)
+    directory = build.ensure(request.build)
+    case = cases.read(directory, path, request.case_options)
+    roles = roles_of(case, request.only)
     commands = {role: command for role in ("fluid", "structure")
-                if (command := foreign_command(getattr(arguments, role), role, case, roles))}
+                if (command := foreign_command(getattr(request, role), role, case, roles))}
     for command in commands.values():
         packages.ensure_for(command)
-    out = cases.make_out_directory(case["name"], arguments.out, arguments.force)
-    if not arguments.quiet:
+    out = cases.make_out_directory(case["name"], request.out, request.force)
+    if not request.quiet:
         # Said before the first progress line: where the results appear, and under which name.
         print(f"tern: {case['name']} ({', '.join(roles)}), results in {summary.shown(out)}", flush=True)
 
@@ -120,39 +152,39 @@ def run(arguments):
 
     contents = {"case": case["name"], "case_path": str(path), "title": case.get("title", ""), "case_hash": case["hash"],
                 "started": datetime.now(timezone.utc).isoformat(timespec="seconds"), "status": "running",
-                "settings": case.get("settings", {}), "options": case_options,
+                "settings": case.get("settings", {}), "options": request.case_options,
                 "commands": {role: shlex.join(command) for role, command in commands.items()}}
-    options = [*case_options, "--out", str(out), *arguments.network_options]
-    if arguments.until is not None:
-        options += ["--until", repr(arguments.until)]
-    if arguments.threads is not None:
-        options += ["--threads", str(arguments.threads)]
-    if arguments.deadline is not None and (len(roles) > 1 or arguments.only):
-        options += ["--deadline", repr(arguments.deadline)]
-    if arguments.force:
+    options = [*request.case_options, "--out", str(out), *request.network_options]
+    if request.until is not None:
+        options += ["--until", repr(request.until)]
+    if request.threads is not None:
+        options += ["--threads", str(request.threads)]
+    if request.deadline is not None and (len(roles) > 1 or request.only):
+        options += ["--deadline", repr(request.deadline)]
+    if request.force:
         options.append("--force")
-    if arguments.allow_unstable:
+    if request.allow_unstable:
         options.append("--allow-unstable")
     began = time.monotonic()
     with Interrupts() as interrupts, Group() as group:
-        endpoint = arguments.endpoint or f"ipc://{group.directory}/tern.sock"
+        endpoint = request.endpoint or f"ipc://{group.directory}/tern.sock"
         try:
             write_json(out / "run.json", contents)
             for role in roles:
                 own = list(options)
-                if len(roles) > 1 or arguments.only:
+                if len(roles) > 1 or request.only:
                     own += ["--endpoint", endpoint]
-                if arguments.record and role == "coupler":
+                if request.record and role == "coupler":
                     own.append("--record")
-                if arguments.quiet or (len(roles) > 1 and role != "coupler"):
+                if request.quiet or (len(roles) > 1 and role != "coupler"):
                     own.append("--quiet")  # one progress line: the coupler's, or that of the process that runs alone
                 if role in commands:
                     group.start(role, [*commands[role], str(path), *own], Path(commands[role][0]).name,
-                                foreign_environment(directory, arguments.threads))
+                                foreign_environment(directory, request.threads))
                 else:
                     group.start(role, [str(directory / f"tern-{role}"), str(path), *own])
         except OSError as error:
-            raise LauncherError(INPUT_OUTPUT, f"The run could not be started: {error}.") from error
+            raise Error(INPUT_OUTPUT, f"The run could not be started: {error}.") from error
         group.supervise(interrupts, (out / "steps.csv").exists if "coupler" in roles else lambda: True)
         wall_s = time.monotonic() - began
         for half_written in out.glob("*.tmp"):  # by a process that was killed while it wrote
@@ -166,8 +198,8 @@ def run(arguments):
                 (out / f"report.{role}.json").unlink(missing_ok=True)
         except OSError as error:
             if cause.exit_code == DONE:
-                raise LauncherError(INPUT_OUTPUT, f"The results are in {out}, but run.json could not be written: "
+                raise Error(INPUT_OUTPUT, f"The results are in {out}, but run.json could not be written: "
                                                   f"{error}.") from error
-    if not arguments.quiet:
+    if not request.quiet:
         print(summary.text(contents, out), flush=True)
     return cause, out

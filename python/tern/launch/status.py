@@ -6,8 +6,9 @@ import time
 from datetime import datetime
 from pathlib import Path
 
-from launcher import summary
-from launcher.errors import BAD_INPUT, DONE, LauncherError
+from tern.results import report as run_report
+from tern.results import summary
+from tern.errors import DONE
 
 STATES = {"R": "running", "S": "running", "D": "running (disk)", "T": "stopped (SIGSTOP)", "t": "in a debugger", "Z": "ended"}
 WAITS = re.compile(r"^(\S+ \S+) warning (\w+ waits for .*)$")
@@ -42,12 +43,7 @@ def _waiting(log, newer_than):
 
 def text(directory):
     """The report as lines."""
-    try:
-        run = json.loads((directory / "run.json").read_text(encoding="utf-8"))
-    except OSError:
-        raise LauncherError(BAD_INPUT, f"{directory} holds no run: there is no run.json in it.") from None
-    except json.JSONDecodeError as error:
-        raise LauncherError(BAD_INPUT, f"{directory / 'run.json'} cannot be read: {error}.") from None
+    run = run_report.read(directory)
     paths = sorted(directory.glob("report.*.json"))
     if run.get("status") != "running":
         cause = f": {run['first_cause']}" if run.get("first_cause") else ""

@@ -15,9 +15,9 @@ import time
 import zmq
 from zmq.utils.monitor import recv_monitor_message
 
-from message_check import MAX_MESSAGE_BYTES, BadMessage, check_body
-from schema import wire
-from security import EVENTS, CannotConnect, Handshake
+from tern.participant.message_check import MAX_MESSAGE_BYTES, BadMessage, check_body
+from tern.participant.schema import wire
+from tern.participant.security import EVENTS, CannotConnect, Handshake
 
 PROTOCOL_VERSION = 5
 HEARTBEAT_INTERVAL_MS = 1000

@@ -18,9 +18,9 @@ import numpy
 import zmq
 from zmq.utils.monitor import recv_monitor_message
 
-from message_check import MAX_MESSAGE_BYTES, BadMessage, check_from_participant
-from participant import HEARTBEAT_INTERVAL_MS, HEARTBEAT_TIMEOUT_MS, LINGER_MS, PROTOCOL_VERSION
-from schema import wire
+from tern.participant.message_check import MAX_MESSAGE_BYTES, BadMessage, check_from_participant
+from tern.participant.channel import HEARTBEAT_INTERVAL_MS, HEARTBEAT_TIMEOUT_MS, LINGER_MS, PROTOCOL_VERSION
+from tern.participant.schema import wire
 
 TICKS_PER_S = 1 << 32
 ANSWER_S = 20.0      # for any answer to an order

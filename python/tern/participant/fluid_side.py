@@ -24,10 +24,10 @@ from dataclasses import dataclass
 
 import numpy
 
-from frames import FrameWriter
-from schema import wire
-from side import TICKS_PER_SECOND, finite, run_participant
-from structure_side import Surface
+from tern.participant.frames import FrameWriter
+from tern.participant.schema import wire
+from tern.participant.side import TICKS_PER_SECOND, finite, run_participant
+from tern.participant.structure_side import Surface
 
 
 @dataclass

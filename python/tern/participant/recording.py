@@ -4,8 +4,8 @@ import csv
 import json
 from pathlib import Path
 
-from schema import wire
-from side import bad_input
+from tern.participant.schema import wire
+from tern.participant.side import bad_input
 
 # What the motion of a side depends on; the rest of the case may differ from that of the record.
 _OWN_TABLES = {"fluid": ("dimension", "gravity", "domain", "wall", "fluid", "gauge"),

@@ -17,11 +17,11 @@ from pathlib import Path
 import numpy
 import zmq
 
-from participant import Participant, RunEnded
-from schema import wire
+from tern import paths
+from tern.errors import BAD_INPUT, INPUT_OUTPUT, INTERRUPTED, NUMERICAL_FAILURE, PEER_LOST
+from tern.participant.channel import Participant, RunEnded
+from tern.participant.schema import wire
 
-ROOT = Path(__file__).resolve().parents[2]
-BAD_INPUT, NUMERICAL_FAILURE, PEER_LOST, INPUT_OUTPUT, INTERRUPTED = 2, 3, 4, 5, 130
 TICKS_PER_SECOND = 2.0**32
 REPORT_INTERVAL_S = 2.0
 _SIGNAL_NAMES = {signal.SIGINT: "SIGINT (Ctrl-C)", signal.SIGTERM: "SIGTERM", signal.SIGHUP: "SIGHUP (terminal closed)"}
@@ -87,7 +87,7 @@ class Case:
 
 
 def _read_case(options):
-    build = Path(os.environ.get("TERN_BUILD") or ROOT / "build" / "release")
+    build = Path(os.environ.get("TERN_BUILD") or paths.build())
     words = [part for text in options.set for part in ("--set", text)]
     words += ["--preset", options.preset] if options.preset else []
     try:

@@ -19,9 +19,9 @@ from dataclasses import dataclass
 
 import numpy
 
-from frames import FrameWriter
-from schema import wire
-from side import TICKS_PER_SECOND, bad_input, finite, run_participant
+from tern.participant.frames import FrameWriter
+from tern.participant.schema import wire
+from tern.participant.side import TICKS_PER_SECOND, bad_input, finite, run_participant
 
 KEPT = 0.8  # of the velocity at the begin, see interface_velocity()
 

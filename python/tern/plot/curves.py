@@ -3,29 +3,30 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-from plotting import style
+from tern.plot import references, style
+from tern.results import tables
 
 QUANTITIES = {"ux": "displacement x", "uy": "displacement y", "uz": "displacement z", "Fx": "force x", "Fy": "force y",
               "Fz": "force z", "Mx": "moment x", "My": "moment y", "Mz": "moment z", "Q": "flux", "p": "pressure", "eta": "surface elevation", "x": "position x"}
 
 
 def split_column(column):
-    """`plate.Fx_N_per_m` as (plate, force x, N/m): gauge before the last dot, unit after the quantity's underscore."""
+    """`plate.Fx_N_per_m` as (plate, force x, N/m): gauge before the last dot, quantity before its unit."""
     gauge, _, rest = column.rpartition(".")
-    quantity, _, unit = rest.partition("_")
-    return gauge or quantity, QUANTITIES.get(quantity, quantity), unit.replace("_per_", "/")
+    quantity = tables.UNIT.sub("", rest)
+    return gauge or quantity, QUANTITIES.get(quantity, quantity), tables.unit(column)
 
 
 def _panels(runs):
     """[(gauge, quantity, unit, [(run, column, table)])]: every column any of the runs has, those with a reference first."""
     panels = {}
     for run in runs:
-        table = run.table("gauges.csv")
+        table = run.gauges
         for column in table:
             if column != "t_s" and np.isfinite(table[column]).any():
                 gauge, quantity, unit = split_column(column)
                 panels.setdefault(column, (gauge, quantity, unit, []))[3].append((run, column, table))
-    referenced = {column for run in runs for column in run.references()}
+    referenced = {column for run in runs for column in references.of(run)}
     return sorted(panels.values(), key=lambda panel: panel[3][0][1] not in referenced)  # stable: file order otherwise
 
 
@@ -33,7 +34,7 @@ def _draw_panel(axis, runs, gauge, quantity, unit, curves):
     """One quantity of all runs that have it, its references dashed, each once; returns their labels."""
     drawn = {}
     for run, column, table in curves:
-        for label, t, value in run.references().get(column, []):
+        for label, t, value in references.of(run).get(column, []):
             if any(np.array_equal(value, known) for known in drawn.values()):
                 continue
             label = f"{label} ({run.name})" if label in drawn else label  # two cases, two curves of one source
@@ -43,7 +44,7 @@ def _draw_panel(axis, runs, gauge, quantity, unit, curves):
         axis.plot(table["t_s"], table[column], color=style.RUN_COLOURS[runs.index(run) % len(style.RUN_COLOURS)],
                   label=style.plain(run.label()) if len(runs) > 1 else "tern")
     axis.set_title(style.plain(f"{gauge}: {quantity}" if gauge != quantity else gauge), loc="left")
-    axis.set_ylabel(style.plain(f"{quantity} [{unit}]" if unit else quantity))
+    axis.set_ylabel(style.plain(quantity if unit == "1" else f"{quantity} [{unit}]"))
     if drawn or len(runs) > 1:
         axis.legend()
     return drawn
@@ -84,7 +85,7 @@ def each_gauge(runs):
 
 def energies(run):
     """Figure of every column of energy.csv: each side by itself, since the structure has little beside the fluid, and the interface."""
-    table = run.table("energy.csv")
+    table = run.energies
     if len(table.get("t_s", [])) < 2:
         return None
     work = [name for name in table if "_work_" in name or name.endswith("_dissipation_J")]
@@ -102,36 +103,33 @@ def energies(run):
             value = table[name] - (table[name][0] if "potential" in name else 0.0)
             axis.plot(table["t_s"], value, label=name.removesuffix("_J").replace("_", " "))
         axis.set_title(title, loc="left")
-        axis.set_ylabel("energy [J]" if _dimension(run) == 3 else "energy [J/m]")
+        axis.set_ylabel(f"energy [{table.unit(names[0])}]")
         axis.legend(ncols=2)
     axes[-1, 0].set_xlabel("t [s]")
     figure.suptitle(f"{style.plain(run.title)}: energy account")
     return figure
 
 
-def _dimension(run):
-    return run.contents.get("settings", {}).get("dimension", 2)
-
-
 def steps(run):
     """Figure of step length and what limits it, pressure iterations, wall time per step."""
-    table = run.table("steps.csv")
+    table = run.steps
     if len(table.get("t_s", [])) < 2:
         return None
     names = [name for name in ("dt_s", "pressure_iterations", "wall_ms") if np.isfinite(table.get(name, [np.nan])).any()]
     figure, axes = plt.subplots(len(names), 1, figsize=(9, 2.7 * len(names)), squeeze=False, sharex=True,
                                 layout="constrained")
-    table["dt_s"] = 1e3 * table["dt_s"]
+    scale = {"dt_s": 1e3}
     titles = {"dt_s": "step length [ms]", "pressure_iterations": "pressure iterations", "wall_ms": "wall time of the step [ms]"}
     for axis, name in zip(axes.flat, names):
+        value = scale.get(name, 1) * table[name]
         if name == "dt_s" and "limit" in table:
             limits = table["limit"].astype(str)
             for limit in sorted(set(limits)):
                 chosen = limits == limit
-                axis.plot(table["t_s"][chosen], table[name][chosen], ".", markersize=2.5, label=limit, rasterized=True)
+                axis.plot(table["t_s"][chosen], value[chosen], ".", markersize=2.5, label=limit, rasterized=True)
             axis.legend(title="limited by", markerscale=4, loc="lower right")
         else:
-            axis.plot(table["t_s"], table[name], ".", markersize=2, rasterized=True)
+            axis.plot(table["t_s"], value, ".", markersize=2, rasterized=True)
         axis.set_ylim(bottom=0)
         axis.set_ylabel(titles[name])
     axes[-1, 0].set_xlabel("t [s]")

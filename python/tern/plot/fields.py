@@ -8,7 +8,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import EllipseCollection, LineCollection
 
-from plotting import style
+from tern.plot import style
+from tern.results.frames import nearest
 
 # For each field a film can show: what colours the fluid, what the structure.
 PRESSURE = ("pressure p of the fluid [Pa]", "turbo", lambda side: side["pressure"])
@@ -17,9 +18,14 @@ SPEED = ("speed |u| [m/s]", "viridis", lambda side: np.linalg.norm(side["velocit
 FIELDS = {"pressure": (PRESSURE, SHEAR), "speed": (SPEED, SPEED)}
 
 
+def times_of(run):
+    """The times of the frames [s], of the fluid if there is one."""
+    return [frame.time for frame in run.frames_of("fluid") or run.frames_of("structure")]
+
+
 def choose_times(run, times):
     """The frames asked for, or four spread over the run, without repetitions."""
-    existing = [time for time, _ in run.frame_times("fluid") or run.frame_times("structure")]
+    existing = times_of(run)
     if not existing:
         return []
     wanted = times or [existing[-1] * part for part in (0.25, 0.5, 0.75, 1.0)]
@@ -102,13 +108,13 @@ def foot(structure):
 
 def read(run, time):
     """(time, fields of the fluid, fields of the structure) of the frame nearest to `time`; None for a side that has none."""
-    frames = {process: run.frame(process, time) for process in ("fluid", "structure")}
-    exact = next(frame[0] for frame in frames.values() if frame is not None)
-    if frames["structure"] is not None:  # a foreign structure may know no stress
-        structure = frames["structure"][1]
+    found = [nearest(run.frames_of(process), time) for process in ("fluid", "structure")]
+    exact = next(frame.time for frame in found if frame is not None)
+    fluid, structure = (None if frame is None else dict(frame) for frame in found)
+    if structure is not None:  # a foreign structure may know no stress
         structure.setdefault("stress_xy", np.zeros(len(structure["position"])))
         structure.setdefault("velocity", np.zeros((len(structure["position"]), 3)))
-    return exact, *(frame[1] if frame is not None else None for frame in frames.values())
+    return exact, fluid, structure
 
 
 def figure(run, time):

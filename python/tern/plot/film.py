@@ -6,16 +6,14 @@ import sys
 import time as clock
 from pathlib import Path
 
-import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
 
-matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-from matplotlib.cm import ScalarMappable  # noqa: E402
-from matplotlib.colors import Normalize  # noqa: E402
-
-from plotting import fields, run_files, style  # noqa: E402
+from tern.errors import UnreadableRun
+from tern.plot import fields, style
+from tern.results.run import Run
 
 FEWEST_FRAMES = 5
 USUAL_LENGTH = 8.0  # s, from 5 to 30 pictures a second
@@ -23,14 +21,14 @@ USUAL_LENGTH = 8.0  # s, from 5 to 30 pictures a second
 
 def _times(run):
     """The times of the frames, or why there are too few."""
-    times = [time for time, _ in run.frame_times("fluid") or run.frame_times("structure")]
+    times = fields.times_of(run)
     if len(times) >= FEWEST_FRAMES:
         return times
-    settings = run.contents.get("settings", {})
+    settings = run.settings
     interval = settings.get("output", {}).get("frame_interval")
     end = settings.get("end_time") or (times[-1] if times else 0) or 1.0
     told = "" if interval is None else f" (output.frame_interval = {interval:g} s)"
-    raise run_files.UnreadableRun(
+    raise UnreadableRun(
         f"{run.directory} holds {len(times)} frames{told}, a film needs at least {FEWEST_FRAMES}: run the case again with "
         f"--set output.frame_interval={end / 100:.2g}, which writes about 100.")
 
@@ -95,7 +93,7 @@ def animate(directory, rate=None, field="pressure"):
     `rate`: pictures per second; default: the film lasts about 8 s.
     """
     style.apply()
-    run = run_files.Run(directory)
+    run = Run(directory)
     times = _times(run)
     limits, view, half = _still_parts(run, times, field)
     figure, axis = _stage(run, limits, field)

@@ -1,51 +1,29 @@
-"""Pictures of runs: python3 plotting RUN... [--times T...]. Called by ./tern plot; needs numpy, matplotlib and h5py."""
+"""./tern plot: pictures of runs, RUN/plots/*.png."""
 
-import argparse
-import sys
-from pathlib import Path
-
-sys.path[0] = str(Path(__file__).resolve().parent.parent)
-
-import matplotlib  # noqa: E402
-
-matplotlib.use("Agg")
-
-from plotting import curves, fields, run_files, style  # noqa: E402
+from tern.plot import curves, fields, style
+from tern.results.run import Run
 
 
 def save(figure, run, name):
     return None if figure is None else style.save(figure, run, name)
 
 
-def plot(run, times):
-    """All pictures of one run; returns their paths."""
+def of_run(run, times):
+    """All pictures of one run; returns their paths, None for what it has nothing to show of."""
     pictures = []
     for time in fields.choose_times(run, times):
         exact, figure = fields.figure(run, time)
         pictures.append(style.save(figure, run, f"field_{exact:.3f}s"))
     for name, figure in (("gauges", curves.gauges([run])), ("energies", curves.energies(run)), ("steps", curves.steps(run))):
         pictures.append(save(figure, run, name))
-    return [picture for picture in pictures if picture is not None]
+    return pictures
 
 
-def main():
-    parser = argparse.ArgumentParser(prog="tern plot")
-    parser.add_argument("runs", nargs="+", type=Path)
-    parser.add_argument("--times", nargs="+", type=float)
-    arguments = parser.parse_args()
+def plot(directories, times):
+    """Draws the runs in `directories`, field pictures at `times` [s] (None: four); returns the paths of the pictures."""
     style.apply()
-    try:
-        runs = [run_files.Run(directory) for directory in arguments.runs]
-        pictures = [picture for run in runs for picture in plot(run, arguments.times)]
-        if len(runs) > 1:
-            pictures.append(save(curves.gauges(runs), runs[0], "comparison"))
-    except run_files.UnreadableRun as error:
-        print(f"tern: {error}", file=sys.stderr)
-        return 2
-    for picture in pictures:
-        if picture is not None:
-            print(picture)
-    return 0
-
-
-sys.exit(main())
+    runs = [Run(directory) for directory in directories]
+    pictures = [picture for run in runs for picture in of_run(run, times)]
+    if len(runs) > 1:
+        pictures.append(save(curves.gauges(runs), runs[0], "comparison"))
+    return [picture for picture in pictures if picture is not None]

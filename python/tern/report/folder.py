@@ -7,8 +7,8 @@ import markdown
 from markdown.extensions import Extension
 from markdown.treeprocessors import Treeprocessor
 
-from report import markup
-from report.markup import text
+from tern.report import markup
+from tern.report.markup import text
 
 MOST_ROWS = 2000
 

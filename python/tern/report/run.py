@@ -4,10 +4,11 @@ import os
 from pathlib import Path
 from urllib.parse import quote
 
-from launcher import expected, summary, verify
-from plotting import curves, fields
-from report import markup, settings
-from report.markup import number, text
+from tern.results import summary
+from tern.verify import bands, expected
+from tern.plot import curves, fields
+from tern.report import markup, settings
+from tern.report.markup import number, text
 
 LARGEST_FILM = 3_000_000  # bytes; a larger one is linked to
 PARTS = ("compute", "wait", "exchange", "output")
@@ -47,13 +48,13 @@ def reached_time(run):
 
 
 def judged(run):
-    """(rows of verify.judge(), None), or (None, why there are none). An expected.toml that is wrong is an error."""
+    """(rows of bands.judge(), None), or (None, why there are none). An expected.toml that is wrong is an error."""
     path = Path(run.contents.get("case_path", "")).parent / "expected.toml"
     if not run.contents.get("case_path") or not path.is_file():
         return None, "The case has no expected.toml: there is nothing to hold its results against."
     if not (run.directory / "run.json").is_file():
         return None, "There is no run.json: the run cannot be judged."
-    return verify.judge(run.directory, expected.read(path)), None
+    return bands.judge(run.directory, expected.read(path)), None
 
 
 def verdict(row):
@@ -69,9 +70,9 @@ def quantities(run):
     for row in rows:
         notes = [row["source"], row["why"], f"Known shortfall: {row['shortfall']}" if row["shortfall"] else ""]
         below = "".join(f'<span class="note">{text(note)}</span>' for note in notes if note)
-        value = text(verify.number(row["value"]) or "none")
-        lines.append([text(row["name"]), verdict(row), value, text(row["unit"]), text(verify.number(row["reference"])),
-                      text(verify.number(row["error"])), text(verify.band(row["band"])), text(row["confidence"]) + below])
+        value = text(bands.number(row["value"]) or "none")
+        lines.append([text(row["name"]), verdict(row), value, text(row["unit"]), text(bands.number(row["reference"])),
+                      text(bands.number(row["error"])), text(bands.band(row["band"])), text(row["confidence"]) + below])
     passed = sum(row["passed"] for row in rows)
     head = f"<p>{passed} of {len(rows)} within their bands.</p>"
     if run.contents.get("status") != "done":

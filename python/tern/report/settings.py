@@ -2,9 +2,9 @@
 
 import json
 import re
-from pathlib import Path
 
-PARAMETERS = Path(__file__).resolve().parent.parent / "docs" / "PARAMETERS.md"
+from tern import paths
+
 SHAPES = {"box", "polygon", "ball", "union", "difference"}
 HEADING = re.compile(r"^## `\[+([a-z.]+)\]+`")
 ROW = re.compile(r"^\| `(\w+)` \| ([^|]*) \| ([^|]*) \|")
@@ -35,7 +35,7 @@ def flatten(settings, path=(), table=()):
 def defaults():
     """{table and key: (unit, default)}; the default None where an absent key is one, GIVEN where there is none."""
     known, table = {}, ""
-    for line in PARAMETERS.read_text(encoding="utf-8").splitlines():
+    for line in (paths.share() / "docs" / "PARAMETERS.md").read_text(encoding="utf-8").splitlines():
         if line.startswith("## "):
             heading = HEADING.match(line)
             table = heading.group(1) + "." if heading else "" if line == "## Top of the file" else None

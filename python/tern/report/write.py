@@ -3,25 +3,18 @@
 import os
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("Agg")
-
-from launcher.errors import BAD_INPUT, LauncherError  # noqa: E402
-from plotting import run_files, style  # noqa: E402
-from report import comparison, folder, markup, run as one_run  # noqa: E402
+from tern.plot import style
+from tern.results.run import Run, distinguish
+from tern.report import comparison, folder, markup, run as one_run
 
 RUN_FILES = ("run.json", "gauges.csv", "fluid.h5", "structure.h5", "steps.csv")
 
 
 def _read(directory):
     """The Run in a directory, or the directory itself where it holds other results."""
-    try:
-        if directory.is_dir() and not any((directory / name).exists() for name in RUN_FILES) and folder.is_folder(directory):
-            return directory
-        return run_files.Run(directory)
-    except run_files.UnreadableRun as error:
-        raise LauncherError(BAD_INPUT, str(error)) from error
+    if directory.is_dir() and not any((directory / name).exists() for name in RUN_FILES) and folder.is_folder(directory):
+        return directory
+    return Run(directory)
 
 
 def _sections(prefix, parts, level):
@@ -44,8 +37,8 @@ def write_page(directories, out=None, times=None):
     style.apply()
     shown = [_read(Path(directory)) for directory in directories]
     path = Path(out) if out else (Path(directories[0]) if len(shown) == 1 else Path()) / "report.html"
-    runs = [entry for entry in shown if isinstance(entry, run_files.Run)]
-    run_files.distinguish(runs)
+    runs = [entry for entry in shown if isinstance(entry, Run)]
+    distinguish(runs)
     if len(shown) == 1:
         if runs:
             title, head, parts = runs[0].title, one_run.status(runs[0]), one_run.parts(runs[0], times, path.parent)

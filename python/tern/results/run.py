@@ -1,34 +1,11 @@
-"""The results of one run as arrays: CSV tables, HDF5 frames, run.json, and the references its expected.toml names."""
+"""The results of one run: tables, frames, run.json. Whoever shows, judges or compares a run reads it here."""
 
-import csv
 import functools
-import json
-import tomllib
 from pathlib import Path
 
-import h5py
-import numpy as np
-
-
-class UnreadableRun(Exception):
-    """The directory does not hold what a picture needs; one sentence."""
-
-
-def read_table(path):
-    """{column: array} of a CSV file; undefined cells are NaN, text columns arrays of strings."""
-    with open(path, encoding="utf-8", newline="") as file:
-        rows = list(csv.reader(line for line in file if line.strip() and not line.startswith("#")))
-    if not rows:
-        return {}
-    header, rows = rows[0], [row for row in rows[1:] if len(row) == len(rows[0])]
-    table = {}
-    for number, name in enumerate(header):
-        cells = [row[number] for row in rows]
-        try:
-            table[name.strip()] = np.array([float(cell) if cell.strip() else np.nan for cell in cells])
-        except ValueError:
-            table[name.strip()] = np.array(cells)
-    return table
+from tern.errors import UnreadableRun
+from tern.results import frames, report, summary
+from tern.results.tables import Table
 
 
 def distinguish(runs):
@@ -40,15 +17,24 @@ def distinguish(runs):
 
 
 class Run:
-    """One results directory. Whatever is missing reads as empty: a fluid alone, a structure alone, a run cut short."""
+    """One results directory. Whatever is missing reads as empty: a fluid alone, a structure alone, a run cut short.
+
+        run = tern.Run("runs/dam_break_plate")
+        run.gauges["P.ux_m"]               array [m], a value per row; NaN where the gauge had none
+        run.gauges.unit("P.ux_m")          "m"
+        run.frames[-1].fluid["pressure"]   array [Pa], a value per particle
+
+    Tables and frames are read when they are first asked for and kept; of a run that is still going on, make a new Run to see more.
+    Raises UnreadableRun (an Error) for a directory without results.
+    """
 
     def __init__(self, directory):
         self.directory = Path(directory)
         if not self.directory.is_dir():
             raise UnreadableRun(f"There is no directory {directory}; give the directory a run has written, e.g. "
                                 f"runs/dam_break_plate.")
-        path = self.directory / "run.json"
-        self.contents = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+        #: run.json as it is; empty where there is none.
+        self.contents = report.read(self.directory) if (self.directory / "run.json").exists() else {}
         self.name = self.contents.get("case", self.directory.name)
         self.legend = self.directory.resolve().name
         self.title = self.contents.get("title") or self.name
@@ -56,66 +42,115 @@ class Run:
             raise UnreadableRun(f"{directory} holds no results (gauges.csv, steps.csv, fluid.h5, structure.h5): it is not "
                                 f"the directory of a run.")
 
-    def label(self):
-        """How a legend calls this run: its directory, or what distinguish() made of it."""
-        return self.legend
+    def __repr__(self):
+        return f"<tern.Run {self.directory}: {self.name}, {self.status}>"
+
+    # What came of it.
+
+    @property
+    def status(self):
+        """"done", "running", or what ended it: "bad input", "numerical failure", "peer lost", "interrupted" ...; "unknown" without run.json."""
+        return self.contents.get("status", "unknown")
+
+    @property
+    def first_cause(self):
+        """Why the run ended early, one sentence; empty for a run that is done."""
+        return self.contents.get("first_cause", "")
+
+    @property
+    def settings(self):
+        """The effective settings, nested as in the case file, with every default filled in (docs/PARAMETERS.md)."""
+        return self.contents.get("settings", {})
+
+    @property
+    def dimension(self):
+        """2 or 3."""
+        return self.settings.get("dimension", 2)
+
+    def measure(self, name):
+        """A measure or count that a process reports, e.g. "pressure_iterations_mean"; None if nobody does."""
+        return summary.measure(self.contents, name)
+
+    @property
+    def conservation(self):
+        """What should be kept, {measure: value}: volume drift [1], momentum audit [1], added-mass ratio [1], particles lost."""
+        return {name: value for name, _, _ in summary.CONSERVATION if (value := self.measure(name)) is not None}
+
+    @property
+    def timings(self):
+        """{process: {activity: wall time [s]}}: compute, wait, exchange, output, and parts such as compute.pressure_solve."""
+        return {role: report.get("timing_s", {}) for role, report in self.contents.get("processes", {}).items()}
+
+    @property
+    def wall_s(self):
+        """Wall time of the whole run [s]; None while it goes on."""
+        return self.contents.get("wall_s")
+
+    @property
+    def cpu_s(self):
+        """CPU time of all processes [s]; None while the run goes on."""
+        return self.contents.get("cpu_s")
+
+    def summary(self):
+        """What ./tern run prints at the end, as text."""
+        return summary.text(self.contents, self.directory).lstrip("\n")
+
+    # Curves over time.
 
     def table(self, name):
-        path = self.directory / name
-        return read_table(path) if path.exists() else {}
+        """A table by the name of its file."""
+        return Table(self.directory / name, per_depth=self.dimension == 2)
 
-    def frame_times(self, process):
-        """[(time, group name)] in order of time."""
-        path = self.directory / f"{process}.h5"
-        if not path.exists():
-            return []
-        with h5py.File(path, "r") as file:
-            return sorted((float(group.attrs["time_s"]), name) for name, group in file.items()
-                          if name.startswith("frame_"))
+    @functools.cached_property
+    def gauges(self):
+        """gauges.csv: "t_s" and a column per component of each gauge."""
+        return self.table("gauges.csv")
 
-    def frame(self, process, time):
-        """(time, {field: array}) of the frame nearest to `time`, or None if the process wrote none."""
-        times = self.frame_times(process)
-        if not times:
-            return None
-        nearest, name = min(times, key=lambda entry: abs(entry[0] - time))
-        with h5py.File(self.directory / f"{process}.h5", "r") as file:
-            return nearest, {field: np.asarray(data) for field, data in file[name].items()
-                             if isinstance(data, h5py.Dataset)}
+    @functools.cached_property
+    def energies(self):
+        """energy.csv: "t_s", the energies of both sides, work and dissipation [J; in 2D J/m]."""
+        return self.table("energy.csv")
+
+    @functools.cached_property
+    def steps(self):
+        """steps.csv: a row per step (window of a coupled run): "t_s", "dt_s", "limit" (text), "pressure_iterations", "wall_ms"."""
+        return self.table("steps.csv")
+
+    # Fields.
+
+    @functools.cache
+    def frames_of(self, process):
+        """[Fields] of one process, "fluid" or "structure", in order of time."""
+        return frames.read(self.directory / f"{process}.h5")
+
+    @functools.cached_property
+    def frames(self):
+        """The frames in order of time; each has `.time` [s] and `.fluid`, `.structure`, mappings of a field's name to its array."""
+        return frames.Frames(self.frames_of("fluid"), self.frames_of("structure"))
 
     @functools.cache
     def spacing(self, process):
-        """Particle spacing [m], from the first frame: the median distance to the nearest neighbour."""
-        times = self.frame_times(process)
-        if not times:
+        """Particle spacing [m], from the first frame: the median distance to the nearest neighbour; None without frames."""
+        if not self.frames_of(process):
             return None
-        position = self.frame(process, times[0][0])[1]["position"]
+        import numpy as np
+        position = self.frames_of(process)[0]["position"]
         sample = position[:: max(1, len(position) // 150)]
         distance = np.linalg.norm(sample[:, None, :] - position[None, :, :], axis=2)
         distance[distance == 0] = np.inf
         return float(np.median(distance.min(axis=1)))
 
+    # For pictures.
+
+    def label(self):
+        """How a legend calls this run: its directory, or what distinguish() made of it."""
+        return self.legend
+
     def wall_boxes(self):
-        """[(min, max, open faces)] of the fixed rigid walls that are boxes."""
+        """[(min, max, open faces)] of the fixed rigid walls that are boxes [m]."""
         boxes = []
-        for wall in self.contents.get("settings", {}).get("wall", []):
+        for wall in self.settings.get("wall", []):
             shape = wall.get("container") or wall.get("obstacle") or {}
             if "box" in shape and not {"displacement", "rotation", "motion_file"} & set(wall):
                 boxes.append((shape["box"]["min"], shape["box"]["max"], set(wall.get("open", []))))
         return boxes
-
-    def references(self):
-        """{gauge column: [(label, t, value)]} of the CSV references named in the expected.toml of the case."""
-        path = Path(self.contents.get("case_path", "")).parent / "expected.toml"
-        if not path.is_file():
-            return {}
-        curves = {}
-        for quantity in tomllib.loads(path.read_text(encoding="utf-8")).get("quantity", []):
-            reference = path.parent / quantity.get("csv", "")
-            if "csv" not in quantity or isinstance(quantity["column"], list) or not reference.is_file():
-                continue
-            entries = curves.setdefault(quantity["column"], {})
-            table = read_table(reference)
-            label = quantity["source"].split(",")[0].split(";")[0]
-            entries[(reference, quantity["csv_column"])] = (label, table["t_s"], table[quantity["csv_column"]])
-        return {column: list(entries.values()) for column, entries in curves.items()}

@@ -1,33 +1,27 @@
 """Time series read from the CSV files of a run or of a reference: `t_s` and named columns, empty cells undefined."""
 
-import csv
 import math
 from bisect import bisect_left
 
-
-class ReductionError(Exception):
-    """A quantity could not be computed; the sentence says why. It counts as failed, not as passed."""
+from tern.errors import ReductionError
+from tern.results.tables import read_cells
 
 
 def read(path, column):
-    """[(t, value)] of one column, rows with an undefined value left out; lines starting with # are comments."""
+    """[(t, value)] of one column, rows with an undefined value left out."""
     if not path.is_file():
         raise ReductionError(f"{path} does not exist")
-    with open(path, encoding="utf-8", newline="") as file:
-        rows = csv.reader(line for line in file if line.strip() and not line.startswith("#"))
-        header = [name.strip() for name in next(rows, [])]
-        if "t_s" not in header or column not in header:
-            raise ReductionError(f"{path} has no column {column}; it has {', '.join(header)}")
-        at_time, at_value = header.index("t_s"), header.index(column)
-        series = []
-        for number, row in enumerate(rows, 2):
-            if len(row) != len(header):
-                continue  # the last line of a run that is still being written
-            if row[at_value].strip():
-                value = float(row[at_value])
-                if not math.isfinite(value):
-                    raise ReductionError(f"{path}, data row {number}: {column} is {row[at_value]}")
-                series.append((float(row[at_time]), value))
+    header, rows = read_cells(path)
+    if "t_s" not in header or column not in header:
+        raise ReductionError(f"{path} has no column {column}; it has {', '.join(header)}")
+    at_time, at_value = header.index("t_s"), header.index(column)
+    series = []
+    for number, row in enumerate(rows, 2):
+        if row[at_value].strip():
+            value = float(row[at_value])
+            if not math.isfinite(value):
+                raise ReductionError(f"{path}, data row {number}: {column} is {row[at_value]}")
+            series.append((float(row[at_time]), value))
     return series
 
 

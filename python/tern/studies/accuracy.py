@@ -19,9 +19,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from launcher import expected, verify
-from launcher.errors import BAD_INPUT, LauncherError
-from launcher.series import ReductionError
+from tern.verify import bands, expected
+from tern.errors import BAD_INPUT, Error
+from tern.errors import ReductionError
 
 
 @dataclass
@@ -43,14 +43,14 @@ def _read_toml(path):
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except tomllib.TOMLDecodeError as error:
-        raise LauncherError(BAD_INPUT, f"{path} is not valid TOML: {error}.") from error
+        raise Error(BAD_INPUT, f"{path} is not valid TOML: {error}.") from error
 
 
 def _scaled(where, quantity, scale):
     reference = quantity.get("reference", 0.0)
     scale = abs(reference) if scale is None and isinstance(reference, (int, float)) else scale
     if isinstance(scale, bool) or not isinstance(scale, (int, float)) or not 0 < scale < math.inf:
-        raise LauncherError(BAD_INPUT, f"{where} ({quantity['name']}): scale is {scale}, but has to be a number greater than 0 (the "
+        raise Error(BAD_INPUT, f"{where} ({quantity['name']}): scale is {scale}, but has to be a number greater than 0 (the "
                                        "size of the quantity, in its unit).")
     return quantity | {"reference": reference, "over": float(scale)}
 
@@ -60,13 +60,13 @@ def _chosen(path, known):
     table = _read_toml(path)
     wrong = sorted(set(table) - {"until", "curves", "quantity"})
     if wrong:
-        raise LauncherError(BAD_INPUT, f"{path} has the unknown key {wrong[0]}; there are until, curves and [[quantity]].")
+        raise Error(BAD_INPUT, f"{path} has the unknown key {wrong[0]}; there are until, curves and [[quantity]].")
     chosen = []
     for number, entry in enumerate(table.get("quantity", []), 1):
         where = f"{path}, quantity {number}"
         base = next((quantity for quantity in known if quantity["name"] == entry.get("name")), None)
         if base is None:
-            raise LauncherError(BAD_INPUT, f"{where}: expected.toml has no quantity named {entry.get('name')!r}; it has "
+            raise Error(BAD_INPUT, f"{where}: expected.toml has no quantity named {entry.get('name')!r}; it has "
                                            f"{', '.join(quantity['name'] for quantity in known) or 'none'}.")
         # `scale` of a reducer divides the value itself; here it is the size an error is measured by.
         merged = base | {key: value for key, value in entry.items() if key not in ("scale", "label")}
@@ -95,7 +95,7 @@ def errors(directory, criterion):
     """{name: |value - reference|/scale} of a run; ReductionError where one cannot be computed."""
     result = {}
     for quantity in criterion.quantities:
-        value = verify.evaluate(directory, quantity)
+        value = bands.evaluate(directory, quantity)
         if not math.isfinite(value):
             raise ReductionError(f"{quantity['name']} is {value}")
         result[quantity["name"]] = abs(value - quantity["reference"]) / quantity["over"]

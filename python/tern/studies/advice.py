@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from launcher.build import ROOT
-from launcher.errors import LauncherError
-from launcher.study import front, knobs, report, rows
+from tern import paths
+from tern.errors import Error
+from tern.studies import front, knobs, report, rows
 
 QUICKER = 1.25       # speed-up from which a knob is worth a line
 UNNOTICED = 0.0005   # error added that is not worth a word
@@ -13,13 +13,13 @@ NOTICED = 0.001      # error removed that is
 
 def _tables(case):
     """({scene: rows}, are they of the scene itself): of the scenes with the same sides."""
-    own = [path for path in (Path("runs") / f"study-{case['name']}" / "cost_accuracy.csv", ROOT / "docs" / "trade" / f"{case['name']}.csv")
+    own = [path for path in (Path("runs") / f"study-{case['name']}" / "cost_accuracy.csv", paths.share() / "docs" / "trade" / f"{case['name']}.csv")
            if path.is_file()]
     if own:
         return {case["name"]: rows.read(own[0])}, True
     sides = {"fluid": "fluid.spacing_m", "structure": "structure.body.spacing_m"}
     found = {}
-    for path in sorted((ROOT / "docs" / "trade").glob("*.csv")):
+    for path in sorted((paths.share() / "docs" / "trade").glob("*.csv")):
         table = rows.read(path)
         standard = front.find(table, "standard")
         if standard and all(bool(standard.settings.get(column)) == case[f"has_{side}"] for side, column in sides.items()):
@@ -59,7 +59,7 @@ def text(case):
     """The paragraph, or nothing where no like scene was measured. `case`: of cases.read()."""
     try:
         tables, own = _tables(case)
-    except LauncherError:  # a table of the user's own that cannot be read is the business of ./tern study
+    except Error:  # a table of the user's own that cannot be read is the business of ./tern study
         return ""
     tables = {name: table for name, table in tables.items() if front.find(table, "standard")}
     if not tables:

@@ -1,14 +1,13 @@
 """./tern study: sweeps the knobs of a case, resumes what was begun, and answers which settings to take."""
 
-import json
 import shlex
-import subprocess
 from pathlib import Path
 
-from launcher import build, cases, summary
-from launcher.errors import BAD_INPUT, DONE, INPUT_OUTPUT, INTERRUPTED, PEER_LOST, LauncherError
-from launcher.study import accuracy, front, knobs, report, rows, sweep
-from plotting import run_files
+from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, INTERRUPTED, PEER_LOST, Error, UnreadableRun
+from tern.launch import build, cases
+from tern.results import summary
+from tern.results.run import Run
+from tern.studies import accuracy, front, knobs, report, rows, sweep
 
 
 def parse_error(text):
@@ -19,7 +18,7 @@ def parse_error(text):
     except ValueError:
         value = float("nan")
     if not 0 < value < float("inf"):
-        raise LauncherError(BAD_INPUT, f"--error {text} is not an error greater than 0; write for example 5% or 0.05.")
+        raise Error(BAD_INPUT, f"--error {text} is not an error greater than 0; write for example 5% or 0.05.")
     return value
 
 
@@ -36,7 +35,7 @@ def parse_time(text):
     except ValueError:
         value = float("nan")
     if not 0 < value < float("inf"):
-        raise LauncherError(BAD_INPUT, f"--time {text} is not a time greater than 0; write for example 60s, 2min or 1h.")
+        raise Error(BAD_INPUT, f"--time {text} is not a time greater than 0; write for example 60s, 2min or 1h.")
     return value
 
 
@@ -138,11 +137,11 @@ class Study:
         """The curves of a row, if what is in its directory is its run: another end or version may have come after it."""
         directory = self.out / "points" / row.point
         try:
-            contents = json.loads((directory / "run.json").read_text(encoding="utf-8"))
-            table = run_files.read_table(directory / "gauges.csv")
-        except (OSError, ValueError):
+            run = Run(directory)
+        except UnreadableRun:
             return {}
-        same = contents.get("options") == [*self.base_options, *shlex.split(row.options)] and contents.get("git", "") in row.version
+        table = run.gauges
+        same = run.contents.get("options") == [*self.base_options, *shlex.split(row.options)] and run.contents.get("git", "") in row.version
         return table if same and len(table.get("t_s", ())) and abs(table["t_s"][-1] - row.end_time_s) <= 0.02 * row.end_time_s else {}
 
 
@@ -158,8 +157,8 @@ def study(arguments):
     left_out, interrupted = ([], False) if asked and front.measured(one.rows) else one.run()
     one.fill_distances()
     (one.out / "study.md").write_text(report.text(one.case["name"], one.rows, left_out, one.criterion.left_out), encoding="utf-8")
-    from plotting import trade  # matplotlib takes its time: not before there is something to show
-    trade.picture(one.case["name"], one.rows, one.out / "trade.png")
+    from tern.studies import picture
+    picture.draw(one.case["name"], one.rows, one.out / "trade.png")
     if asked:
         print(report.answer(one.name, one.rows, **one.wish, base_options=shlex.join(one.base_options)))
     if left_out:

@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
-from launcher import cases
-from launcher.build import ROOT
-from launcher.errors import BAD_INPUT, DONE, LauncherError
-from launcher.study import front, report, rows
-from launcher.study.knobs import KNOBS
-from plotting import trade
+from tern.launch import cases
+from tern import paths
+from tern.errors import BAD_INPUT, DONE, Error
+from tern.studies import front, report, rows
+from tern.studies.knobs import KNOBS
+from tern.studies import picture as trade
 
 BEGIN, END = "<!-- trade: written by ./tern study --write-docs -->", "<!-- trade: end -->"
 ERRORS = (0.05, 0.02, 0.01, 0.005, 0.002)
@@ -33,9 +33,9 @@ The rows of a scene may come from several versions, which are named; between the
 
 def read_all():
     """{case: rows} of docs/trade."""
-    tables = {path.stem: rows.read(path) for path in sorted((ROOT / "docs" / "trade").glob("*.csv"))}
+    tables = {path.stem: rows.read(path) for path in sorted((paths.source() / "docs" / "trade").glob("*.csv"))}
     if not tables:
-        raise LauncherError(BAD_INPUT, "docs/trade holds no table; measure one first: ./tern study CASE, then ./tern study CASE --write-docs.")
+        raise Error(BAD_INPUT, "docs/trade holds no table; measure one first: ./tern study CASE, then ./tern study CASE --write-docs.")
     return tables
 
 
@@ -131,7 +131,7 @@ def trade_text(tables):
 
 
 def _presets_words():
-    return (ROOT / "docs" / "trade" / "presets.md").read_text(encoding="utf-8").strip()
+    return (paths.source() / "docs" / "trade" / "presets.md").read_text(encoding="utf-8").strip()
 
 
 def readme_block(tables):
@@ -140,11 +140,11 @@ def readme_block(tables):
 
 
 def replace_block(text, block):
-    """`text` with what is between the markers replaced; LauncherError without them."""
+    """`text` with what is between the markers replaced; Error without them."""
     before, begin, rest = text.partition(BEGIN)
     _, end, after = rest.partition(END)
     if not begin or not end:
-        raise LauncherError(BAD_INPUT, f"README.md has no lines {BEGIN} and {END}; put them where the table belongs.")
+        raise Error(BAD_INPUT, f"README.md has no lines {BEGIN} and {END}; put them where the table belongs.")
     return before + block + after
 
 
@@ -153,7 +153,7 @@ def _take_over(source, target, keep_versions):
     found = rows.read(source)
     standard = next((row for row in reversed(found) if row.point == "standard"), None)
     if standard is None:
-        raise LauncherError(BAD_INPUT, f"{source} has no row of the case as it stands; let the study go on first.")
+        raise Error(BAD_INPUT, f"{source} has no row of the case as it stands; let the study go on first.")
     own = [row for row in found if (row.base, row.end_time_s) == (standard.base, standard.end_time_s)
            and (keep_versions or row.version == standard.version)]
     rows.write(target, own, rows.header(standard.quantities, standard.settings))
@@ -161,17 +161,18 @@ def _take_over(source, target, keep_versions):
 
 def write(arguments):
     """./tern study [CASE] --write-docs: takes over the table of CASE, and writes all documents; returns the exit code."""
+    root = paths.source()
     if arguments.case:
         name = cases.find(arguments.case).parent.name
         source = (Path(arguments.out) if arguments.out else Path("runs") / f"study-{name}") / "cost_accuracy.csv"
         if not source.is_file():
-            raise LauncherError(BAD_INPUT, f"{source} does not exist; measure it first: ./tern study {arguments.case}.")
-        (ROOT / "docs" / "trade").mkdir(exist_ok=True)
-        _take_over(source, ROOT / "docs" / "trade" / f"{name}.csv", arguments.keep)
+            raise Error(BAD_INPUT, f"{source} does not exist; measure it first: ./tern study {arguments.case}.")
+        (root / "docs" / "trade").mkdir(exist_ok=True)
+        _take_over(source, root / "docs" / "trade" / f"{name}.csv", arguments.keep)
     tables = read_all()
-    (ROOT / "docs" / "TRADE.md").write_text(trade_text(tables) + "\n", encoding="utf-8")
-    readme = ROOT / "README.md"
+    (root / "docs" / "TRADE.md").write_text(trade_text(tables) + "\n", encoding="utf-8")
+    readme = root / "README.md"
     readme.write_text(replace_block(readme.read_text(encoding="utf-8"), readme_block(tables)), encoding="utf-8")
-    trade.panels(tables, ROOT / "docs" / "pictures" / "trade.png")
+    trade.panels(tables, root / "docs" / "pictures" / "trade.png")
     print(f"tern: docs/TRADE.md, docs/pictures/trade.png and README.md written from {', '.join(tables)}.")
     return DONE

@@ -7,7 +7,7 @@ import difflib
 from dataclasses import dataclass, field
 from math import gcd
 
-from launcher.errors import BAD_INPUT, LauncherError
+from tern.errors import BAD_INPUT, Error
 
 
 @dataclass(frozen=True)
@@ -81,11 +81,11 @@ def select(names):
     for name in names:
         found = [knob for knob in KNOBS if knob.key == name] or [knob for knob in KNOBS if knob.key.endswith("." + name)]
         if len(found) > 1:
-            raise LauncherError(BAD_INPUT, f"--knobs {name} may be {' or '.join(knob.key for knob in found)}; write it in full.")
+            raise Error(BAD_INPUT, f"--knobs {name} may be {' or '.join(knob.key for knob in found)}; write it in full.")
         if not found:
             keys = [knob.key for knob in KNOBS]
             near = difflib.get_close_matches(name, keys + [key.rpartition(".")[2] for key in keys], n=1, cutoff=0.5)
-            raise LauncherError(BAD_INPUT, f"--knobs: there is no knob {name}{f', did you mean {near[0]}?' if near else ';'} "
+            raise Error(BAD_INPUT, f"--knobs: there is no knob {name}{f', did you mean {near[0]}?' if near else ';'} "
                                            f"known are {', '.join(keys)}.")
         chosen += found
     return chosen

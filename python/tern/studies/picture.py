@@ -1,13 +1,10 @@
 """Error against CPU time of all points of a study, the front marked, the presets named."""
 
-import matplotlib
+import matplotlib.pyplot as plt
+from matplotlib.ticker import LogLocator
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-from matplotlib.ticker import LogLocator  # noqa: E402
-
-from launcher.study import front  # noqa: E402
-from plotting import style  # noqa: E402
+from tern.studies import front
+from tern.plot import style
 
 PRESET_COLOURS = {"draft": style.RUN_COLOURS[4], "standard": style.RUN_COLOURS[0], "reference": style.RUN_COLOURS[1]}
 
@@ -54,7 +51,7 @@ def _name_front(axes, best):
     axes.text(1.02, 1.0, "the front\n" + "\n".join(names), transform=axes.transAxes, va="top", fontsize=9)
 
 
-def picture(case, rows, path):
+def draw(case, rows, path):
     """Writes the picture of one study; nothing without a finished point."""
     if not front.measured(rows):
         return

@@ -1,7 +1,7 @@
 """study.md and the sentences of ./tern study, from the rows."""
 
-from launcher.study import front
-from launcher.study.knobs import KNOBS
+from tern.studies import front
+from tern.studies.knobs import KNOBS
 
 PRESETS = ("draft", "standard", "reference")
 

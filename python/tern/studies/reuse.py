@@ -2,13 +2,11 @@
 
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 
-from plotting import run_files
-
-ROOT = Path(__file__).resolve().parent.parent
+from tern import paths
+from tern.results.run import Run
 
 
 def run_or_reuse(label, case, out, until, settings, commands=None):
@@ -20,19 +18,19 @@ def run_or_reuse(label, case, out, until, settings, commands=None):
     commands = commands or {}
     options = [part for setting in settings for part in ("--set", setting)]
     if out.is_dir():
-        found = run_files.Run(out)
-        reached = found.table("gauges.csv").get("t_s", np.zeros(1))[-1]
+        found = Run(out)
+        reached = found.gauges.get("t_s", np.zeros(1))[-1]
         if (found.contents.get("status") == "done" and reached >= until - 2e-3 and found.contents.get("options") == options
                 and found.contents.get("commands", {}) == commands):
             return found
     foreign = [part for role, command in commands.items() for part in (f"--{role}", command)]
-    command = [ROOT / "tern", "run", case, "--out", out, "--force", "--until", repr(until), "--quiet", *options, *foreign]
+    command = [paths.command(), "run", case, "--out", out, "--force", "--until", repr(until), "--quiet", *options, *foreign]
     code = subprocess.run(command, check=False).returncode
     if not out.is_dir():
         sys.exit(code)
     if code != 0:
         print(f"{label}: the run ended with exit code {code}; what it reached is shown.", file=sys.stderr)
-    return run_files.Run(out)
+    return Run(out)
 
 
 def at(table, column, time):

@@ -4,7 +4,7 @@ import csv
 import os
 from dataclasses import dataclass, field
 
-from launcher.errors import BAD_INPUT, LauncherError
+from tern.errors import BAD_INPUT, Error
 
 _PERCENT = ("error", "distance_to_finest", "distance_to_standard", "distance_in_knob")
 _NUMBERS = {"exit_code": int, "end_time_s": float, "cpu_s": float, "wall_s": float, "steps": int, "pressure_iterations": float}
@@ -85,7 +85,7 @@ def read(path):
     try:
         return [_row(dict(zip(table[0], line))) for line in table[1:] if len(line) == len(table[0])]
     except (KeyError, ValueError) as error:
-        raise LauncherError(BAD_INPUT, f"{path} is not a table of a study ({error}); move it away or choose another --out.") from error
+        raise Error(BAD_INPUT, f"{path} is not a table of a study ({error}); move it away or choose another --out.") from error
 
 
 def append(path, row, columns):

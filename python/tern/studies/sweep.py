@@ -1,18 +1,16 @@
 """Running the points of a study, one at a time so that their CPU times can be compared, cheap ones first."""
 
-import argparse
-import json
 import shlex
 import sys
 import time
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 
-from launcher import cases, run, summary
-from launcher.errors import BAD_INPUT, DONE, INTERRUPTED, STATUS, LauncherError
-from launcher.series import ReductionError
-from launcher.study import accuracy, knobs
-from launcher.study.rows import Row
+from tern.errors import BAD_INPUT, DONE, INTERRUPTED, STATUS, Error, ReductionError
+from tern.launch import cases, run
+from tern.results import report, summary
+from tern.studies import accuracy, knobs
+from tern.studies.rows import Row
 
 
 @dataclass
@@ -37,7 +35,7 @@ def plan(build, path, base_options, wanted):
         try:
             case = cases.read(build, path, [*base_options, *point.options])
             planned.append(Planned(point, case.get("expected_cpu_s", 1.0), case.get("settings", {})))
-        except LauncherError as error:
+        except Error as error:
             planned.append(Planned(point, 0.0, {}, str(error), error.exit_code))
     place = {"standard": 0, "standard-again": 2}
     return sorted(planned, key=lambda one: (place.get(one.point.name, 1), one.expected_s))
@@ -59,13 +57,6 @@ def _iterations(contents):
     mean = summary.measure(contents, "pressure_iterations_mean")
     steps = contents.get("processes", {}).get("fluid", {}).get("steps") or contents.get("steps") or 0
     return None if mean is None else mean * steps
-
-
-def _run_options(planned, path, base_options, out, criterion):
-    """The options of ./tern run for one point."""
-    return argparse.Namespace(case=str(path), case_options=[*base_options, *planned.point.options], out=str(out), force=True, only=None,
-                              endpoint=None, fluid=None, structure=None, allow_unstable=False, record=False, network_options=[],
-                              until=criterion.until, threads=None, deadline=None, quiet=True, build="release")
 
 
 class Sweep:
@@ -96,13 +87,14 @@ class Sweep:
         out = self.out / "points" / point.name
         out.parent.mkdir(parents=True, exist_ok=True)
         try:
-            cause, directory = run.run(_run_options(planned, self.path, self.base_options, out, self.criterion))
-        except LauncherError as error:
+            cause, directory = run.run(run.Request(str(self.path), [*self.base_options, *point.options], out=str(out), force=True,
+                                                   until=self.criterion.until, quiet=True))
+        except Error as error:
             row.status, row.exit_code, row.cause = STATUS.get(error.exit_code, "failed"), error.exit_code, str(error)
             return row
         if cause.exit_code == INTERRUPTED:
             raise KeyboardInterrupt
-        contents = json.loads((directory / "run.json").read_text(encoding="utf-8"))
+        contents = report.read(directory)
         row.status, row.exit_code, row.cause = STATUS[cause.exit_code], cause.exit_code, cause.sentence or ""
         row.cpu_s, row.wall_s, row.steps = contents["cpu_s"], contents["wall_s"], contents["steps"]
         row.pressure_iterations = _iterations(contents)
@@ -151,5 +143,5 @@ def check_budget(minutes):
     if minutes is None:
         return float("inf")
     if not 0 < minutes < float("inf"):
-        raise LauncherError(BAD_INPUT, f"--budget is {minutes} min, but has to be greater than 0.")
+        raise Error(BAD_INPUT, f"--budget is {minutes} min, but has to be greater than 0.")
     return 60.0 * minutes

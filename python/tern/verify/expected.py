@@ -2,7 +2,7 @@
 
     [[quantity]]
     name = "first maximum of P"
-    kind = "maximum"              # a reducer of launcher/reducers.py, or "field", or "measure"
+    kind = "maximum"              # a reducer of tern/verify/reducers.py, or "field", or "measure"
     column = "P.ux_m"             # of gauges.csv, or of `file`; a list of columns: their sum
     from = 0.27
     to = 0.40
@@ -16,8 +16,8 @@
 
 import tomllib
 
-from launcher import field_reducers, reducers
-from launcher.errors import BAD_INPUT, LauncherError
+from tern.verify import field_reducers, reducers
+from tern.errors import BAD_INPUT, Error
 
 _COMMON = {"name", "kind", "unit", "reference", "band", "at_most", "at_least", "source", "confidence", "shortfall"}
 
@@ -25,10 +25,10 @@ _COMMON = {"name", "kind", "unit", "reference", "band", "at_most", "at_least", "
 def _check_keys(where, quantity, required, optional):
     absent = [key for key in sorted(required) if key not in quantity]
     if absent:
-        raise LauncherError(BAD_INPUT, f"{where} lacks {', '.join(absent)}.")
+        raise Error(BAD_INPUT, f"{where} lacks {', '.join(absent)}.")
     unknown = sorted(set(quantity) - _COMMON - required - optional)
     if unknown:
-        raise LauncherError(BAD_INPUT, f"{where} has keys that kind {quantity['kind']!r} does not know: "
+        raise Error(BAD_INPUT, f"{where} has keys that kind {quantity['kind']!r} does not know: "
                                        f"{', '.join(unknown)}; it knows {', '.join(sorted(required | optional))}.")
 
 
@@ -43,22 +43,22 @@ def check(where, quantity, folder):
     elif kind == "field":
         _check_keys(where, quantity, field_reducers.REQUIRED, field_reducers.OPTIONAL)
         if quantity["norm"] not in field_reducers.NORMS:
-            raise LauncherError(BAD_INPUT, f"{where}: norm {quantity['norm']!r} is none of {field_reducers.NORMS}.")
+            raise Error(BAD_INPUT, f"{where}: norm {quantity['norm']!r} is none of {field_reducers.NORMS}.")
     elif kind in reducers.KINDS:
         _, required, optional = reducers.KINDS[kind]
         _check_keys(where, quantity, required | {"column"}, optional | {"file"})
         if kind in ("max_difference", "l2_difference") and ("expression" in quantity) == ("csv" in quantity):
-            raise LauncherError(BAD_INPUT, f"{where} needs either csv with csv_column, or expression.")
+            raise Error(BAD_INPUT, f"{where} needs either csv with csv_column, or expression.")
     else:
-        raise LauncherError(BAD_INPUT, f"{where}: there is no reducer {kind!r}; there are measure, field, "
+        raise Error(BAD_INPUT, f"{where}: there is no reducer {kind!r}; there are measure, field, "
                                        f"{', '.join(sorted(reducers.KINDS))}.")
     limits = [key for key in ("band", "at_most", "at_least") if key in quantity]
     if len(limits) != 1:
-        raise LauncherError(BAD_INPUT, f"{where} needs exactly one of band, at_most, at_least; it has {limits or 'none'}.")
+        raise Error(BAD_INPUT, f"{where} needs exactly one of band, at_most, at_least; it has {limits or 'none'}.")
     if "csv" in quantity:
         quantity["csv"] = folder / quantity["csv"]
         if not quantity["csv"].is_file() or "csv_column" not in quantity:
-            raise LauncherError(BAD_INPUT, f"{where}: {quantity['csv']} does not exist or csv_column is missing.")
+            raise Error(BAD_INPUT, f"{where}: {quantity['csv']} does not exist or csv_column is missing.")
     return quantity
 
 
@@ -67,13 +67,13 @@ def read(path):
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
-        raise LauncherError(BAD_INPUT, f"There is no {path}: the case has nothing to be held against; write one (see "
+        raise Error(BAD_INPUT, f"There is no {path}: the case has nothing to be held against; write one (see "
                                        f"docs/VERIFICATION.md) or use ./tern run.") from error
     except tomllib.TOMLDecodeError as error:
-        raise LauncherError(BAD_INPUT, f"{path} is not valid TOML: {error}.") from error
+        raise Error(BAD_INPUT, f"{path} is not valid TOML: {error}.") from error
     quantities = table.get("quantity", [])
     if not quantities or set(table) != {"quantity"}:
-        raise LauncherError(BAD_INPUT, f"{path} must hold [[quantity]] tables and nothing else.")
+        raise Error(BAD_INPUT, f"{path} must hold [[quantity]] tables and nothing else.")
     return [check(f"{path}, quantity {number}", quantity, path.parent) for number, quantity in enumerate(quantities, 1)]
 
 

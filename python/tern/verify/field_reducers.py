@@ -4,8 +4,8 @@ Vector fields enter with their magnitude. The expression is in x, y, z [m] of th
 limit the particles to a box; `scale` divides the result.
 """
 
-from launcher.expression import compile_expression
-from launcher.series import ReductionError
+from tern.expression import compile_expression
+from tern.errors import ReductionError
 
 NORMS = ("l2", "max", "mean")
 REQUIRED = {"process", "field", "norm", "expression"}

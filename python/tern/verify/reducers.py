@@ -6,9 +6,10 @@ makes sense. Times are interpolated linearly between rows. What cannot be comput
 
 import math
 
-from launcher import series as series_module
-from launcher.expression import compile_expression
-from launcher.series import ReductionError, at, covers, read, window
+from tern.results import series as series_module
+from tern.expression import compile_expression
+from tern.errors import ReductionError
+from tern.results.series import at, covers, read, window
 
 
 def _part(series, quantity):

@@ -1,12 +1,9 @@
 """Messages that a participant in Python must refuse; python_participant_test.cpp runs it. Exits 1 naming what passed."""
 
-import pathlib
 import sys
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "proto" / "python"))
-from message_check import BadMessage, check_body  # noqa: E402
-from schema import wire  # noqa: E402
+from tern.participant.message_check import BadMessage, check_body
+from tern.participant.schema import wire
 
 
 def surface(**changes):

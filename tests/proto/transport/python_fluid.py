@@ -1,12 +1,9 @@
 """A fluid written in Python from docs/PROTOCOL.md alone; python_participant_test.cpp runs it. Usage: ENDPOINT CASE_HASH [KEYS]."""
 
-import pathlib
 import sys
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "proto" / "python"))
-from participant import Participant, RunEnded  # noqa: E402
-from schema import wire  # noqa: E402
+from tern.participant.channel import Participant, RunEnded
+from tern.participant.schema import wire
 
 account = wire.Account(energy=[1.5, 2.5], gauge=[0, 2.5], undefined=[True, False])
 try:

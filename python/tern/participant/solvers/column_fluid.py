@@ -1,8 +1,8 @@
 #!/usr/bin/python3 -B
 """A fluid in closed form: a column of water of constant height on the upper faces of the structure, which move up and down as one.
 
-    ./tern run tests/process/cases/rigid_piston --fluid "proto/python/participants/column_fluid.py --step 5e-5" \\
-        --structure "proto/python/participants/rigid_spring.py --stiffness 2e7"
+    ./tern run tests/process/cases/rigid_piston --fluid "column_fluid.py --step 5e-5" \\
+        --structure "rigid_spring.py --stiffness 2e7"
 
 The pressure on the faces is p = rho h (g + a), a being the acceleration of the column. Over a window the column takes on the
 velocity w' of the faces, a = (w' - w)/dt. The faces have moved by u under the load phat of the coupler's trial and yield to a
@@ -17,14 +17,9 @@ carried pressures are p: here one particle per face at half a spacing, p - rho g
 stands for, since at the end of a row only half of the kernel is before it. "riemann" does not divide by the filling and is refused.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from fluid_side import Band, run_fluid  # noqa: E402
-from side import bad_input  # noqa: E402
+from tern.participant import Band, bad_input, run_fluid
 
 
 class ColumnFluid:

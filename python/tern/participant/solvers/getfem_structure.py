@@ -1,7 +1,7 @@
 #!/usr/bin/python3 -B
 """A structure by GetFEM: quadratic finite elements, the compressible neo-Hookean solid of tern's structure, plane strain.
 
-    ./tern run cases/dam_break_plate --structure proto/python/participants/getfem_structure.py
+    ./tern run cases/dam_break_plate --structure getfem_structure.py
 
 One body that is a box in 2D, clamps that are boxes and do not move, gravity. Elements of nine nodes (4 x 4 Gauss points), two
 across the thinner side; lines of the mesh follow the clamps, and what they hold is not meshed. In time TR-BDF2: the trapezoidal
@@ -12,17 +12,13 @@ A surface point is carried by the shape functions of the element behind it, and 
 functions. Normal and area follow from the deformed ends of its piece of the face.
 """
 
-import sys
-from pathlib import Path
-
 import getfem as gf
 import numpy as np
 import scipy.sparse as sparse
 from scipy.sparse.linalg import splu
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from side import NUMERICAL_FAILURE, RunEnded, bad_input  # noqa: E402
-from structure_side import Surface, cut_box, run_structure  # noqa: E402
+from tern.errors import NUMERICAL_FAILURE
+from tern.participant import RunEnded, Surface, bad_input, cut_box, run_structure
 
 GAMMA = 2 - np.sqrt(2)
 ELEMENTS_ACROSS = 2

@@ -1,23 +1,16 @@
 #!/usr/bin/python3 -B
 """A structure that moves as told, whatever the load: a rigid box displaced by expressions in t.
 
-    ./tern run CASE --structure "proto/python/participants/prescribed_motion.py --y '0.002*sin(50*t)'"
+    ./tern run CASE --structure "prescribed_motion.py --y '0.002*sin(50*t)'"
 
 It answers no pressure, so it reports a mass beyond all fluid: the coupler then tells the fluid that the faces do not yield.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from side import ROOT, bad_input  # noqa: E402
-from structure_side import Surface, cut_box, run_structure  # noqa: E402
-
-sys.path.append(str(ROOT))
-from launcher.expression import compile_expression  # noqa: E402
-from launcher.series import ReductionError  # noqa: E402
+from tern.errors import ReductionError
+from tern.expression import compile_expression
+from tern.participant import Surface, bad_input, cut_box, run_structure
 
 
 class PrescribedMotion:

@@ -2,19 +2,15 @@
 """The fluid of an earlier run, played back: the same messages in the same order, whatever the structure does.
 
     ./tern run CASE --record --out runs/yesterday
-    ./tern run CASE --fluid "proto/python/participants/recorded_fluid.py --from runs/yesterday" --structure "..."
+    ./tern run CASE --fluid "recorded_fluid.py --from runs/yesterday" --structure "..."
 
 The record holds for the windows it was made in. Where the algorithm CM3 asks for more trials than there were, the last pressure of
 the window is played again; where for fewer, the rest is passed over.
 """
 
 import sys
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from recording import Recording  # noqa: E402
-from schema import wire  # noqa: E402
-from side import run_participant  # noqa: E402
+from tern.participant import Recording, run_participant, wire
 
 
 def obey(run):

@@ -1,19 +1,15 @@
 #!/usr/bin/python3 -B
 """A structure that is a rigid box on a spring, free to move along gravity: the worked example of docs/PARTICIPANTS.md.
 
-    ./tern run cases/piston --structure "proto/python/participants/rigid_spring.py --stiffness 2e7"
+    ./tern run cases/piston --structure "rigid_spring.py --stiffness 2e7"
 
 m a = sum of the forces of the fluid + m g - k A d per metre of depth, with the mass m of the free part of the body, its area A
 across the spring and the stiffness k per area [N/m^3]. The load is constant over a window, so the motion in it is a cosine.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from structure_side import Surface, cut_box, run_structure  # noqa: E402
+from tern.participant import Surface, cut_box, run_structure
 
 
 class RigidSpring:
