@@ -187,6 +187,18 @@ class CommandTest(ParticipantTest):
         self.refuse("true", 2, "the case dry_plate is not coupled", case=ROOT / "cases" / "dry_plate")
         self.assertFalse(self.out.exists())
 
+    # Seen to fail: without the lookup in paths.solvers(); without old_names on the PYTHONPATH (ModuleNotFoundError).
+    def test_our_participants_are_found_by_name_and_old_names_for_one_more_version(self):
+        spring = (PARTICIPANTS / "rigid_spring.py").read_text()
+        old = self.path / "old.py"
+        old.write_text(spring.replace("from tern.participant import Surface", "import participant\nfrom structure_side import Surface"))
+        self.assertIn("import participant\n", old.read_text())
+        for command, said in (("rigid_spring.py", ""), ("proto/python/participants/rigid_spring.py", "write rigid_spring.py only"),
+                              (f"/usr/bin/python3 {old}", "write `from tern.participant import structure_side`")):
+            answer, _, errors = self.run_piston("--until", "1e-3", structure=f"{command} --stiffness 2e7")
+            self.assertEqual(answer, 0, errors)
+            self.assertIn(said, errors)
+
     # Seen to fail: without never_joined (60 s; 5 s).
     def test_a_command_that_ends_at_once_ends_the_run(self):
         self.refuse("true", 4, "true, the structure of this run, ended with exit code 0 before it had joined")
