@@ -160,13 +160,15 @@ def parser():
     one.add_argument("--json", action="store_true", help="print the table as JSON")
     _run_options(one)
 
-    one = _add(commands, "study", _study, "measure what every knob of a case costs and buys, and say which settings to take",
-               ["./tern study gray_cantilever", "./tern study dam_break_plate --budget 60 --knobs fluid.spacing,courant",
+    one = _add(commands, "study", _study, "measure what every parameter of a case costs and buys, and say which settings to take",
+               ["./tern study gray_cantilever", "./tern study dam_break_plate --budget 60 --parameters fluid.spacing,courant",
                 "./tern study hydrostatic_tank --error 1%     (from what is measured already, if anything is)",
                 "./tern study dam_break_front --time 5s", "./tern study CASE --write-docs   (its table to docs/trade, docs/TRADE.md anew)"])
     one.add_argument("case", metavar="CASE", nargs="?", help=CASE_HELP)
-    one.add_argument("--knobs", metavar="NAME,...", action="append", help="only these, e.g. fluid.spacing, pressure_tolerance, preset (default: all the scene has)")
-    one.add_argument("--levels", metavar="N", type=_count, default=2, help="values tried of every knob, at most (default 2)")
+    one.add_argument("--parameters", metavar="NAME,...", action="append", default=[],
+                     help="only these, e.g. fluid.spacing, pressure_tolerance, preset (default: all the scene has)")
+    one.add_argument("--knobs", action="append", default=[], help=argparse.SUPPRESS)  # its name one version ago
+    one.add_argument("--levels", metavar="N", type=_count, default=2, help="values tried of every parameter, at most (default 2)")
     one.add_argument("--budget", metavar="MINUTES", type=_positive_number, help="leave out what is not expected to fit; cheap points come first")
     one.add_argument("--until", metavar="T", type=_positive_number, help="end time [s] of every run (default: of study.toml, or of the case)")
     one.add_argument("--error", metavar="E", help="say which settings to take for this error, e.g. 5%%")
@@ -294,6 +296,9 @@ def _study(arguments):
         return documents.write(arguments)
     if arguments.case is None:
         raise Error(BAD_INPUT, "study needs a CASE (or --write-docs).")
+    if arguments.knobs:
+        print("tern: --knobs is called --parameters now.", file=sys.stderr)
+        arguments.parameters += arguments.knobs
     return command.study(arguments)
 
 

@@ -15,7 +15,7 @@ from real_run import build_directory
 
 from tern.launch import cases
 from tern.results.tables import read_table
-from tern.studies import accuracy, documents, front, knobs, rows, sweep
+from tern.studies import accuracy, documents, front, parameters, rows, sweep
 from tern.studies.rows import Row
 
 # A fluid whose front arrives at 1 + 4 dx^2 seconds, which bursts where the Courant number is 0.3, and takes 1/dx^3 of a time.
@@ -82,9 +82,9 @@ class ArithmeticTest(unittest.TestCase):
 
     def family(self, error, values=(0.4, 0.2, 0.1)):
         names = {0.2: "standard"}
-        return [row(names.get(value, f"p{value}"), 1, error(value), knob="" if value == 0.2 else "fluid.spacing", value=str(value),
+        return [row(names.get(value, f"p{value}"), 1, error(value), parameter="" if value == 0.2 else "fluid.spacing", value=str(value),
                     settings={"fluid.spacing_m": str(value)}, distance_to_standard=abs(error(value) - error(0.2)),
-                    distance_in_knob=None if value == 0.2 else abs(error(value) - error(min(values)))) for value in values]
+                    distance_in_parameter=None if value == 0.2 else abs(error(value) - error(min(values)))) for value in values]
 
     # Seen to fail: with log(e1/e2)/log(v2/v1).
     def test_the_order_of_second_order_errors_is_two(self):
@@ -132,11 +132,15 @@ class ArithmeticTest(unittest.TestCase):
     def test_a_table_reads_back_as_it_was_written(self):
         with tempfile.TemporaryDirectory(prefix="tern-test-") as directory:
             path = Path(directory) / "cost_accuracy.csv"
-            one = row("x", 1.25, 0.034, knob="k", cause="a, \"b\"", steps=7, quantities={"height, 1 s": 0.034}, settings={"fluid.spacing_m": "0.1"}, version="v")
+            one = row("x", 1.25, 0.034, parameter="k", cause="a, \"b\"", steps=7, quantities={"height, 1 s": 0.034},
+                      settings={"fluid.spacing_m": "0.1"}, version="v", distance_in_parameter=0.02)
             rows.append(path, one, rows.header(one.quantities, one.settings))
             rows.append(path, row("y", 2.0, None), rows.header(one.quantities, one.settings))
             self.assertEqual(rows.read(path)[0], one)
             self.assertEqual([back.error for back in rows.read(path)], [0.034, None])
+            # Seen to fail: without _OLD_NAMES.
+            path.write_text(path.read_text().replace("parameter", "knob"))
+            self.assertEqual(rows.read(path)[0], one)
 
     # Seen to fail: with the old block left behind the new one.
     def test_only_what_is_between_the_markers_is_replaced(self):
@@ -180,7 +184,7 @@ class StandInTest(unittest.TestCase):
 
     # Seen to fail: with the rows of the file left aside; with a failed point run again; with its failure raised.
     def test_a_failed_point_is_a_row_and_nothing_is_run_twice(self):
-        words = ("--knobs", "fluid.spacing,fluid.numerics.courant", "--levels", "2")
+        words = ("--parameters", "fluid.spacing,fluid.numerics.courant", "--levels", "2")
         code, output = self.study(*words)
         self.assertEqual(code, 0, output)
         self.assertEqual(self.count(), 6, output)  # standard twice, two spacings, two Courant numbers
@@ -192,8 +196,8 @@ class StandInTest(unittest.TestCase):
         self.assertEqual(found["fluid.spacing=0.05"].distance_to_finest, found["standard"].distance_to_finest, "its uncertainty")
         self.assertEqual(self.study(*words)[0], 0)
         self.assertEqual(self.count(), 6)
-        self.study("--knobs", "gradient")
-        self.assertEqual(self.count(), 7, "one knob more is one run more")
+        self.study("--parameters", "gradient")
+        self.assertEqual(self.count(), 7, "one parameter more is one run more")
         text = (self.path / "runs" / "study-pond" / "study.md").read_text()
         self.assertIn("order 2, 2", text)
         self.assertIn("It burst.", text)
@@ -201,15 +205,16 @@ class StandInTest(unittest.TestCase):
 
     # Seen to fail: with every failure kept.
     def test_a_point_lost_to_the_machine_is_run_again(self):
-        words = ("--knobs", "fluid.numerics.courant", "--levels", "1")
-        self.study(*words, FAKE_CODE="4")
+        words = ("--parameters", "fluid.numerics.courant", "--levels", "1")
+        _, output = self.study("--knobs", *words[1:], FAKE_CODE="4")
+        self.assertIn("--knobs is called --parameters now", output)
         self.assertEqual((self.rows()["fluid.numerics.courant=0.3"].status, self.count()), ("peer lost", 3))
         self.study(*words)
         self.assertEqual((self.rows()["fluid.numerics.courant=0.3"].status, self.count()), ("numerical failure", 4))
 
     # Seen to fail: with the other rows left out when the table is written; with the curves of whatever run is in the directory.
     def test_another_end_neither_mixes_with_nor_loses_what_was_measured(self):
-        words = ("--knobs", "fluid.spacing", "--levels", "1")
+        words = ("--parameters", "fluid.spacing", "--levels", "1")
         self.study(*words)
         before = self.rows()
         code, output = self.study(*words, "--until", "2.5")
@@ -223,7 +228,7 @@ class StandInTest(unittest.TestCase):
 
     # Seen to fail: with the wish answered though nothing was measured.
     def test_a_wish_is_answered_with_a_line_to_copy(self):
-        code, output = self.study("--knobs", "fluid.spacing", "--levels", "2", "--error", "2%")
+        code, output = self.study("--parameters", "fluid.spacing", "--levels", "2", "--error", "2%")
         self.assertEqual(code, 0, output)
         self.assertIn("./tern run pond --set fluid.spacing=0.05\n  error against the reference 1 %", output)
         runs = self.count()
@@ -234,17 +239,17 @@ class StandInTest(unittest.TestCase):
     # Seen to fail: with the distance of the finest run from itself taken for its error.
     def test_one_spacing_alone_tells_no_error(self):
         (self.path / "pond" / "expected.toml").unlink()
-        code, output = self.study("--knobs", "gradient", "--error", "5%")
+        code, output = self.study("--parameters", "gradient", "--error", "5%")
         self.assertEqual(code, 0, output)
         self.assertIn("No point of the study has a known distance to the finest run", output)
-        self.study("--knobs", "fluid.spacing")
+        self.study("--parameters", "fluid.spacing")
         found = self.rows()  # 4 (0.1^2 - 0.05^2) = 0.03 of a front at 3 m
         self.assertAlmostEqual(found["standard"].distance_to_finest, 0.01, 4)
         self.assertEqual(found["fluid.spacing=0.05"].distance_to_finest, found["standard"].distance_to_finest, "its uncertainty")
 
     # Seen to fail: without the comparison with the budget.
     def test_a_budget_leaves_out_what_does_not_fit_and_says_so(self):
-        code, output = self.study("--knobs", "fluid.spacing,gradient", "--budget", "0.1", FAKE_SLEEP="1")
+        code, output = self.study("--parameters", "fluid.spacing,gradient", "--budget", "0.1", FAKE_SLEEP="1")
         self.assertEqual(code, 0, output)
         self.assertRegex(output, r"left out, not expected to fit the budget: .*fluid.spacing=0.05")
         self.assertIn("standard-again", self.rows())
@@ -252,7 +257,7 @@ class StandInTest(unittest.TestCase):
 
     # Seen to fail: with rows written at the end only; with the interrupted run taken for a failed point.
     def test_an_interrupt_leaves_the_finished_rows(self):
-        process = self.start("--knobs", "fluid.spacing", FAKE_SLEEP="1.5")
+        process = self.start("--parameters", "fluid.spacing", FAKE_SLEEP="1.5")
         self.assertTrue(wait_until(lambda: self.count() >= 2, 60))
         self.assertEqual(list(self.rows()), ["standard"], "written as soon as it has finished")
         os.killpg(process.pid, signal.SIGINT)
@@ -262,7 +267,7 @@ class StandInTest(unittest.TestCase):
 
     # Each seen to fail without its check.
     def test_mistakes_are_refused_with_a_remedy(self):
-        for words, sentence in ((("--knobs", "fluid.spacng"), "did you mean fluid.spacing?"), (("--knobs", "smoothing_length_ratio"), "write it in full"),
+        for words, sentence in ((("--parameters", "fluid.spacng"), "did you mean fluid.spacing?"), (("--parameters", "smoothing_length_ratio"), "write it in full"),
                                 (("--error", "much"), "write for example 5% or 0.05"), (("--time", "-3"), "write for example 60s"),
                                 (("--levels", "0"), "not a whole number"), (("--budget", "x"), "not a positive number")):
             code, output = self.study(*words)
@@ -289,7 +294,7 @@ class CommittedTablesTest(unittest.TestCase):
         path, out = cases.find(case), Path(directory.name)
         build = build_directory()
         criterion = accuracy.read(path.parent, cases.read(build, path, [])["end_time"])
-        points = {"draft": knobs.Point("draft", "preset", "draft", ("--preset", "draft")), "standard": knobs.STANDARD}
+        points = {"draft": parameters.Point("draft", "preset", "draft", ("--preset", "draft")), "standard": parameters.STANDARD}
         work = sweep.Sweep(path, [], out, criterion, [])
         found = [work.measure(planned) for planned in sweep.plan(build, path, [], [points[name] for name in names])]
         tables = {name: read_table(out / "points" / name / "gauges.csv") for name in names}

@@ -1,1 +1,1 @@
-"""./tern study: what every knob costs and what it buys, measured (docs/TRADE.md)."""
+"""./tern study: what every parameter costs and what it buys, measured (docs/TRADE.md)."""

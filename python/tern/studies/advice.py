@@ -4,9 +4,9 @@ from pathlib import Path
 
 from tern import paths
 from tern.errors import Error
-from tern.studies import front, knobs, report, rows
+from tern.studies import front, parameters, report, rows
 
-QUICKER = 1.25       # speed-up from which a knob is worth a line
+QUICKER = 1.25       # speed-up from which a parameter is worth a line
 UNNOTICED = 0.0005   # error added that is not worth a word
 NOTICED = 0.001      # error removed that is
 
@@ -68,12 +68,12 @@ def text(case):
     lines = [f"For another error or time ({where}; docs/TRADE.md)"]
     lines += [_line(f"--preset {name}", effects) for name in ("draft", "reference") if (effects := _effects(tables, name))]
     points = {row.point: row for table in tables.values() for row in table
-              if row.options and row.knob not in ("preset", "spacing", "fluid.spacing", "structure.body.spacing")}
-    known = {knob.key: knob for knob in knobs.KNOBS}
+              if row.options and row.parameter not in ("preset", "spacing", "fluid.spacing", "structure.body.spacing")}
+    known = {parameter.key: parameter for parameter in parameters.PARAMETERS}
     for point, row in points.items():
         effects = _effects(tables, point)
-        knob = known.get(row.knob)
-        if not effects or knob is None or knob.with_ or not knobs.applies(knob, case["settings"]):
+        parameter = known.get(row.parameter)
+        if not effects or parameter is None or parameter.with_ or not parameters.applies(parameter, case["settings"]):
             continue
         quicker = min(speed for speed, _ in effects) >= QUICKER and max(added for _, added in effects) <= UNNOTICED
         better = max(added for _, added in effects) <= -NOTICED

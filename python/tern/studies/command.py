@@ -1,4 +1,4 @@
-"""./tern study: sweeps the knobs of a case, resumes what was begun, and answers which settings to take."""
+"""./tern study: sweeps the parameters of a case, resumes what was begun, and answers which settings to take."""
 
 import shlex
 from pathlib import Path
@@ -7,7 +7,7 @@ from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, INTERRUPTED, PEER_LOST, E
 from tern.launch import build, cases
 from tern.results import summary
 from tern.results.run import Run
-from tern.studies import accuracy, front, knobs, report, rows, sweep
+from tern.studies import accuracy, front, parameters, report, rows, sweep
 
 
 def parse_error(text):
@@ -45,7 +45,7 @@ class Study:
     def __init__(self, arguments):
         self.wish = {"error": parse_error(arguments.error) if arguments.error else None,
                      "time_s": parse_time(arguments.time) if arguments.time else None}
-        self.chosen = knobs.select([name for part in arguments.knobs or [] for name in part.split(",") if name])
+        self.chosen = parameters.select([name for part in arguments.parameters or [] for name in part.split(",") if name])
         self.budget_s = sweep.check_budget(arguments.budget)
         self.path = cases.find(arguments.case)
         self.build = build.ensure("release")
@@ -58,9 +58,9 @@ class Study:
         self.out.mkdir(parents=True, exist_ok=True)
         self.csv = self.out / "cost_accuracy.csv"
         self.version, self.keep_versions = build.version(self.build), arguments.keep
-        self.scene_knobs = [knob for knob in knobs.KNOBS if knobs.applies(knob, self.settings)]
-        wanted = knobs.points(self.settings, self.chosen, arguments.levels)
-        self.wanted = [knobs.STANDARD, *wanted, knobs.STANDARD_AGAIN]
+        self.scene_parameters = [parameter for parameter in parameters.PARAMETERS if parameters.applies(parameter, self.settings)]
+        wanted = parameters.points(self.settings, self.chosen, arguments.levels)
+        self.wanted = [parameters.STANDARD, *wanted, parameters.STANDARD_AGAIN]
         found = rows.read(self.csv)
         own = {(row.point, row.options): self._judged(row) for row in found if self._belongs(row)}
         self.rows, self.others = list(own.values()), [row for row in found if not self._belongs(row)]
@@ -80,7 +80,7 @@ class Study:
         return row
 
     def columns(self):
-        cells = sweep.effective_cells(self.settings, self.scene_knobs)
+        cells = sweep.effective_cells(self.settings, self.scene_parameters)
         return rows.header([quantity["name"] for quantity in self.criterion.quantities], cells)
 
     def keep(self, row):
@@ -96,15 +96,15 @@ class Study:
         # A process that was killed or a disk that was full says nothing about the settings: such a point is run again.
         known = {(row.point, row.options) for row in self.rows if row.exit_code not in (PEER_LOST, INPUT_OUTPUT)}
         missing = [point for point in self.wanted if (point.name, shlex.join(point.options)) not in known]
-        planned = sweep.plan(self.build, self.path, self.base_options, [knobs.STANDARD, *(point for point in missing if point != knobs.STANDARD)])
-        standard = next(one for one in planned if one.point == knobs.STANDARD)
-        work = sweep.Sweep(self.path, self.base_options, self.out, self.criterion, self.scene_knobs)
-        if knobs.STANDARD not in missing:
+        planned = sweep.plan(self.build, self.path, self.base_options, [parameters.STANDARD, *(point for point in missing if point != parameters.STANDARD)])
+        standard = next(one for one in planned if one.point == parameters.STANDARD)
+        work = sweep.Sweep(self.path, self.base_options, self.out, self.criterion, self.scene_parameters)
+        if parameters.STANDARD not in missing:
             planned.remove(standard)
             done = front.find(self.rows, "standard")
             if done:
                 work.measured_before(standard.expected_s, done.wall_s)
-        if not [one for one in planned if one.point != knobs.STANDARD_AGAIN]:
+        if not [one for one in planned if one.point != parameters.STANDARD_AGAIN]:
             planned = [one for one in planned if not front.find(self.rows, front.REPEATED)]
         left_out = []
         try:
@@ -118,11 +118,11 @@ class Study:
         tables = {row.point: self._table(row) for row in self.rows if row.done}
         best = front.finest(self.rows)
         targets = {row.point: {"distance_to_finest": best and best.point, "distance_to_standard": "standard"} for row in self.rows}
-        for knob in (knob.key for knob in self.scene_knobs if knob.refines):
-            entries = front.family(self.rows, knob)
+        for parameter in (parameter.key for parameter in self.scene_parameters if parameter.refines):
+            entries = front.family(self.rows, parameter)
             for _, row in entries:
-                if row.knob == knob:
-                    targets[row.point]["distance_in_knob"] = entries[-1][1].point
+                if row.parameter == parameter:
+                    targets[row.point]["distance_in_parameter"] = entries[-1][1].point
         for row in self.rows:
             for name, target in targets[row.point].items():
                 known = tables.get(row.point) and tables.get(target)

@@ -6,7 +6,7 @@ from tern.launch import cases
 from tern import paths
 from tern.errors import BAD_INPUT, DONE, Error
 from tern.studies import front, report, rows
-from tern.studies.knobs import KNOBS
+from tern.studies.parameters import PARAMETERS
 from tern.studies import picture as trade
 
 BEGIN, END = "<!-- trade: written by ./tern study --write-docs -->", "<!-- trade: end -->"
@@ -16,17 +16,17 @@ INTRODUCTION = """# What accuracy costs
 
 Written by `./tern study --write-docs` from `docs/trade/*.csv`, each the `cost_accuracy.csv` of `./tern study CASE`; do not edit.
 
-Every knob is turned by itself around the case as it stands; runs are done one at a time.
+Every parameter is turned by itself around the case as it stands; runs are done one at a time.
 
 * *Error*: root mean square of (value - reference)/scale over the quantities that the case's `study.toml` names. Where the reference is another code or an experiment
   (confidence B) it has a floor, and nearness to it may be an accident: then, as without a reference, runs are judged by how far they are from the finest.
 * *From the finest*: the distance of all gauges' curves from the run with the smallest spacings, root mean square over the gauges of the L2 distance over time over the
   largest magnitude. Of the finest run itself: its uncertainty, which is the distance of the next finest.
-* *Moves the curves by*: the same distance from the case as it stands, what the knob alone does.
+* *Moves the curves by*: the same distance from the case as it stands, what the parameter alone does.
 * CPU times are those of a shared machine with other work beside it; each scene says how far two runs of the same differ, and a speed-up of 0.8 to 1.2 may be noise. Steps and
   pressure iterations are free of that.
 
-A knob that these tables have and a case has no more (`fluid.numerics.preconditioner`) was taken out for what they say of it.
+A parameter that these tables have and a case has no more (`fluid.numerics.preconditioner`) was taken out for what they say of it.
 The rows of a scene may come from several versions, which are named; between them the error of the case as it stands has moved by at most 0.06 %.
 """
 
@@ -82,33 +82,33 @@ def wish_table(tables):
 
 def _value(row, standard):
     """The value as a factor of the standard's where it is one, so that scenes can be compared."""
-    knob = next((knob for knob in KNOBS if knob.key == row.knob), None)
-    if knob and knob.scaled and row.knob != "spacing":
-        name = f"{knob.key}_{knob.unit}" if knob.unit else knob.key
-        return f"{float(row.settings[name]) / float(standard.settings[name]):.3g} x" + (f" (with {', '.join(knob.with_)})" if knob.with_ else "")
-    return row.value + (f" (with {', '.join(knob.with_)})" if knob and knob.with_ else "")
+    parameter = next((parameter for parameter in PARAMETERS if parameter.key == row.parameter), None)
+    if parameter and parameter.scaled and row.parameter != "spacing":
+        name = f"{parameter.key}_{parameter.unit}" if parameter.unit else parameter.key
+        return f"{float(row.settings[name]) / float(standard.settings[name]):.3g} x" + (f" (with {', '.join(parameter.with_)})" if parameter.with_ else "")
+    return row.value + (f" (with {', '.join(parameter.with_)})" if parameter and parameter.with_ else "")
 
 
-def knob_summary(tables):
-    """Every value of every knob over all scenes that have it."""
+def parameter_summary(tables):
+    """Every value of every parameter over all scenes that have it."""
     entries = {}
     for found in tables.values():
         cost, _ = front.standard_cost(found)
         standard = front.find(found, "standard")
         for row in found:
-            if row.knob and row.knob != "preset" and standard:
+            if row.parameter and row.parameter != "preset" and standard:
                 label = _value(row, standard) if row.done else row.value
-                entries.setdefault((row.knob, label), []).append((row, cost, standard))
-    order = {knob.key: number for number, knob in enumerate(KNOBS)}
+                entries.setdefault((row.parameter, label), []).append((row, cost, standard))
+    order = {parameter.key: number for number, parameter in enumerate(PARAMETERS)}
     lines = []
-    for (knob, value), found in sorted(entries.items(), key=lambda entry: order.get(entry[0][0], 99)):
+    for (parameter, value), found in sorted(entries.items(), key=lambda entry: order.get(entry[0][0], 99)):
         done = [(row, cost, standard) for row, cost, standard in found if row.done]
         added = [row.error - standard.error for row, _, standard in done
                  if row.judged_by == "reference" and row.error is not None and standard.error is not None]
-        lines.append([f"`{knob}`", value, report.span([cost / row.cpu_s for row, cost, _ in done], lambda x: f"{x:.2g}"),
+        lines.append([f"`{parameter}`", value, report.span([cost / row.cpu_s for row, cost, _ in done], lambda x: f"{x:.2g}"),
                       report.span(added, report.points), report.span([row.distance_to_standard for row, _, _ in done], lambda x: f"{100 * x:.2g} %"),
                       f"{len(done)}" + (f", {len(found) - len(done)} did not end" if len(done) < len(found) else "")])
-    return report.table(["knob", "value", "speed-up", "error added", "moves the curves by", "scenes"], lines)
+    return report.table(["parameter", "value", "speed-up", "error added", "moves the curves by", "scenes"], lines)
 
 
 def _case_section(case, found):
@@ -117,7 +117,7 @@ def _case_section(case, found):
     versions = ", ".join(sorted({row.version for row in found}))
     parts = [f"## {case}", "", f"`./tern study {case}`, {versions}, to t = {end:g} s. The case as it stands takes {report.seconds(cost)} of CPU; its runs "
              f"at begin and end differ by {report.percent(scatter)}. {report.finest_sentence(found)}", "", report.quantity_lines(found), "",
-             "The front:", "", report.front_table(found), "", "Observed orders:", "", report.order_lines(found), "", "Knobs:", "", report.knob_table(found), ""]
+             "The front:", "", report.front_table(found), "", "Observed orders:", "", report.order_lines(found), "", "Parameters:", "", report.parameter_table(found), ""]
     if report.failures(found):
         parts += ["Did not end:", "", report.failures(found), ""]
     return "\n".join(parts)
@@ -126,7 +126,7 @@ def _case_section(case, found):
 def trade_text(tables):
     """docs/TRADE.md."""
     return "\n".join([INTRODUCTION, "![Error against CPU time](pictures/trade.png)", "", "## The presets", "", _presets_words(), "", preset_table(tables), "",
-                      "## Which settings for which error", "", wish_table(tables), "", "## The knobs, over all scenes", "", knob_summary(tables), "",
+                      "## Which settings for which error", "", wish_table(tables), "", "## The parameters, over all scenes", "", parameter_summary(tables), "",
                       *(_case_section(case, found) for case, found in tables.items())])
 
 

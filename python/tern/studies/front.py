@@ -22,14 +22,14 @@ def by_reference(rows):
 
 
 def _same_computation(row):
-    """What two rows share if the one knob more did nothing: then only the noise of CPU times could tell them apart."""
+    """What two rows share if the one parameter more did nothing: then only the noise of CPU times could tell them apart."""
     return row.steps, row.pressure_iterations, row.error, row.distance_to_standard, tuple(row.quantities.values())
 
 
 def measured(rows):
     """The finished rows with a cost and an error; of equal computations one, a preset before others."""
     known = [row for row in rows if row.done and row.cpu_s and error_of(row) is not None and row.point != REPEATED]
-    known.sort(key=lambda row: 0 if row.point == "standard" else 1 if row.knob == "preset" else 2)
+    known.sort(key=lambda row: 0 if row.point == "standard" else 1 if row.parameter == "preset" else 2)
     distinct = {}
     for row in known:
         distinct.setdefault(_same_computation(row), row)
@@ -61,7 +61,7 @@ def next_finest(rows):
     """The finished run of the next coarser spacing, with nothing else changed; its distance is the uncertainty of the finest."""
     best = finest(rows)
     coarser = [row for row in rows if row.done and best and spacings(row) and spacings(row)[0] > 1.01 * spacings(best)[0]
-               and (row.point == "standard" or row.knob.endswith("spacing"))]
+               and (row.point == "standard" or row.parameter.endswith("spacing"))]
     return min(coarser, key=spacings, default=None)
 
 
@@ -71,21 +71,21 @@ def standard_cost(rows):
     return (sum(costs) / len(costs), max(costs) / min(costs) - 1) if costs else (None, None)
 
 
-def family(rows, knob):
-    """[(value, row)] of a knob that refines, the case as it stands included, from coarse to fine."""
-    entries = [(_value(row, knob), row) for row in rows if row.done and row.knob == knob]
+def family(rows, parameter):
+    """[(value, row)] of a parameter that refines, the case as it stands included, from coarse to fine."""
+    entries = [(_value(row, parameter), row) for row in rows if row.done and row.parameter == parameter]
     standard = find(rows, "standard")
-    if entries and standard and knob != "spacing":
-        entries.append((_value(standard, knob), standard))
+    if entries and standard and parameter != "spacing":
+        entries.append((_value(standard, parameter), standard))
     elif entries and standard:
         entries.append((1.0, standard))
     return sorted((entry for entry in entries if entry[0] is not None), key=lambda entry: -entry[0])
 
 
-def _value(row, knob):
-    if knob == "spacing":
+def _value(row, parameter):
+    if parameter == "spacing":
         return float(row.value.split()[0])
-    cell = next((cell for name, cell in row.settings.items() if name == knob or name.startswith(knob + "_")), "")
+    cell = next((cell for name, cell in row.settings.items() if name == parameter or name.startswith(parameter + "_")), "")
     try:
         return float(cell)
     except ValueError:
@@ -123,34 +123,34 @@ def order_of_three(values, to_finest):
 
 @dataclass
 class Order:
-    """How a knob converges: errors and distances to the finest of the knob, with the orders they show."""
+    """How a parameter converges: errors and distances to the finest of the parameter, with the orders they show."""
 
-    knob: str
+    parameter: str
     entries: list          # [(value, row)], coarse to fine
     against_reference: list  # between neighbours
     of_itself: float | None  # from the last three
     plateau: float | None    # value from which on refining removes less than a tenth of the error
 
 
-def orders(rows, knobs):
-    """One Order per knob of `knobs` with three values."""
+def orders(rows, parameters):
+    """One Order per parameter of `parameters` with three values."""
     result = []
-    for knob in knobs:
-        entries = family(rows, knob)
+    for parameter in parameters:
+        entries = family(rows, parameter)
         if len(entries) < 3:
             continue
         errors = [(value, row.error) for value, row in entries]
         found = [order(*pair) for pair in zip(errors, errors[1:])]
         last = entries[-3:]
-        # The standard belongs to many knobs; how far it is from the finest of this one, that one knows.
-        to_finest = [last[2][1].distance_to_standard if row.point == "standard" else row.distance_in_knob for _, row in last[:2]]
+        # The standard belongs to many parameters; how far it is from the finest of this one, that one knows.
+        to_finest = [last[2][1].distance_to_standard if row.point == "standard" else row.distance_in_parameter for _, row in last[:2]]
         itself = order_of_three([value for value, _ in last], to_finest)
         plateau = None
         for (value, error), (_, finer) in zip(reversed(errors[:-1]), reversed(errors[1:])):
             if error is None or finer is None or finer < 0.9 * error:
                 break
             plateau = value
-        result.append(Order(knob, entries, found, itself, plateau))
+        result.append(Order(parameter, entries, found, itself, plateau))
     return result
 
 

@@ -1,4 +1,4 @@
-"""The knobs of a study: every numerical option, the values tried, and what a scene needs to have it.
+"""The parameters of a study: every numerical option, the values tried, and what a scene needs to have it.
 
 Values are tried one at a time around the case as it stands; the first of each list tell most, --levels takes as many.
 """
@@ -11,7 +11,7 @@ from tern.errors import BAD_INPUT, Error
 
 
 @dataclass(frozen=True)
-class Knob:
+class Parameter:
     """One option. `values`: numbers that multiply the value of the case where `scaled`, else the values themselves."""
 
     key: str
@@ -20,42 +20,42 @@ class Knob:
     scaled: bool = False
     unit: str = ""
     refines: bool = False  # a smaller value is a finer computation, with an order to observe
-    with_: tuple = ()      # settings without which the knob does nothing
+    with_: tuple = ()      # settings without which the parameter does nothing
 
 
 # Factors of a spacing that are no power of two are moved to where the lattice still divides the boxes; see `_fitting`.
 _SPACING = (2.0, 0.5, 2**0.5, 0.5**0.5)
 
-KNOBS = (
-    Knob("preset", "any", ("draft", "reference")),
-    Knob("spacing", "both", _SPACING, True, "", True),
-    Knob("fluid.spacing", "fluid", _SPACING, True, "m", True),
-    Knob("structure.body.spacing", "structure", _SPACING, True, "m", True),
-    Knob("fluid.numerics.courant", "fluid", (2.0, 0.5), True, "", True),
-    Knob("fluid.numerics.gravity_courant", "fluid", (2.0, 0.5), True, "", True),
-    Knob("fluid.numerics.viscous_courant", "viscosity", (0.5, 0.25), True, "", True),
-    Knob("fluid.numerics.pressure_tolerance", "fluid", (1e-4, 1e-8, 1e-3, 1e-2), refines=True),
-    Knob("fluid.numerics.smoothing_length_ratio", "fluid", (1.3, 1.8, 1.2)),
-    Knob("fluid.numerics.gradient", "fluid", ("sum",)),
-    Knob("fluid.numerics.blend_theta", "fluid", (0.0, 1.0)),
-    Knob("fluid.numerics.density_relaxation", "fluid", (0.0, 0.05)),
-    Knob("fluid.numerics.shifting", "fluid", (0.0, 1.0)),
-    Knob("fluid.numerics.noise_damping", "fluid", (0.0, 0.4)),
-    Knob("fluid.numerics.contact_distance", "fluid", (0.0, 0.4)),
-    Knob("structure.numerics.integrator", "structure", ("explicit", "implicit")),
-    Knob("structure.numerics.courant", "structure", (2.0, 0.5), True, "", True, ("structure.numerics.integrator=explicit",)),
-    Knob("structure.numerics.smoothing_length_ratio", "structure", (1.3, 1.0)),
-    Knob("structure.numerics.riemann_diffusion", "structure", (0.0, 0.5), with_=("structure.numerics.integrator=explicit",)),
-    Knob("structure.numerics.hourglass_penalty", "structure", (0.1, 0.02)),
-    Knob("coupling.algorithm", "both", ("CM3", "CM0", "CM2")),
-    Knob("coupling.acceleration", "both", ("aitken",), with_=("coupling.algorithm=CM3",)),
-    Knob("coupling.tolerance", "both", (1e-2, 1e-6), refines=True, with_=("coupling.algorithm=CM3",)),
-    Knob("coupling.scheme", "both", ("pi", "fsa")),
-    Knob("coupling.riemann_limiter", "both", (0.0, 6.0)),
-    Knob("coupling.robin_mass_factor", "both", (0.5, 1.2)),
+PARAMETERS = (
+    Parameter("preset", "any", ("draft", "reference")),
+    Parameter("spacing", "both", _SPACING, True, "", True),
+    Parameter("fluid.spacing", "fluid", _SPACING, True, "m", True),
+    Parameter("structure.body.spacing", "structure", _SPACING, True, "m", True),
+    Parameter("fluid.numerics.courant", "fluid", (2.0, 0.5), True, "", True),
+    Parameter("fluid.numerics.gravity_courant", "fluid", (2.0, 0.5), True, "", True),
+    Parameter("fluid.numerics.viscous_courant", "viscosity", (0.5, 0.25), True, "", True),
+    Parameter("fluid.numerics.pressure_tolerance", "fluid", (1e-4, 1e-8, 1e-3, 1e-2), refines=True),
+    Parameter("fluid.numerics.smoothing_length_ratio", "fluid", (1.3, 1.8, 1.2)),
+    Parameter("fluid.numerics.gradient", "fluid", ("sum",)),
+    Parameter("fluid.numerics.blend_theta", "fluid", (0.0, 1.0)),
+    Parameter("fluid.numerics.density_relaxation", "fluid", (0.0, 0.05)),
+    Parameter("fluid.numerics.shifting", "fluid", (0.0, 1.0)),
+    Parameter("fluid.numerics.noise_damping", "fluid", (0.0, 0.4)),
+    Parameter("fluid.numerics.contact_distance", "fluid", (0.0, 0.4)),
+    Parameter("structure.numerics.integrator", "structure", ("explicit", "implicit")),
+    Parameter("structure.numerics.courant", "structure", (2.0, 0.5), True, "", True, ("structure.numerics.integrator=explicit",)),
+    Parameter("structure.numerics.smoothing_length_ratio", "structure", (1.3, 1.0)),
+    Parameter("structure.numerics.riemann_diffusion", "structure", (0.0, 0.5), with_=("structure.numerics.integrator=explicit",)),
+    Parameter("structure.numerics.hourglass_penalty", "structure", (0.1, 0.02)),
+    Parameter("coupling.algorithm", "both", ("CM3", "CM0", "CM2")),
+    Parameter("coupling.acceleration", "both", ("aitken",), with_=("coupling.algorithm=CM3",)),
+    Parameter("coupling.tolerance", "both", (1e-2, 1e-6), refines=True, with_=("coupling.algorithm=CM3",)),
+    Parameter("coupling.scheme", "both", ("pi", "fsa")),
+    Parameter("coupling.riemann_limiter", "both", (0.0, 6.0)),
+    Parameter("coupling.robin_mass_factor", "both", (0.5, 1.2)),
     # --set cannot take a table away; a coefficient of 1e-9 is as good as none.
-    Knob("coupling.vem.coefficient", "both", (1e-9, 1.0, 5.0)),
-    Knob("coupling.vem.form", "both", ("sum", "seed"), with_=("coupling.vem.coefficient=1",)),
+    Parameter("coupling.vem.coefficient", "both", (1e-9, 1.0, 5.0)),
+    Parameter("coupling.vem.form", "both", ("sum", "seed"), with_=("coupling.vem.coefficient=1",)),
 )
 
 
@@ -64,7 +64,7 @@ class Point:
     """One run of a study: the case with `options`."""
 
     name: str
-    knob: str = ""
+    parameter: str = ""
     value: str = ""
     options: tuple = field(default_factory=tuple)  # words of the command line
 
@@ -74,18 +74,18 @@ STANDARD_AGAIN = Point("standard-again")  # the last run: how much the same cost
 
 
 def select(names):
-    """The knobs called by whole name or by an ending of it that only one has; all for no names."""
+    """The parameters called by whole name or by an ending of it that only one has; all for no names."""
     if not names:
-        return list(KNOBS)
+        return list(PARAMETERS)
     chosen = []
     for name in names:
-        found = [knob for knob in KNOBS if knob.key == name] or [knob for knob in KNOBS if knob.key.endswith("." + name)]
+        found = [parameter for parameter in PARAMETERS if parameter.key == name] or [parameter for parameter in PARAMETERS if parameter.key.endswith("." + name)]
         if len(found) > 1:
-            raise Error(BAD_INPUT, f"--knobs {name} may be {' or '.join(knob.key for knob in found)}; write it in full.")
+            raise Error(BAD_INPUT, f"--parameters {name} may be {' or '.join(parameter.key for parameter in found)}; write it in full.")
         if not found:
-            keys = [knob.key for knob in KNOBS]
+            keys = [parameter.key for parameter in PARAMETERS]
             near = difflib.get_close_matches(name, keys + [key.rpartition(".")[2] for key in keys], n=1, cutoff=0.5)
-            raise Error(BAD_INPUT, f"--knobs: there is no knob {name}{f', did you mean {near[0]}?' if near else ';'} "
+            raise Error(BAD_INPUT, f"--parameters: there is no parameter {name}{f', did you mean {near[0]}?' if near else ';'} "
                                            f"known are {', '.join(keys)}.")
         chosen += found
     return chosen
@@ -100,11 +100,11 @@ def effective(settings, key):
     return place
 
 
-def applies(knob, settings):
-    """Whether the scene has what the knob turns."""
+def applies(parameter, settings):
+    """Whether the scene has what the parameter turns."""
     fluid, structure = "fluid" in settings, "structure" in settings
     return {"any": True, "fluid": fluid, "structure": structure, "both": fluid and structure,
-            "viscosity": fluid and "viscosity" in settings["fluid"]}[knob.needs]
+            "viscosity": fluid and "viscosity" in settings["fluid"]}[parameter.needs]
 
 
 def _box_sides(bodies, spacing):
@@ -151,36 +151,36 @@ def _fluid_spacing(settings, factor):
     return None if fit is None else [("fluid.spacing", fluid["spacing"] * fit)]
 
 
-def _settings_of(knob, value, settings):
+def _settings_of(parameter, value, settings):
     """(what is printed as the value, [(key, value)]) of one try; None if it is no other than the case, or does not fit."""
-    if knob.key in ("fluid.spacing", "structure.body.spacing"):
-        pairs = (_fluid_spacing if knob.needs == "fluid" else _body_spacings)(settings, value)
+    if parameter.key in ("fluid.spacing", "structure.body.spacing"):
+        pairs = (_fluid_spacing if parameter.needs == "fluid" else _body_spacings)(settings, value)
         return pairs and (_number(pairs[0][1]), pairs)
-    if knob.key == "spacing":
+    if parameter.key == "spacing":
         fluid, bodies = _fluid_spacing(settings, value), _body_spacings(settings, value)
         return fluid and bodies and (f"{value:.4g} x", fluid + bodies)
-    now = effective(settings, knob.key)
-    if now is None and knob.key == "structure.numerics.integrator":
+    now = effective(settings, parameter.key)
+    if now is None and parameter.key == "structure.numerics.integrator":
         now = "auto" if "fluid" in settings else "explicit"  # what an absent key means
-    if knob.scaled:
-        return None if now is None else (_number(now * value), [(knob.key, now * value)])
+    if parameter.scaled:
+        return None if now is None else (_number(now * value), [(parameter.key, now * value)])
     same = isinstance(now, (int, float)) and isinstance(value, float) and abs(now - value) <= 1e-12 * abs(now)
-    return None if same or now == value else (_number(value), [(knob.key, value)])
+    return None if same or now == value else (_number(value), [(parameter.key, value)])
 
 
-def points(settings, knobs, levels):
+def points(settings, parameters, levels):
     """All points of a study but the two of the case as it stands."""
     result = []
-    for knob in knobs:
-        if not applies(knob, settings):
+    for parameter in parameters:
+        if not applies(parameter, settings):
             continue
-        for value in knob.values[:levels]:
-            if knob.key == "preset":
+        for value in parameter.values[:levels]:
+            if parameter.key == "preset":
                 result.append(Point(value, "preset", value, ("--preset", value)))
                 continue
-            found = _settings_of(knob, value, settings)
+            found = _settings_of(parameter, value, settings)
             if found:
-                pairs = [*(pair.split("=") for pair in knob.with_), *found[1]]
+                pairs = [*(pair.split("=") for pair in parameter.with_), *found[1]]
                 words = tuple(word for key, setting in pairs for word in ("--set", f"{key}={_number(setting)}"))
-                result.append(Point(f"{knob.key}={found[0].replace(' ', '')}", knob.key, found[0], words))
+                result.append(Point(f"{parameter.key}={found[0].replace(' ', '')}", parameter.key, found[0], words))
     return result

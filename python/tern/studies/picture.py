@@ -47,7 +47,7 @@ def _name_front(axes, best):
     names = []
     for number, row in enumerate(best, 1):
         axes.annotate(str(number), (row.cpu_s, _error(row)), xytext=(-6, -13), textcoords="offset points", fontsize=9, ha="center")
-        names.append(f"{number}  {row.point if row.knob in ('', 'preset') else row.knob.rpartition('.')[2] + ' ' + row.value}")
+        names.append(f"{number}  {row.point if row.parameter in ('', 'preset') else row.parameter.rpartition('.')[2] + ' ' + row.value}")
     axes.text(1.02, 1.0, "the front\n" + "\n".join(names), transform=axes.transAxes, va="top", fontsize=9)
 
 

@@ -1,7 +1,7 @@
 """study.md and the sentences of ./tern study, from the rows."""
 
 from tern.studies import front
-from tern.studies.knobs import KNOBS
+from tern.studies.parameters import PARAMETERS
 
 PRESETS = ("draft", "standard", "reference")
 
@@ -45,7 +45,7 @@ def _ratio(row, cost):
 
 def row_cells(row, cost):
     """Name, what to type, errors and costs of one finished point."""
-    return [row.point if not row.knob else f"{row.knob} {row.value}".strip() if row.knob != "preset" else row.point,
+    return [row.point if not row.parameter else f"{row.parameter} {row.value}".strip() if row.parameter != "preset" else row.point,
             percent(row.error), percent(row.distance_to_finest), seconds(row.cpu_s), _ratio(row, cost), seconds(row.wall_s),
             row.steps, "-" if row.pressure_iterations is None else f"{row.pressure_iterations:.0f}"]
 
@@ -64,23 +64,23 @@ def preset_table(rows):
     return table(HEAD, [row_cells(row, cost) for row in (front.find(rows, name) for name in PRESETS) if row])
 
 
-def knob_table(rows):
-    """What every value of every knob saves, and what it does to the error and to the curves."""
+def parameter_table(rows):
+    """What every value of every parameter saves, and what it does to the error and to the curves."""
     cost, scatter = front.standard_cost(rows)
     standard = front.find(rows, "standard")
     lines = []
     for row in rows:
-        if not row.knob or row.knob == "preset" or not row.done or not cost:
+        if not row.parameter or row.parameter == "preset" or not row.done or not cost:
             continue
         speed_up = cost / row.cpu_s
         same = max(speed_up, 1 / speed_up) < 1 + max(scatter, 0.03)
         added = None if row.error is None or not standard or standard.error is None else row.error - standard.error
-        lines.append([row.knob, _value_text(row), f"{speed_up:.2f}" + (" (as much)" if same else ""),
+        lines.append([row.parameter, _value_text(row), f"{speed_up:.2f}" + (" (as much)" if same else ""),
                       "-" if added is None else points(added), percent(row.distance_to_standard), percent(row.distance_to_finest),
                       *(_over(getattr(row, name), getattr(standard, name)) for name in ("steps", "pressure_iterations"))])
-    order = {knob.key: number for number, knob in enumerate(KNOBS)}
+    order = {parameter.key: number for number, parameter in enumerate(PARAMETERS)}
     lines.sort(key=lambda line: order.get(line[0], 99))
-    return table(["knob", "value", "speed-up", "error added", "moves the curves by", "from the finest", "steps", "pressure iterations"], lines)
+    return table(["parameter", "value", "speed-up", "error added", "moves the curves by", "from the finest", "steps", "pressure iterations"], lines)
 
 
 def _over(value, other):
@@ -89,34 +89,34 @@ def _over(value, other):
 
 
 def _value_text(row):
-    knob = next((knob for knob in KNOBS if knob.key == row.knob), None)
-    extra = f" (with {', '.join(knob.with_)})" if knob and knob.with_ else ""
-    return row.value + (f" {knob.unit}" if knob and knob.unit else "") + extra
+    parameter = next((parameter for parameter in PARAMETERS if parameter.key == row.parameter), None)
+    extra = f" (with {', '.join(parameter.with_)})" if parameter and parameter.with_ else ""
+    return row.value + (f" {parameter.unit}" if parameter and parameter.unit else "") + extra
 
 
 def failures(rows):
     """One line per point that did not end; nothing if all did."""
-    lines = [[f"{row.knob} {row.value}", row.status, row.cause.replace("|", "/")] for row in rows if not row.done]
+    lines = [[f"{row.parameter} {row.value}", row.status, row.cause.replace("|", "/")] for row in rows if not row.done]
     return table(["point", "status", "first cause"], lines) if lines else ""
 
 
 def order_lines(rows):
-    """Observed orders of the knobs that refine, one line each."""
+    """Observed orders of the parameters that refine, one line each."""
     lines = []
-    for one in front.orders(rows, [knob.key for knob in KNOBS if knob.refines]):
+    for one in front.orders(rows, [parameter.key for parameter in PARAMETERS if parameter.refines]):
         if all(row.distance_to_standard == 0 for _, row in one.entries):
-            lines.append(f"* `{one.knob}`: changes nothing here, something else binds.")
+            lines.append(f"* `{one.parameter}`: changes nothing here, something else binds.")
             continue
         steps = " -> ".join(f"{value:.3g}: {percent(row.error if row.error is not None else row.distance_to_finest)}"
                             for value, row in one.entries)
-        text = f"* `{one.knob}`: error {steps}"
+        text = f"* `{one.parameter}`: error {steps}"
         if any(found is not None for found in one.against_reference):
             text += "; order " + ", ".join("-" if found is None else f"{found:.2g}" for found in one.against_reference)
         if one.plateau is not None:
             text += f"; no better below {one.plateau:.3g} (plateau)"
         text += "; the curves converge to each other with order " + (f"{one.of_itself:.2g}." if one.of_itself else "none that fits.")
         lines.append(text)
-    return "\n".join(lines) or "None: no knob that refines has three finished values."
+    return "\n".join(lines) or "None: no parameter that refines has three finished values."
 
 
 def finest_sentence(rows):
@@ -184,7 +184,7 @@ def text(case, rows, left_out, quantities_left_out):
     if quantities_left_out:
         parts += [f"Not counted, because they need a later end: {', '.join(quantities_left_out)}.", ""]
     parts += ["![error against cost](trade.png)", "", "## The front", "", front_table(rows), "", "## Presets", "", preset_table(rows), "",
-              "## Observed orders", "", order_lines(rows), "", "## Knobs", "", knob_table(rows), ""]
+              "## Observed orders", "", order_lines(rows), "", "## Parameters", "", parameter_table(rows), ""]
     if failures(rows):
         parts += ["## Did not end", "", failures(rows), ""]
     if left_out:

@@ -6,9 +6,10 @@ from dataclasses import dataclass, field
 
 from tern.errors import BAD_INPUT, Error
 
-_PERCENT = ("error", "distance_to_finest", "distance_to_standard", "distance_in_knob")
+_PERCENT = ("error", "distance_to_finest", "distance_to_standard", "distance_in_parameter")
 _NUMBERS = {"exit_code": int, "end_time_s": float, "cpu_s": float, "wall_s": float, "steps": int, "pressure_iterations": float}
-_TEXTS = ("point", "knob", "value", "options", "status", "cause", "judged_by", "base", "version")
+_TEXTS = ("point", "parameter", "value", "options", "status", "cause", "judged_by", "base", "version")
+_OLD_NAMES = {"knob": "parameter", "distance_in_knob_percent": "distance_in_parameter_percent"}  # one version ago
 _OF = "error_percent of "
 
 
@@ -17,7 +18,7 @@ class Row:
     """One point. Errors and distances are shares of 1 here and per cent in the file; None = undefined, an empty cell."""
 
     point: str
-    knob: str = ""
+    parameter: str = ""
     value: str = ""
     options: str = ""
     status: str = ""
@@ -31,7 +32,7 @@ class Row:
     error: float | None = None
     distance_to_finest: float | None = None  # of the finest: its uncertainty, the distance of the next finest
     distance_to_standard: float | None = None
-    distance_in_knob: float | None = None
+    distance_in_parameter: float | None = None
     quantities: dict = field(default_factory=dict)  # name: error
     judged_by: str = "reference"                    # or "finest": the reference is another code, or there is none
     settings: dict = field(default_factory=dict)    # key with unit: effective value
@@ -44,7 +45,7 @@ class Row:
 
 
 def _cells(row):
-    cells = {name: getattr(row, name) for name in ("point", "knob", "value", "options", "status", "exit_code", "cause", "end_time_s",
+    cells = {name: getattr(row, name) for name in ("point", "parameter", "value", "options", "status", "exit_code", "cause", "end_time_s",
                                                     "cpu_s", "wall_s", "steps", "pressure_iterations")}
     cells |= {f"{name}_percent": None if getattr(row, name) is None else 100 * getattr(row, name) for name in _PERCENT}
     cells["judged_by"] = row.judged_by
@@ -62,7 +63,8 @@ def header(quantities, settings):
 
 def _row(cells):
     row = Row(cells["point"])
-    for name, cell in cells.items():
+    for written, cell in cells.items():
+        name = _OLD_NAMES.get(written, written)
         if name in _TEXTS:
             setattr(row, name, cell)
         elif name in _NUMBERS:
@@ -89,7 +91,7 @@ def read(path):
 
 
 def append(path, row, columns):
-    """Adds one row; a file with other columns (other gauges, other knobs) is written anew around it."""
+    """Adds one row; a file with other columns (other gauges, other parameters) is written anew around it."""
     earlier = read(path)
     known = path.is_file() and path.read_text(encoding="utf-8").splitlines()[:1] == [_line(columns)]
     if not known:

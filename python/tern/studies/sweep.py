@@ -9,7 +9,7 @@ from datetime import datetime, timedelta
 from tern.errors import BAD_INPUT, DONE, INTERRUPTED, STATUS, Error, ReductionError
 from tern.launch import cases, run
 from tern.results import report, summary
-from tern.studies import accuracy, knobs
+from tern.studies import accuracy, parameters
 from tern.studies.rows import Row
 
 
@@ -17,7 +17,7 @@ from tern.studies.rows import Row
 class Planned:
     """A point that is still to be run, with the CPU time that tern-case expects for its case [s]; the file or why not."""
 
-    point: knobs.Point
+    point: parameters.Point
     expected_s: float
     settings: dict
     refused: str = ""
@@ -41,14 +41,14 @@ def plan(build, path, base_options, wanted):
     return sorted(planned, key=lambda one: (place.get(one.point.name, 1), one.expected_s))
 
 
-def effective_cells(settings, scene_knobs):
-    """{key with unit: text} of every knob of the scene."""
+def effective_cells(settings, scene_parameters):
+    """{key with unit: text} of every parameter of the scene."""
     cells = {}
-    for knob in scene_knobs:
-        if knob.key in ("preset", "spacing"):
+    for parameter in scene_parameters:
+        if parameter.key in ("preset", "spacing"):
             continue
-        value = knobs.effective(settings, knob.key)
-        name = f"{knob.key}_{knob.unit}" if knob.unit else knob.key
+        value = parameters.effective(settings, parameter.key)
+        name = f"{parameter.key}_{parameter.unit}" if parameter.unit else parameter.key
         cells[name] = "" if value is None else f"{value:.9g}" if isinstance(value, float) else str(value)
     return cells
 
@@ -62,9 +62,9 @@ def _iterations(contents):
 class Sweep:
     """The state of one call of ./tern study: what a run is measured by, and how long runs take here."""
 
-    def __init__(self, path, base_options, out, criterion, scene_knobs):
+    def __init__(self, path, base_options, out, criterion, scene_parameters):
         self.path, self.base_options, self.out, self.criterion = path, base_options, out, criterion
-        self.scene_knobs = scene_knobs
+        self.scene_parameters = scene_parameters
         self.wall_s = self.expected_s = 0.0  # of the runs so far: their ratio scales what is expected
 
     def measured_before(self, expected_s, wall_s):
@@ -79,8 +79,8 @@ class Sweep:
     def measure(self, planned):
         """Runs a point (or takes note of why it cannot be run) and returns its row; KeyboardInterrupt ends the study."""
         point = planned.point
-        row = Row(point.name, point.knob, point.value, shlex.join(point.options), end_time_s=self.criterion.until, judged_by=self.criterion.judged_by,
-                  settings=effective_cells(planned.settings, self.scene_knobs))
+        row = Row(point.name, point.parameter, point.value, shlex.join(point.options), end_time_s=self.criterion.until, judged_by=self.criterion.judged_by,
+                  settings=effective_cells(planned.settings, self.scene_parameters))
         if planned.refused:
             row.status, row.exit_code, row.cause = STATUS.get(planned.exit_code, "failed"), planned.exit_code, planned.refused
             return row
@@ -117,7 +117,7 @@ def run_all(sweep, planned, budget_s, keep):
         seconds, rest = sweep.seconds(one), planned[number - 1:]
         spent = time.monotonic() - began
         # The repetition of the standard is worth its time: without it nobody knows how far the costs can be trusted.
-        last = rest[-1] if rest[-1].point == knobs.STANDARD_AGAIN and one is not rest[-1] else None
+        last = rest[-1] if rest[-1].point == parameters.STANDARD_AGAIN and one is not rest[-1] else None
         reserve = sweep.seconds(last) or 0.0 if last else 0.0
         if seconds is not None and spent + seconds + reserve > budget_s:
             if last and spent + reserve <= budget_s:
