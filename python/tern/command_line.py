@@ -131,14 +131,16 @@ def parser():
                ["./tern keys ~/tern-keys"])
     one.add_argument("directory", metavar="DIR", help="where to put them; made if missing, earlier keys are never overwritten")
 
-    one = _add(commands, "python", _python, "run Python with tern and what it needs importable: a script, a module, or nothing to type at it",
+    one = _add(commands, "python", _python,
+               "run Python with tern and what it needs importable: a script, a module, or nothing to type at it",
                ["./tern python cases/dam_break_plate/convergence.py --until 0.4", "./tern python my_script.py        (import tern)",
                 "./tern python                     (import tern; help(tern))"])
     one.add_argument("words", metavar="...", nargs=argparse.REMAINDER, help="what python3 takes: FILE ARGUMENTS, -m MODULE ARGUMENTS")
 
     one = _add(commands, "test", _test, "build and run all tests",
                ["./tern test", "./tern test -L unit       (labels: unit, verify, process)",
-                "./tern test -L fuzz       (fuzzers of messages and case files, a minute each; not part of the others)", "./tern test --build asan"])
+                "./tern test -L fuzz       (fuzzers of messages and case files, a minute each; not part of the others)",
+                "./tern test --build asan"])
     one.add_argument("-L", "--label", metavar="LABEL", help="only tests with this label: unit, verify, process or fuzz")
     one.add_argument("--build", choices=build.PRESETS, default="release", help="build to test (default release)")
 
@@ -169,14 +171,17 @@ def parser():
                      help="only these, e.g. fluid.spacing, pressure_tolerance, preset (default: all the scene has)")
     one.add_argument("--knobs", action="append", default=[], help=argparse.SUPPRESS)  # its name one version ago
     one.add_argument("--levels", metavar="N", type=_count, default=2, help="values tried of every parameter, at most (default 2)")
-    one.add_argument("--budget", metavar="MINUTES", type=_positive_number, help="leave out what is not expected to fit; cheap points come first")
-    one.add_argument("--until", metavar="T", type=_positive_number, help="end time [s] of every run (default: of study.toml, or of the case)")
+    one.add_argument("--budget", metavar="MINUTES", type=_positive_number,
+                     help="leave out what is not expected to fit; cheap points come first")
+    one.add_argument("--until", metavar="T", type=_positive_number,
+                     help="end time [s] of every run (default: of study.toml, or of the case)")
     one.add_argument("--error", metavar="E", help="say which settings to take for this error, e.g. 5%%")
     one.add_argument("--time", metavar="T", help="say which settings to take for this wall time, e.g. 60s")
     one.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change the case all points start from")
     one.add_argument("--out", metavar="DIR", help="where the study is kept and resumed (default runs/study-<case>)")
     one.add_argument("--keep", action="store_true", help="count points measured by another version of tern instead of running them again")
-    one.add_argument("--write-docs", action="store_true", help="copy the table to docs/trade and write docs/TRADE.md and the README from all of them; "
+    one.add_argument("--write-docs", action="store_true",
+                     help="copy the table to docs/trade and write docs/TRADE.md and the README from all of them; "
                      "runs nothing")
 
     one = _add(commands, "conform", _conform, "test whether a participant, yours or ours, keeps the protocol (docs/PROTOCOL.md)",

@@ -1,8 +1,8 @@
 """The rooms of docs/ARCHITECTURE.md see what they may see, and nothing else.
 
-A room is a CMake target; its include directories lead to its own headers and to those of the rooms it needs (cmake/rooms.cmake). In each room
-the preprocessor is asked for every header of the tree: it must find those of the rooms in reach, and no others. What lies in one directory of
-the system for all (ZeroMQ, Protobuf, HDF5, CLI11) is found by reading the includes.
+A room is a CMake target; its include directories lead to its own headers and to those of the rooms it needs (cmake/rooms.cmake). In each
+room the preprocessor is asked for every header of the tree: it must find those of the rooms in reach, and no others. What lies in one
+directory of the system for all (ZeroMQ, Protobuf, HDF5, CLI11) is found by reading the includes.
 
 Environment: TERN_ROOMS, a file of lines "room<TAB>directory;...<TAB>include directory;..." written by CMake; TERN_SOURCE, TERN_COMPILER.
 """

@@ -70,7 +70,8 @@ class ConformTest(unittest.TestCase):
     def test_a_script_somewhere_finds_the_library(self):
         with tempfile.TemporaryDirectory(prefix="tern-test-") as directory:
             script = Path(directory) / "mine.py"
-            script.write_text(f"import runpy, sys\nfrom tern.participant import run_structure\nsys.argv[:1] = ['{FAULTY}', 'none']\nrunpy.run_path('{FAULTY}', run_name='__main__')\n")
+            script.write_text(f"import runpy, sys\nfrom tern.participant import run_structure\n"
+                              f"sys.argv[:1] = ['{FAULTY}', 'none']\nrunpy.run_path('{FAULTY}', run_name='__main__')\n")
             code, text = self.conform("structure", f"/usr/bin/python3 {script}", "--check", "order")
             self.assertEqual(code, 0, text)
 

@@ -39,7 +39,8 @@ EXPECTED = {
     "floor under water at rest for 20 sqrt(H/g)": ("bounded", ""),
     "structure over fluid 4, four across, one face wet": ("bounded", ""),
     "light and loosely solved: density ratio 0.1, tolerance 1e-2": ("stopped", "do not agree on the load"),
-    "standing plate in 3D, density ratio 1": ("bounded", ""), "floor in 3D, density ratio 0.1, CM2": ("stopped", " J in the last 5 windows"),
+    "standing plate in 3D, density ratio 1": ("bounded", ""),
+    "floor in 3D, density ratio 0.1, CM2": ("stopped", " J in the last 5 windows"),
 }
 
 
@@ -67,11 +68,13 @@ def results(directory, *, fluid=(0, 0, 0), staggering=0.0, loads=None, drift=0.0
     """A run that ended, by its files: three rows of the account, a load per window, the measures."""
     directory.mkdir(exist_ok=True)
     (directory / "run.json").write_text(json.dumps({"steps": 40, "first_cause": "", "processes": {"fluid": {
-        "measures": {"largest_speed_of_run_m_per_s": speed, "volume_drift_largest": drift}, "counts": {"particles": 100, "particles_leaked": 0}}}}))
+        "measures": {"largest_speed_of_run_m_per_s": speed, "volume_drift_largest": drift},
+        "counts": {"particles": 100, "particles_leaked": 0}}}}))
     (directory / "energy.csv").write_text("t_s,fluid_kinetic_J,fluid_potential_J,interface_staggering_J\n"
                                           + "".join(f"{0.01 * n},{value},0,{staggering}\n" for n, value in enumerate(fluid)))
     (directory / "gauges.csv").write_text(f"t_s,{load_columns}\n"
-                                          + "".join(f"{0.001 * (n + 1)},{'0,' * load_columns.count(',')}{value}\n" for n, value in enumerate(loads or [0] * 40)))
+                                          + "".join(f"{0.001 * (n + 1)},{'0,' * load_columns.count(',')}{value}\n" for n,
+                                                    value in enumerate(loads or [0] * 40)))
 
 
 class VerdictTest(unittest.TestCase):
@@ -121,7 +124,8 @@ class VerdictTest(unittest.TestCase):
             self.assertTrue(wait_until(lambda: fake.temporary_files() == [], 5), fake.temporary_files())
 
     def test_a_killed_process_is_wrong_and_its_results_are_kept(self):
-        with FakeBuild() as fake, mock.patch.dict(os.environ, {"FAKE_FLUID": "kill 9", "FAKE_STRUCTURE": "exit 0", "FAKE_COUPLER": "exit 0"}):
+        with FakeBuild() as fake, mock.patch.dict(os.environ,
+                                                  {"FAKE_FLUID": "kill 9", "FAKE_STRUCTURE": "exit 0", "FAKE_COUPLER": "exit 0"}):
             row = run_cell.run_cell(self.cell, fake.path / "cells", fake.path / "build")
             self.assertEqual((row["class"], row["exit_code"]), ("wrong", 4))
             self.assertIn("SIGKILL", row["message"])
@@ -176,7 +180,8 @@ class ResumeTest(unittest.TestCase):
 
     def test_an_unknown_family_is_refused_with_the_known_ones(self):
         with FakeBuild() as fake:
-            answer = subprocess.run([ROOT / "tern", "extremes", "--only", "sprays"], cwd=fake.path, capture_output=True, text=True, check=False)
+            answer = subprocess.run([ROOT / "tern", "extremes", "--only", "sprays"], cwd=fake.path, capture_output=True, text=True,
+                                    check=False)
             self.assertEqual(answer.returncode, 2)
             for name in (*families.FAMILIES, "boundary"):
                 self.assertIn(name, answer.stderr)
@@ -184,7 +189,8 @@ class ResumeTest(unittest.TestCase):
 
 class PageTest(unittest.TestCase):
     def test_no_path_of_the_machine_gets_into_the_page(self):
-        row = {"class": "wrong", "message": "/home/somebody/runs/cells/thin/case.toml:17:1: 'plate' is 1 particles across; 2 m/s is too fast."}
+        row = {"class": "wrong",
+               "message": "/home/somebody/runs/cells/thin/case.toml:17:1: 'plate' is 1 particles across; 2 m/s is too fast."}
         self.assertEqual(page.outcome(row), "**wrong**: case.toml:17:1: 'plate' is 1 particles across; 2 m/s is too fast.")
 
     def test_the_section_is_replaced_and_the_rest_of_the_page_stays(self):
@@ -193,7 +199,8 @@ class PageTest(unittest.TestCase):
             path.write_text(f"before\n{page.BEGIN}\nold\n{page.END}\nafter\n")
             (path.parent / "map.png").write_bytes(b"a picture")
             page.insert(path, "new\n", [path.parent / "map.png"])
-            self.assertEqual(path.read_text(), f"before\n{page.BEGIN}\n![extremes: map](pictures/extremes_map.png)\n\nnew\n{page.END}\nafter\n")
+            self.assertEqual(path.read_text(),
+                             f"before\n{page.BEGIN}\n![extremes: map](pictures/extremes_map.png)\n\nnew\n{page.END}\nafter\n")
             self.assertTrue((path.parent / "pictures" / "extremes_map.png").is_file())
             path.write_text("a page without markers\n")
             self.assertRaises(Error, page.insert, path, "new\n", [])

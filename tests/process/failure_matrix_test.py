@@ -76,7 +76,8 @@ class FailureMatrixTest(RealRunTest):
             directory = self.path / re.sub(r"\W", "-", "-".join(cell))
             (directory / "tmp").mkdir(parents=True)
             environment = os.environ | {
-                "TERN_BUILD": str(self.build), "TMPDIR": str(directory / "tmp"), "LD_PRELOAD": str(library), "ASAN_OPTIONS": "verify_asan_link_order=0",
+                "TERN_BUILD": str(self.build), "TMPDIR": str(directory / "tmp"), "LD_PRELOAD": str(library),
+                "ASAN_OPTIONS": "verify_asan_link_order=0",
                 "TERN_FAULT_PROCESS": PROGRAMS[role], "TERN_FAULT_AT": point, "TERN_FAULT_DO": action}
             foreign = ["--structure", f"{FOREIGN} --stiffness 1e6"] if role == "foreign" else []
             began = time.monotonic()
@@ -157,7 +158,8 @@ class FailureMatrixTest(RealRunTest):
                 if name not in WITHOUT_STEP:
                     actions.add("step")
                 cells += [(role, name, point, action) for action in sorted(actions)]
-        sentences = {"nan": r"{1} that cannot be used .*is nan; it must be finite", "step": r"{1} that cannot be used .*step is \d+; it must be",
+        sentences = {"nan": r"{1} that cannot be used .*is nan; it must be finite",
+                     "step": r"{1} that cannot be used .*step is \d+; it must be",
                      "garbage": "bytes that are not a message", "oversized": "268435457 bytes; the limit of one message is"}
         for cell, outcome in self.run_all(cells).items():
             codes = {2} if cell[1] == "Hello" else {4}

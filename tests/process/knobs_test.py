@@ -233,7 +233,8 @@ class KnobsTest(unittest.TestCase):
 
     def test_coupling_scheme(self):
         """The three schemes give three loads; the Riemann dissipation is of one only."""
-        results = [self.run_scene("impact"), self.pair("impact", COUPLING + "scheme=pi")[1], self.pair("impact", COUPLING + "scheme=fsa")[1]]
+        results = [self.run_scene("impact"), self.pair("impact", COUPLING + "scheme=pi")[1],
+                   self.pair("impact", COUPLING + "scheme=fsa")[1]]
         self.assertGreater(results[1].change(results[2]), ROUND_OFF)
         dissipation = [np.abs(result.energy["riemann_dissipation_J"]).max() for result in results]
         self.assertTrue(dissipation[0] > 0 and dissipation[1:] == [0, 0], dissipation)

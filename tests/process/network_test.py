@@ -66,7 +66,8 @@ class NetworkTest(unittest.TestCase):
             port = probe.getsockname()[1]
         run = self.run_of(BITS)
         run.join("fluid", f"tcp://localhost:{port}")
-        self.assertTrue(wait_until(lambda: f"fluid waits for a coupler at tcp://localhost:{port}, where nobody answers" in run.said("fluid"), 20),
+        self.assertTrue(wait_until(lambda:
+                                   f"fluid waits for a coupler at tcp://localhost:{port}, where nobody answers" in run.said("fluid"), 20),
                         run.said("fluid"))
         run.start_coupler(f"tcp://localhost:{port}")
         run.join("structure", f"tcp://127.0.0.1:{port}")

@@ -159,7 +159,8 @@ class EndOfARunTest(ParticipantTest):
             script = self.path / "broken.py"
             spring = (PARTICIPANTS / "rigid_spring.py").read_text()
             # Somewhere else on the disk it finds the library by the launcher's PYTHONPATH.
-            script.write_text(spring.replace("        omega, rest =", f"        if time_s > 2e-4:\n            {fault}\n            return\n"
+            script.write_text(spring.replace("        omega, rest =",
+                                             f"        if time_s > 2e-4:\n            {fault}\n            return\n"
                                              "        omega, rest ="))
             answer, _, errors = self.run_piston(structure=f"/usr/bin/python3 {script} --stiffness 2e7")
             self.assertEqual(answer, code, errors)
@@ -176,7 +177,8 @@ class CommandTest(ParticipantTest):
         self.assertRegex(errors, sentence)
         self.assertLess(time.monotonic() - began, 10)
 
-    # Seen to fail: without the test of what shutil.which() finds (TypeError, 1); without the test for a coupled case (the command is ignored).
+    # Seen to fail: without the test of what shutil.which() finds (TypeError, 1); without the test for a coupled case (the command
+    # is ignored).
     def test_a_command_that_cannot_be_started_is_refused_before_anything_is(self):
         plain = self.path / "plain.py"
         plain.write_text("print()\n")

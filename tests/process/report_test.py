@@ -88,7 +88,8 @@ class ReportTest(unittest.TestCase):
         run = self.made_up("run")
         self.report(run)
         self.assert_sound(run / "report.html", 7)
-        rows = self.browser.evaluate("[...document.querySelector('table').tBodies[0].rows].map(row => [...row.cells].map(c => c.innerText))")
+        rows = self.browser.evaluate("[...document.querySelector('table').tBodies[0].rows]"
+                                     ".map(row => [...row.cells].map(c => c.innerText))")
         self.assertEqual(rows[0][:7], ["end of P", "passed", "0.02", "m", "0.021", "-0.001", "0.019 .. 0.022"])
         self.assertEqual(rows[1][:7], ["curve of P", "failed", "0.01", "m", "", "", "<= 0.001"])
         self.assertIn("P.ux_m over time, this run against Reference code (dashed)",

@@ -18,7 +18,8 @@ class StatusTest(RealRunTest):
     # Seen to fail: with the log not read.
     def test_it_says_how_far_who_lives_and_who_waits_for_whom(self):
         library = self.build / "tests" / "libfault_injection.so"
-        environment = {"LD_PRELOAD": str(library), "ASAN_OPTIONS": "verify_asan_link_order=0", "TERN_FAULT_PROCESS": "tern-fluid", "TERN_FAULT_AT": "send:16:3",
+        environment = {"LD_PRELOAD": str(library), "ASAN_OPTIONS": "verify_asan_link_order=0", "TERN_FAULT_PROCESS": "tern-fluid",
+                       "TERN_FAULT_AT": "send:16:3",
                        "TERN_FAULT_DO": "stuck"}
         os.environ.update(environment)
         self.addCleanup(lambda: [os.environ.pop(name, None) for name in environment])

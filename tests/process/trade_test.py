@@ -51,8 +51,9 @@ if "--version" in sys.argv:
 options = dict(text.split("=", 1) for word, text in zip(sys.argv, sys.argv[1:]) if word == "--set")
 dx = float(options.get("fluid.spacing", "0.1")) * (2 if "draft" in sys.argv else 0.5 if "reference" in sys.argv else 1)
 numerics = {"courant": float(options.get("fluid.numerics.courant", "0.15")), "gradient": "blend"}
-print(json.dumps({"name": "pond", "path": sys.argv[2], "hash": json.dumps(options), "dimension": 2, "end_time": 3.0, "title": "", "has_fluid": True,
-                  "has_structure": False, "expected_cpu_s": 1 / dx**3, "settings": {"fluid": {"spacing": dx, "numerics": numerics,
+print(json.dumps({"name": "pond", "path": sys.argv[2], "hash": json.dumps(options), "dimension": 2, "end_time": 3.0, "title": "",
+                  "has_fluid": True, "has_structure": False, "expected_cpu_s": 1 / dx**3,
+                  "settings": {"fluid": {"spacing": dx, "numerics": numerics,
                   "body": [{"shape": {"box": {"min": [0, 0], "max": [1, 1]}}}]}}}))
 '''
 
@@ -76,7 +77,8 @@ def row(point, cpu_s, error, **others):
 class ArithmeticTest(unittest.TestCase):
     # Seen to fail: with every point taken that is cheaper than the one before.
     def test_the_front_holds_what_nobody_beats(self):
-        known = [row("a", 1, 0.5), row("b", 2, 0.5), row("c", 3, 0.1), row("d", 2.5, 0.6), row("e", 9, 0.09), Row("f", status="failed", cpu_s=0.1),
+        known = [row("a", 1, 0.5), row("b", 2, 0.5), row("c", 3, 0.1), row("d", 2.5, 0.6), row("e", 9, 0.09),
+                 Row("f", status="failed", cpu_s=0.1),
                  row("standard-again", 0.5, 0.01)]
         self.assertEqual([one.point for one in front.pareto(known)], ["a", "c", "e"])
 
@@ -114,7 +116,8 @@ class ArithmeticTest(unittest.TestCase):
 
     # Seen to fail: with the error against another code taken for the judge.
     def test_nearness_to_another_code_is_no_merit(self):
-        known = [row("near", 3, 0.01, distance_to_finest=0.2, judged_by="finest"), row("converged", 3, 0.06, distance_to_finest=0.02, judged_by="finest")]
+        known = [row("near", 3, 0.01, distance_to_finest=0.2, judged_by="finest"),
+                 row("converged", 3, 0.06, distance_to_finest=0.02, judged_by="finest")]
         self.assertEqual(front.best_for_error(known, 0.05)[0].point, "converged")
         criterion = accuracy.Criterion([{"confidence": "A"}, {"confidence": "B"}], [], 1.0, [])
         self.assertEqual(criterion.judged_by, "finest")
@@ -152,9 +155,11 @@ class ArithmeticTest(unittest.TestCase):
     # Seen to fail: with a figure of docs/TRADE.md and of README.md changed by hand.
     def test_the_documents_are_what_the_committed_tables_say(self):
         tables = documents.read_all()
-        self.assertEqual((ROOT / "docs" / "TRADE.md").read_text(), documents.trade_text(tables) + "\n", "write it anew: ./tern study --write-docs")
+        self.assertEqual((ROOT / "docs" / "TRADE.md").read_text(), documents.trade_text(tables) + "\n",
+                         "write it anew: ./tern study --write-docs")
         readme = (ROOT / "README.md").read_text()
-        self.assertEqual(readme, documents.replace_block(readme, documents.readme_block(tables)), "write it anew: ./tern study --write-docs")
+        self.assertEqual(readme, documents.replace_block(readme, documents.readme_block(tables)),
+                         "write it anew: ./tern study --write-docs")
 
 
 class StandInTest(unittest.TestCase):
@@ -168,8 +173,10 @@ class StandInTest(unittest.TestCase):
         self.log = self.path / "runs.log"
 
     def start(self, *words, **environment):
-        return subprocess.Popen([ROOT / "tern", "study", "pond", *words], cwd=self.path, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                                env=os.environ | {"TERN_BUILD": str(self.path / "build"), "FAKE_LOG": str(self.log)} | environment, start_new_session=True)
+        return subprocess.Popen([ROOT / "tern", "study", "pond", *words], cwd=self.path, text=True, stdout=subprocess.PIPE,
+                                stderr=subprocess.STDOUT,
+                                env=os.environ | {"TERN_BUILD": str(self.path / "build"), "FAKE_LOG": str(self.log)} | environment,
+                                start_new_session=True)
 
     def study(self, *words, **environment):
         process = self.start(*words, **environment)
@@ -267,7 +274,8 @@ class StandInTest(unittest.TestCase):
 
     # Each seen to fail without its check.
     def test_mistakes_are_refused_with_a_remedy(self):
-        for words, sentence in ((("--parameters", "fluid.spacng"), "did you mean fluid.spacing?"), (("--parameters", "smoothing_length_ratio"), "write it in full"),
+        for words, sentence in ((("--parameters", "fluid.spacng"), "did you mean fluid.spacing?"),
+                                (("--parameters", "smoothing_length_ratio"), "write it in full"),
                                 (("--error", "much"), "write for example 5% or 0.05"), (("--time", "-3"), "write for example 60s"),
                                 (("--levels", "0"), "not a whole number"), (("--budget", "x"), "not a positive number")):
             code, output = self.study(*words)
@@ -308,11 +316,13 @@ class CommittedTablesTest(unittest.TestCase):
     def check(self, case, *names):
         now, table = self.measure(case, *names), rows.read(ROOT / "docs" / "trade" / f"{case}.csv")
         for name in names:
-            found, written = (row.distance_to_standard if row.error is None else row.error for row in (front.find(now, name), front.find(table, name)))
+            found, written = (row.distance_to_standard if row.error is None else row.error
+                              for row in (front.find(now, name), front.find(table, name)))
             self.assertAlmostEqual(found, written, delta=0.3 * written + 5e-4, msg=f"{case}, {name}")
         if "standard" in names:
             ratio, written = (front.find(some, "draft").cpu_s / front.standard_cost(some)[0] for some in (now, table))
-            self.assertLess(abs(math.log(ratio / written)), math.log(2), f"{case}: draft costs {ratio:.3f} of standard, {written:.3f} in the table")
+            self.assertLess(abs(math.log(ratio / written)), math.log(2),
+                            f"{case}: draft costs {ratio:.3f} of standard, {written:.3f} in the table")
 
     def test_hydrostatic_tank(self):
         self.check("hydrostatic_tank", "standard", "draft")

@@ -109,7 +109,8 @@ class LayersTest(unittest.TestCase):
     def test_nobody_makes_a_search_path_by_hand(self):
         for folder in ("python", "tests", "bench", "cases"):
             for path in (ROOT / folder).rglob("*.py"):
-                self.assertIsNone(re.search(r"\bsys\s*\.\s*path\b(?!\.)", path.read_text(encoding="utf-8")) if path != Path(__file__).resolve()
+                self.assertIsNone(re.search(r"\bsys\s*\.\s*path\b(?!\.)", path.read_text(encoding="utf-8"))
+                                  if path != Path(__file__).resolve()
                                   else None, f"{path} changes the search path: PYTHONPATH is set by who starts it (docs/ARCHITECTURE.md)")
 
     # Seen to fail: with a row of ALLOWED changed.

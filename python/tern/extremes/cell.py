@@ -27,5 +27,6 @@ class Cell:
 
     def fingerprint(self, executables):
         """Changes with anything that changes the run or its verdict; `executables`: of build.digest()."""
-        parts = (executables, self.case, self.options, self.until, self.allow_unstable, self.limits, self.speed, self.energy, self.load, self.mass)
+        parts = (executables, self.case, self.options, self.until, self.allow_unstable, self.limits, self.speed, self.energy, self.load,
+                 self.mass)
         return hashlib.sha256(repr(parts).encode()).hexdigest()[:12]

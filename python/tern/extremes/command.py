@@ -24,7 +24,8 @@ class Progress:
         left = (time.monotonic() - self.began) / max(self.run, 1) * max(self.total - self.done, 0)
         if not self.quiet and (fresh or row["class"] == "wrong"):
             note = f": {row['message']}" if row["class"] == "wrong" else ""
-            print(f"[{self.done}/{self.total}] {row['class']:<8} {row['cell']}{note}  ({row['wall_s']} s; {_duration(left)} left)", flush=True)
+            print(f"[{self.done}/{self.total}] {row['class']:<8} {row['cell']}{note}  ({row['wall_s']} s; {_duration(left)} left)",
+                  flush=True)
 
 
 def _duration(seconds):

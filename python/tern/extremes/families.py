@@ -28,7 +28,8 @@ def plates():
                     name = plate_name(ratio, layers, modulus, faces)
                     for algorithm in ALGORITHMS:  # what CM0 does to a heavy plate grows slowly
                         cell = scenes.plate("plates", f"{name}, {algorithm}", ratio=ratio, layers=layers, modulus=modulus, faces=faces,
-                                            allow_unstable=algorithm == "CM0", until=0.2 if algorithm == "CM0" else 0.1, row=f"{ratio:g}, {layers} across",
+                                            allow_unstable=algorithm == "CM0", until=0.2 if algorithm == "CM0" else 0.1,
+                                            row=f"{ratio:g}, {layers} across",
                                             column=f"{modulus:.0e}, {faces} wet".replace("e+0", "e"))
                         yield _set(cell, f"coupling.algorithm={algorithm}")
 
@@ -64,9 +65,11 @@ def steps():
                    f"fluid.numerics.courant={value}")
     for value in (0.025, 0.1, 0.2, 0.35, 0.5, 0.6):
         yield _set(scenes.plate("steps", f"plate under water, gravity_courant {value}", row="fluid.gravity_courant", column=str(value),
-                                until=0.2, tail=0.4 * value), f"fluid.numerics.gravity_courant={value}", f"fluid.numerics.courant={min(value * 1.5, 0.5)}")
+                                until=0.2, tail=0.4 * value), f"fluid.numerics.gravity_courant={value}",
+                   f"fluid.numerics.courant={min(value * 1.5, 0.5)}")
     for value in (0.1, 0.3, 0.6, 0.7):
-        yield _set(scenes.plate("steps", f"plate under water, explicit, structure courant {value}", row="structure.courant", column=str(value)),
+        yield _set(scenes.plate("steps", f"plate under water, explicit, structure courant {value}", row="structure.courant",
+                                column=str(value)),
                    f"structure.numerics.courant={value}", "structure.numerics.integrator=explicit")
 
 
@@ -80,7 +83,8 @@ def tolerance():
 def sealed():
     yield scenes.tank("sealed", "full tank, tilted", sealed=True, row="rigid", column="-")
     for ratio in (0.1, 1, 10):
-        yield scenes.plate("sealed", f"full tank with a plate in it, density ratio {ratio}", sealed=True, ratio=ratio, row="plate inside", column=str(ratio))
+        yield scenes.plate("sealed", f"full tank with a plate in it, density ratio {ratio}", sealed=True, ratio=ratio, row="plate inside",
+                           column=str(ratio))
     for modulus in (1e5, 1e7, 1e9):
         yield scenes.plate("sealed", f"full tank on an elastic floor, E {modulus:g} Pa", sealed=True, faces=1, modulus=modulus,
                            row="elastic floor", column=f"{modulus:g}")
@@ -89,7 +93,8 @@ def sealed():
 def spray():
     for speed in (2, 10, 50):
         until = 0.4 / speed
-        yield scenes.drop("spray", f"drop at {speed} m/s on a pool", speed=speed, until=until, limits=LIVELY, row="drop on a pool", column=str(speed))
+        yield scenes.drop("spray", f"drop at {speed} m/s on a pool", speed=speed, until=until, limits=LIVELY, row="drop on a pool",
+                          column=str(speed))
         yield scenes.drop("spray", f"drop at {speed} m/s, elastic floor", speed=speed, until=until, modulus=1e7, limits=LIVELY,
                           row="elastic floor", column=str(speed))
     yield scenes.column("spray", "column that breaks against a wall", limits=LIVELY, row="column", column="wall")
@@ -109,35 +114,43 @@ def rest():
                       limits=(0.1, 0.01, 0.01), row="tank", column="40 sqrt(H/g)")
     yield scenes.plate("rest", "plate under water at rest for 20 sqrt(H/g)", gravity=still, until=20 * (scenes.DEPTH / 9.81) ** 0.5,
                        limits=(0.5, 0.05, 0.01), row="plate", column="20 sqrt(H/g)")
-    yield scenes.plate("rest", "floor under water at rest for 20 sqrt(H/g)", gravity=still, faces=1, until=20 * (scenes.DEPTH / 9.81) ** 0.5,
+    yield scenes.plate("rest", "floor under water at rest for 20 sqrt(H/g)", gravity=still, faces=1,
+                       until=20 * (scenes.DEPTH / 9.81) ** 0.5,
                        limits=(0.5, 0.05, 0.01), row="floor", column="20 sqrt(H/g)")
 
 
 def weightless():
     none = (0.0, 0.0)
     yield scenes.tank("weightless", "water at rest without gravity", gravity=none, limits=(1e-6, 1e-6, 0.01), row="tank", column="at rest")
-    yield scenes.tank("weightless", "water drifts against a wall", gravity=none, velocity=(0.5, 0.2), limits=LIVELY, row="tank", column="drifting")
+    yield scenes.tank("weightless", "water drifts against a wall", gravity=none, velocity=(0.5, 0.2), limits=LIVELY, row="tank",
+                      column="drifting")
     yield scenes.plate("weightless", "plate and water at rest", gravity=none, limits=(1e-6, 1e-6, 0.01), row="plate", column="at rest")
     yield scenes.plate("weightless", "plate in water that drifts", gravity=none, velocity=(0.5, 0.2), row="plate", column="drifting")
-    yield scenes.plate("weightless", "light plate in water that drifts", gravity=none, velocity=(0.5, 0.2), ratio=0.1, row="plate", column="light")
+    yield scenes.plate("weightless", "light plate in water that drifts", gravity=none, velocity=(0.5, 0.2), ratio=0.1, row="plate",
+                       column="light")
 
 
 def pairs():
     """Two at once, where one makes the other worse."""
     # A light wall that nothing can escape from: added mass without bound, and one pressure that is known only by the wall's yielding.
-    yield scenes.plate("pairs", "sealed and light: full tank on a floor of density ratio 0.1", sealed=True, faces=1, ratio=0.1, row="sealed, light")
+    yield scenes.plate("pairs", "sealed and light: full tank on a floor of density ratio 0.1", sealed=True, faces=1, ratio=0.1,
+                       row="sealed, light")
     # The solver's error is a load that a light body follows at once.
     yield _set(scenes.plate("pairs", "light and loosely solved: density ratio 0.1, tolerance 1e-2", ratio=0.1, row="light, loose"),
                "fluid.numerics.pressure_tolerance=1e-2")
     # The longest windows with the lightest plate: most motions of the plate are not resolved.
-    yield _set(scenes.plate("pairs", "light and long steps: density ratio 0.1, gravity_courant 0.3", ratio=0.1, tail=0.12, row="light, long steps"),
+    yield _set(scenes.plate("pairs", "light and long steps: density ratio 0.1, gravity_courant 0.3", ratio=0.1, tail=0.12,
+                            row="light, long steps"),
                "fluid.numerics.gravity_courant=0.3")
     # Nearly incompressible on both sides, and thin.
-    yield scenes.plate("pairs", "thin and incompressible: two across, Poisson's ratio 0.4999", layers=2, nu=0.4999, row="thin, incompressible")
+    yield scenes.plate("pairs", "thin and incompressible: two across, Poisson's ratio 0.4999", layers=2, nu=0.4999,
+                       row="thin, incompressible")
     # A violent load where two particles carry it.
-    yield scenes.column("pairs", "spray on a soft thin plate: two across, E 1e5 Pa", modulus=1e5, layers=2, limits=LIVELY, row="spray, thin, soft")
+    yield scenes.column("pairs", "spray on a soft thin plate: two across, E 1e5 Pa", modulus=1e5, layers=2, limits=LIVELY,
+                        row="spray, thin, soft")
     # Strong compression of what cannot be compressed.
-    yield scenes.squeezed("pairs", "squeezed and incompressible: to 0.5, Poisson's ratio 0.4999", left=0.5, nu=0.4999, limits=(20.0, 0.05, 0.05),
+    yield scenes.squeezed("pairs", "squeezed and incompressible: to 0.5, Poisson's ratio 0.4999", left=0.5, nu=0.4999,
+                          limits=(20.0, 0.05, 0.05),
                           row="squeezed, incompressible")
     # Without gravity nothing but the light plate holds the water.
     yield _set(scenes.plate("pairs", "weightless, light and loosely solved", gravity=(0.0, 0.0), velocity=(0.5, 0.2), ratio=0.1,
@@ -148,7 +161,8 @@ def three_dimensions():
     """Plates with water above them, and on both faces and around three edges; a cube with water all around."""
     for faces, place in ((1, "floor"), (2, "standing plate")):
         for ratio in RATIOS:
-            yield scenes.plate_3d("three_dimensions", f"{place} in 3D, density ratio {ratio:g}", ratio=ratio, faces=faces, row=place, column=f"{ratio:g}")
+            yield scenes.plate_3d("three_dimensions", f"{place} in 3D, density ratio {ratio:g}", ratio=ratio, faces=faces, row=place,
+                                  column=f"{ratio:g}")
         yield scenes.plate_3d("three_dimensions", f"{place} in 3D, density ratio 0.1, E 1e5 Pa", ratio=0.1, modulus=1e5, faces=faces,
                               row=f"{place}, soft", column="0.1")
         yield scenes.plate_3d("three_dimensions", f"{place} in 3D, density ratio 0.1, 2 across", ratio=0.1, layers=2, faces=faces,
@@ -157,18 +171,21 @@ def three_dimensions():
             yield _set(scenes.plate_3d("three_dimensions", f"{place} in 3D, density ratio {ratio:g}, {algorithm}", ratio=ratio, faces=faces,
                                        row=f"{place}, {algorithm}", column=f"{ratio:g}"), f"coupling.algorithm={algorithm}")
     for ratio in RATIOS:
-        yield scenes.block_3d("three_dimensions", f"free cube in 3D, density ratio {ratio:g}", ratio=ratio, row="free cube", column=f"{ratio:g}")
+        yield scenes.block_3d("three_dimensions", f"free cube in 3D, density ratio {ratio:g}", ratio=ratio, row="free cube",
+                              column=f"{ratio:g}")
 
 
 FAMILIES = {"plates": plates, "poisson": poisson, "thickness": thickness, "spacing": spacing, "steps": steps, "tolerance": tolerance,
-            "sealed": sealed, "spray": spray, "compression": compression, "rest": rest, "weightless": weightless, "pairs": pairs, "three_dimensions": three_dimensions}
+            "sealed": sealed, "spray": spray, "compression": compression, "rest": rest, "weightless": weightless, "pairs": pairs,
+            "three_dimensions": three_dimensions}
 
 # Seconds all together; one of each kind of outcome and of most families, and the worst of each that is bounded.
 QUICK = {
     "density ratio 0.1, 4 across, E 1e+07 Pa, one face wet, CM0", "density ratio 0.1, 4 across, E 1e+07 Pa, one face wet, CM3",
     "density ratio 0.01, 4 across, E 1e+09 Pa, both faces wet, CM3", "density ratio 0.01, 8 across, E 1e+09 Pa, both faces wet, CM0",
     "density ratio 1, 4 across, E 1e+07 Pa, both faces wet, CM2",
-    "plate under water, Poisson's ratio 0.49999", "plate of 20 mm, 1 across, both faces wet", "structure over fluid 0.25, 20 mm, both faces wet",
+    "plate under water, Poisson's ratio 0.49999", "plate of 20 mm, 1 across, both faces wet",
+    "structure over fluid 0.25, 20 mm, both faces wet",
     "column that breaks, courant 0.6", "plate, pressure solved to 1e-2", "full tank with a plate in it, density ratio 1",
     "drop at 10 m/s on a pool", "neo_hookean squeezed to 0.5 of its height", "st_venant_kirchhoff squeezed to 0.1 of its height",
     "water at rest without gravity", "floor under water at rest for 20 sqrt(H/g)", "structure over fluid 4, four across, one face wet",
@@ -193,7 +210,8 @@ class Boundary:
 def boundaries():
     """Looked for by bisection, with what theory says of them."""
     def piston(ratio):
-        return _set(scenes.piston("boundary", f"piston, CM0, m_a/m_s {ratio:.4g}", ratio=ratio, allow_unstable=True), "coupling.algorithm=CM0")
+        return _set(scenes.piston("boundary", f"piston, CM0, m_a/m_s {ratio:.4g}", ratio=ratio, allow_unstable=True),
+                    "coupling.algorithm=CM0")
 
     def plate_density(algorithm, layers, modulus):
         def make(ratio):
@@ -217,9 +235,11 @@ def boundaries():
 
     yield Boundary("boundary", "CM0, largest added mass of a piston over the mass it answers with", "-", 0.3, 5.0, piston,
                    "1: the mismatch of the velocities is multiplied by minus this ratio in each window")
-    yield Boundary("boundary", "CM0, lightest stiff plate under water, 20 mm of 4 across, 1e9 Pa", "density ratio", 10.0, 0.05, plate_density("CM0", 4, 1e9),
+    yield Boundary("boundary", "CM0, lightest stiff plate under water, 20 mm of 4 across, 1e9 Pa", "density ratio", 10.0, 0.05,
+                   plate_density("CM0", 4, 1e9),
                    "2: added mass of 0.043 m of water, a ratio of 1")
-    yield Boundary("boundary", "default, lightest plate under water of 2 across and 1e5 Pa", "density ratio", 1.0, 0.02, plate_density("default", 2, 1e5),
+    yield Boundary("boundary", "default, lightest plate under water of 2 across and 1e5 Pa", "density ratio", 1.0, 0.02,
+                   plate_density("default", 2, 1e5),
                    "none: trials are repeated until they agree")
     yield Boundary("boundary", "longest windows, plate under water", "sqrt(dx/g)", 0.1, 0.5, gravity_courant,
                    "none: implicit in the pressure; 0.5 is the end of the range")

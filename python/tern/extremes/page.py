@@ -37,8 +37,9 @@ def plates_table(rows):
     for cell in dict.fromkeys(name.rsplit(", ", 1)[0] for name in by_name):
         rows_of = [by_name.get(f"{cell}, {algorithm}") for algorithm in families.ALGORITHMS]
         lines.append(f"| {cell} | " + " | ".join(outcome(row) if row else "" for row in rows_of) + " |")
-    counts = [f"{algorithm}: {counted([row for name, row in by_name.items() if name.endswith(algorithm)])}." for algorithm in families.ALGORITHMS]
-    return [*lines, "", " ".join(counts)]
+    counts = [f"* {algorithm}: {counted([row for name, row in by_name.items() if name.endswith(algorithm)])}."
+              for algorithm in families.ALGORITHMS]
+    return [*lines, "", *counts]
 
 
 def family_table(rows):
@@ -46,7 +47,8 @@ def family_table(rows):
     lines = ["| cell | class | speed | energy | volume | unrest | it says |", "|---|---|---|---|---|---|---|"]
     for row in rows:
         figures = " | ".join(f"{float(row[name]):.2g}" if row[name] else "" for name in ("speed", "energy", "volume", "unrest"))
-        lines.append(f"| {row['cell']} | {'**wrong**' if row['class'] == 'wrong' else row['class']} | {figures} | {_short(row['message'])} |")
+        outcome_class = "**wrong**" if row["class"] == "wrong" else row["class"]
+        lines.append(f"| {row['cell']} | {outcome_class} | {figures} | {_short(row['message'])} |")
     return lines
 
 

@@ -30,7 +30,8 @@ def _grid(axes, cells, rows):
         axes.text(x + 0.5, y + 0.5, note, ha="center", va="center", fontsize=8)
     axes.set_xlim(0, len(column_names))
     axes.set_ylim(len(row_names), 0)
-    axes.set_xticks([x + 0.5 for x in range(len(column_names))], column_names, rotation=35 if max(map(len, column_names)) > 6 else 0, fontsize=8,
+    axes.set_xticks([x + 0.5 for x in range(len(column_names))], column_names, rotation=35 if max(map(len, column_names)) > 6 else 0,
+                    fontsize=8,
                     ha="right" if max(map(len, column_names)) > 6 else "center")
     axes.set_yticks([y + 0.5 for y in range(len(row_names))], row_names, fontsize=8)
     axes.tick_params(length=0)

@@ -47,8 +47,8 @@ _LOAD = '[[gauge]]\nkind = "interface_force"\nname = "load"\nbody = "plate"\n'
 def plate(family, name, *, ratio=1.0, layers=4, modulus=1e7, faces=2, nu=0.3, spacing=PLATE_SPACING, thickness=None, gravity=SLOSH,
           sealed=False, until=0.1, tail=0.04, velocity=None, **more):
     """A tank of 0.24 m with 0.16 m of water. One wet face: the plate is its floor, clamped at both sides. Two: it stands in the
-    middle, 0.08 m high, clamped at its foot. Water and plate start at rest, the plate unloaded. The run goes on for a `tail`: windows are stretched to
-    meet its end, and a change of their length shows vibrations that it strobes otherwise."""
+    middle, 0.08 m high, clamped at its foot. Water and plate start at rest, the plate unloaded. The run goes on for a `tail`: windows are
+    stretched to meet its end, and a change of their length shows vibrations that it strobes otherwise."""
     thickness = thickness or layers * spacing
     height = DEPTH if sealed else 2 * DEPTH
     open_faces = () if sealed else ("y_max",)
@@ -73,8 +73,9 @@ def plate(family, name, *, ratio=1.0, layers=4, modulus=1e7, faces=2, nu=0.3, sp
 
 
 def plate_3d(family, name, *, ratio=1.0, layers=4, modulus=1e7, faces=2, until=0.08, tail=0.02, **more):
-    """The tank in three dimensions: 0.16 m long, 0.08 m wide, 0.12 m of water, tilted both ways. One wet face: the plate is its floor, clamped at
-    both ends. Two: it stands in the middle, 0.06 m high and half as wide as the tank, so that water passes it above and at both sides."""
+    """The tank in three dimensions: 0.16 m long, 0.08 m wide, 0.12 m of water, tilted both ways. One wet face: the plate is its floor,
+    clamped at both ends. Two: it stands in the middle, 0.06 m high and half as wide as the tank, so that water passes it above and at
+    both sides."""
     long, wide, deep, spacing = 0.16, 0.08, 0.12, 0.01
     thickness = layers * spacing
     if faces == 1:
@@ -89,7 +90,8 @@ def plate_3d(family, name, *, ratio=1.0, layers=4, modulus=1e7, faces=2, until=0
         shape = (begin, -2 * spacing, side, begin + thickness, top, wide - side)
         water = [f"{{ difference = [{_box(0, 0, 0, long, deep, wide)}, {_box(*shape)}] }}"]
         clamps = [_box(-1, -1, -1, 1, 0, 1)]
-    case = (_head("Plate in a tank that is tilted, 3D", until + tail, (*SLOSH, 0.5), (-1, -1, -1, 1, 1, 1)) + tank + _water(water, FLUID_SPACING)
+    case = (_head("Plate in a tank that is tilted, 3D", until + tail, (*SLOSH, 0.5), (-1, -1, -1, 1, 1, 1)) + tank + _water(water,
+                                                                                                                            FLUID_SPACING)
             + _body(_box(*shape), spacing, ratio * WATER, modulus, 0.3, clamps) + _LOAD + _EVERY_WINDOW)
     volume = math.prod(shape[c + 3] - shape[c] for c in range(3))
     area = long * wide if faces == 1 else shape[4] * (shape[5] - shape[2])
@@ -102,7 +104,8 @@ def block_3d(family, name, *, ratio, modulus=1e7, until=0.08, tail=0.02, **more)
     wide, deep, side, spacing = 0.16, 0.16, 0.06, 0.01
     low, high = (wide - side) / 2, (wide + side) / 2
     cube = _box(low, low, low, high, high, high)
-    case = (_head("Free cube under water", until + tail, (0.0, -GRAVITY, 0.0), (-1, -1, -1, 1, 1, 1)) + _tank(_box(0, 0, 0, wide, 2 * deep, wide))
+    case = (_head("Free cube under water", until + tail, (0.0, -GRAVITY, 0.0),
+                  (-1, -1, -1, 1, 1, 1)) + _tank(_box(0, 0, 0, wide, 2 * deep, wide))
             + _water([f"{{ difference = [{_box(0, 0, 0, wide, deep, wide)}, {cube}] }}"], FLUID_SPACING)
             + _body(cube, spacing, ratio * WATER, modulus, 0.3, []) + _LOAD + _EVERY_WINDOW)
     return Cell(family, name, case, (GRAVITY * deep) ** 0.5, WATER * GRAVITY * deep**2 * wide**2 / 2, mass=ratio * WATER * side**3,
@@ -150,9 +153,11 @@ def squeezed(family, name, *, left, material="neo_hookean", nu=0.3, wide=2.0, la
     and energy of the squeeze, E/2 (1 - left)^2 of its volume."""
     modulus, spacing = 1e6, 1.0 / layers
     edge = spacing
-    held = f'[[structure.clamp]]\nname = "lid"\nbody = "plate"\nregion = {_box(-1, 1, wide + 1, 2)}\ndisplacement = [0, "{left - 1}*min(t/0.1,1)"]\n'
+    held = (f'[[structure.clamp]]\nname = "lid"\nbody = "plate"\nregion = {_box(-1, 1, wide + 1, 2)}\n'
+            f'displacement = [0, "{left - 1}*min(t/0.1,1)"]\n')
     case = (f'title = "Squeezed block"\ndimension = 2\nend_time = 0.12\ngravity = [0, 0]\n'
-            + _body(_box(0, -edge, wide, 1 + edge), spacing, 1000, modulus, nu, [_box(-1, -1, wide + 1, 0)], f'material = "{material}"\n') + held
+            + _body(_box(0, -edge, wide, 1 + edge), spacing, 1000, modulus, nu, [_box(-1, -1, wide + 1, 0)],
+                    f'material = "{material}"\n') + held
             + "[output]\nframe_interval = 1000\ngauge_interval = 1e-3\n")
     mass = 1000 * wide * (1 + 2 * edge)
     return Cell(family, name, case, (modulus / 1000) ** 0.5, modulus * wide * (1 - left) ** 2 / 2, mass=mass, until=0.12, **more)

@@ -3,7 +3,8 @@
 import csv
 import os
 
-COLUMNS = ("family", "cell", "class", "speed", "energy", "volume", "unrest", "windows", "exit_code", "theory", "wall_s", "message", "fingerprint")
+COLUMNS = ("family", "cell", "class", "speed", "energy", "volume", "unrest", "windows", "exit_code", "theory", "wall_s", "message",
+           "fingerprint")
 
 
 class Table:

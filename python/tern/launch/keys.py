@@ -7,7 +7,7 @@ from tern.launch import packages
 from tern.errors import BAD_INPUT, INPUT_OUTPUT, Error
 
 ROLES = ("coupler", "fluid", "structure")
-ALLOW_LIST = "participants.allowed"  # as in proto/keys.hpp
+ALLOW_LIST = "participants.allowed"  # as in proto/transport/keys.hpp
 
 EXPLANATION = """tern: made the keys of coupler, fluid and structure in {directory}
   On the machine of ...   must be (in a directory for --keys)

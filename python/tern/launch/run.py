@@ -97,7 +97,8 @@ def foreign_environment(directory, threads):
     threads in the libraries it uses as tern's own processes have."""
     threads = str(threads or 1)
     return os.environ | {"TERN_BUILD": str(directory), "OMP_NUM_THREADS": threads, "OPENBLAS_NUM_THREADS": threads,
-                         "PYTHONPATH": os.pathsep.join(map(str, filter(None, (paths.python(), paths.old_names(), os.environ.get("PYTHONPATH")))))}
+                         "PYTHONPATH": os.pathsep.join(map(str, filter(None,
+                                                                       (paths.python(), paths.old_names(), os.environ.get("PYTHONPATH")))))}
 
 
 def _reports(out, roles):

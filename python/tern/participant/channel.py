@@ -1,4 +1,4 @@
-"""One participant (fluid or structure) in Python: the counterpart of ParticipantChannel in proto/channel.hpp.
+"""One participant (fluid or structure) in Python: the counterpart of ParticipantChannel in proto/transport/channel.hpp.
 
     channel = Participant("ipc:///tmp/x/tern.sock", wire.FLUID)
     channel.handshake(hello)                       # wire.Hello

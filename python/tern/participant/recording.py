@@ -68,9 +68,9 @@ class Recording:
         if step > len(self._ends):
             self._at_end()
         if abs(end - self._ends[step - 1]) > _SAME_TIME * end:
-            raise bad_input(f"Window {step} ends at t = {end:.9g} s, in {self._path} at {self._ends[step - 1]:.9g} s: a record can be played "
-                            "back only in the windows it was made in. They follow from the proposals of the fluid, the frame interval and "
-                            "the end of the run.")
+            raise bad_input(f"Window {step} ends at t = {end:.9g} s, in {self._path} at {self._ends[step - 1]:.9g} s: a record can be "
+                            "played back only in the windows it was made in. They follow from the proposals of the fluid, the frame "
+                            "interval and the end of the run.")
 
     def is_next(self, kind):
         return self._next is not None and self._next.WhichOneof("body") == kind

@@ -1,4 +1,4 @@
-"""Keys of a participant, and what the handshake of a connection says about them: as proto/keys.hpp and participant_channel.cpp."""
+"""Keys of a participant, and what the handshake of a connection says about them: as proto/transport/keys.hpp and participant_channel.cpp."""
 
 import ipaddress
 import os
@@ -85,8 +85,8 @@ class Handshake:
     def hear(self, event, value):
         """Takes one event from before the connection stands. Raises CannotConnect when waiting is of no use."""
         if event == zmq.EVENT_HANDSHAKE_FAILED_AUTH:
-            raise CannotConnect(f"The coupler at {self._endpoint} refused the key {self._keys}/{self._role}.secret: its public key is not in "
-                                "the coupler's list (participants.allowed).")
+            raise CannotConnect(f"The coupler at {self._endpoint} refused the key {self._keys}/{self._role}.secret: its public key is not "
+                                "in the coupler's list (participants.allowed).")
         if event == zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL and value == MECHANISM_MISMATCH:
             raise CannotConnect(f"The coupler at {self._endpoint} " + (
                 f"was started without keys, and this {self._role} has some: give both keys, or neither." if self._keys else

@@ -1,4 +1,4 @@
-"""The frame around a participant in Python, as particles/run_main.cpp is around tern's own: command line, effective case,
+"""The frame around a participant in Python, as run/run_main.cpp is around tern's own: command line, effective case,
 results directory, log, report, signals and exit code. structure_side.py and fluid_side.py are the loops that run in it.
 """
 

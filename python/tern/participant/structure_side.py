@@ -111,7 +111,7 @@ class _Coupled:
 
 
 def _has_loads(settings):
-    """Whether energy.csv has the columns of loads, moving clamps and damping (particles/gauges.cpp)."""
+    """Whether energy.csv has the columns of loads, moving clamps and damping (scene/gauges.cpp)."""
     moving = ("displacement", "rotation", "motion_file")
     return bool(settings.get("load") or any(body.get("mass_damping", 0) > 0 for body in settings["body"])
                 or any(key in clamp for clamp in settings.get("clamp", []) for key in moving))

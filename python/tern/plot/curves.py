@@ -7,7 +7,8 @@ from tern.plot import references, style
 from tern.results import tables
 
 QUANTITIES = {"ux": "displacement x", "uy": "displacement y", "uz": "displacement z", "Fx": "force x", "Fy": "force y",
-              "Fz": "force z", "Mx": "moment x", "My": "moment y", "Mz": "moment z", "Q": "flux", "p": "pressure", "eta": "surface elevation", "x": "position x"}
+              "Fz": "force z", "Mx": "moment x", "My": "moment y", "Mz": "moment z", "Q": "flux", "p": "pressure",
+              "eta": "surface elevation", "x": "position x"}
 
 
 def split_column(column):

@@ -58,7 +58,8 @@ def quantities(runs):
     lines = []
     for kind, any_row in sorted(kinds.items(), key=lambda item: [name for name, *_ in kinds].index(item[0][0])):
         values = [rows.get(kind) for rows in judged]
-        lines.append([text(any_row["name"]), text(any_row["unit"]), text(bands.number(any_row["reference"])), text(bands.band(any_row["band"])),
+        lines.append([text(any_row["name"]), text(any_row["unit"]), text(bands.number(any_row["reference"])),
+                      text(bands.band(any_row["band"])),
                       *("" if row is None else f"{text(bands.number(row['value']) or 'none')} {one_run.verdict(row)}" for row in values)])
     return markup.table(["quantity", "unit", "reference", "band", *(text(run.label()) for run in runs)], lines)
 

@@ -171,12 +171,14 @@ def setting_table(run):
 
 def parts(run, times, page_folder):
     """[(title, HTML)] of everything there is to show of a run."""
-    found = [("Overview", overview(run)), ("Quantities", quantities(run)), ("Gauges", gauges([run])), ("Fields", field_pictures(run, times))]
+    found = [("Overview", overview(run)), ("Quantities", quantities(run)), ("Gauges", gauges([run])),
+             ("Fields", field_pictures(run, times))]
     film = films(run, page_folder)
     if film:
         found.append(("Film", film))
     return found + [
         ("Energies", whole_figure(curves.energies(run), "Curves over time of the energies of fluid and structure and of the work at the "
                                   "interface", "The run wrote no energies.")),
-        ("Steps", whole_figure(curves.steps(run), "Step length, pressure iterations and wall time of every step", "The run wrote no steps.")),
+        ("Steps",
+         whole_figure(curves.steps(run), "Step length, pressure iterations and wall time of every step", "The run wrote no steps.")),
         ("Time", timing(run)), ("Conservation", conservation(run)), ("Settings", setting_table(run))]

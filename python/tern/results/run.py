@@ -49,7 +49,8 @@ class Run:
 
     @property
     def status(self):
-        """"done", "running", or what ended it: "bad input", "numerical failure", "peer lost", "interrupted" ...; "unknown" without run.json."""
+        """"done", "running", or what ended it: "bad input", "numerical failure", "peer lost", "interrupted" ...; "unknown" without
+        run.json."""
         return self.contents.get("status", "unknown")
 
     @property

@@ -13,7 +13,8 @@ NOTICED = 0.001      # error removed that is
 
 def _tables(case):
     """({scene: rows}, are they of the scene itself): of the scenes with the same sides."""
-    own = [path for path in (Path("runs") / f"study-{case['name']}" / "cost_accuracy.csv", paths.share() / "docs" / "trade" / f"{case['name']}.csv")
+    own = [path for path in (Path("runs") / f"study-{case['name']}" / "cost_accuracy.csv",
+                             paths.share() / "docs" / "trade" / f"{case['name']}.csv")
            if path.is_file()]
     if own:
         return {case["name"]: rows.read(own[0])}, True

@@ -96,7 +96,8 @@ class Study:
         # A process that was killed or a disk that was full says nothing about the settings: such a point is run again.
         known = {(row.point, row.options) for row in self.rows if row.exit_code not in (PEER_LOST, INPUT_OUTPUT)}
         missing = [point for point in self.wanted if (point.name, shlex.join(point.options)) not in known]
-        planned = sweep.plan(self.build, self.path, self.base_options, [parameters.STANDARD, *(point for point in missing if point != parameters.STANDARD)])
+        planned = sweep.plan(self.build, self.path, self.base_options,
+                             [parameters.STANDARD, *(point for point in missing if point != parameters.STANDARD)])
         standard = next(one for one in planned if one.point == parameters.STANDARD)
         work = sweep.Sweep(self.path, self.base_options, self.out, self.criterion, self.scene_parameters)
         if parameters.STANDARD not in missing:

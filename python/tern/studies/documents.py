@@ -1,5 +1,7 @@
 """docs/TRADE.md, its picture, and the table in README.md, from the tables in docs/trade."""
 
+import re
+import textwrap
 from pathlib import Path
 
 from tern.launch import cases
@@ -10,24 +12,30 @@ from tern.studies.parameters import PARAMETERS
 from tern.studies import picture as trade
 
 BEGIN, END = "<!-- trade: written by ./tern study --write-docs -->", "<!-- trade: end -->"
+WIDTH = 140
 ERRORS = (0.05, 0.02, 0.01, 0.005, 0.002)
 
 INTRODUCTION = """# What accuracy costs
 
-Written by `./tern study --write-docs` from `docs/trade/*.csv`, each the `cost_accuracy.csv` of `./tern study CASE`; do not edit.
+Written by `./tern study --write-docs` from `docs/trade/*.csv`, each the `cost_accuracy.csv` of `./tern study CASE`; do
+not edit.
 
-Every parameter is turned by itself around the case as it stands; runs are done one at a time.
+Every parameter is changed by itself around the case as it stands. Runs are done one at a time.
 
-* *Error*: root mean square of (value - reference)/scale over the quantities that the case's `study.toml` names. Where the reference is another code or an experiment
-  (confidence B) it has a floor, and nearness to it may be an accident: then, as without a reference, runs are judged by how far they are from the finest.
-* *From the finest*: the distance of all gauges' curves from the run with the smallest spacings, root mean square over the gauges of the L2 distance over time over the
-  largest magnitude. Of the finest run itself: its uncertainty, which is the distance of the next finest.
-* *Moves the curves by*: the same distance from the case as it stands, what the parameter alone does.
-* CPU times are those of a shared machine with other work beside it; each scene says how far two runs of the same differ, and a speed-up of 0.8 to 1.2 may be noise. Steps and
-  pressure iterations are free of that.
+* *Error* is the root mean square of (value - reference)/scale over the quantities that the case's `study.toml` names.
+  Where the reference is another code or an experiment (confidence B), the error has a floor, and nearness to the
+  reference may be an accident. Runs are then judged by how far they are from the finest, as they are without a
+  reference.
+* *From the finest* is the distance of all gauges' curves from the run with the smallest spacings: the root mean square
+  over the gauges of the L2 distance over time over the largest magnitude. For the finest run itself it is its
+  uncertainty, the distance of the next finest.
+* *Moves the curves by* is the same distance from the case as it stands: the effect of the parameter alone.
+* CPU times are those of a shared machine with other work beside it. Each scene says how far two runs of the same
+  differ; a speed-up of 0.8 to 1.2 may be noise. Steps and pressure iterations are free of that.
 
-A parameter that these tables have and a case has no more (`fluid.numerics.preconditioner`) was taken out for what they say of it.
-The rows of a scene may come from several versions, which are named; between them the error of the case as it stands has moved by at most 0.06 %.
+These tables may have a parameter that cases do not have (`fluid.numerics.preconditioner`): it was removed because of
+these figures. The rows of a scene may come from several versions, which are named. Between them the error of the case
+as it stands differs by at most 0.06 %.
 """
 
 
@@ -60,7 +68,8 @@ def preset_table(tables):
             row = front.find(found, name)
             cells.append(_preset_error(row, found))
             spent = cost if name == "standard" else row and row.cpu_s
-            cells.append("" if not spent else f"{report.seconds(spent)}" + (f" ± {50 * scatter:.0f} %" if name == "standard" else f" ({spent / cost:.2g} x)"))
+            cells.append("" if not spent else
+                         f"{report.seconds(spent)}" + (f" ± {50 * scatter:.0f} %" if name == "standard" else f" ({spent / cost:.2g} x)"))
         lines.append(cells)
     head = ["scene"] + [cell for name in report.PRESETS for cell in (f"{name}: error (from the finest)", "CPU")]
     return report.table(head, lines)
@@ -85,7 +94,8 @@ def _value(row, standard):
     parameter = next((parameter for parameter in PARAMETERS if parameter.key == row.parameter), None)
     if parameter and parameter.scaled and row.parameter != "spacing":
         name = f"{parameter.key}_{parameter.unit}" if parameter.unit else parameter.key
-        return f"{float(row.settings[name]) / float(standard.settings[name]):.3g} x" + (f" (with {', '.join(parameter.with_)})" if parameter.with_ else "")
+        return f"{float(row.settings[name]) / float(standard.settings[name]):.3g} x" + (f" (with {', '.join(parameter.with_)})"
+                                                                                        if parameter.with_ else "")
     return row.value + (f" (with {', '.join(parameter.with_)})" if parameter and parameter.with_ else "")
 
 
@@ -106,7 +116,8 @@ def parameter_summary(tables):
         added = [row.error - standard.error for row, _, standard in done
                  if row.judged_by == "reference" and row.error is not None and standard.error is not None]
         lines.append([f"`{parameter}`", value, report.span([cost / row.cpu_s for row, cost, _ in done], lambda x: f"{x:.2g}"),
-                      report.span(added, report.points), report.span([row.distance_to_standard for row, _, _ in done], lambda x: f"{100 * x:.2g} %"),
+                      report.span(added, report.points),
+                      report.span([row.distance_to_standard for row, _, _ in done], lambda x: f"{100 * x:.2g} %"),
                       f"{len(done)}" + (f", {len(found) - len(done)} did not end" if len(done) < len(found) else "")])
     return report.table(["parameter", "value", "speed-up", "error added", "moves the curves by", "scenes"], lines)
 
@@ -115,19 +126,37 @@ def _case_section(case, found):
     cost, scatter = front.standard_cost(found)
     end = next((row.end_time_s for row in found), 0.0)
     versions = ", ".join(sorted({row.version for row in found}))
-    parts = [f"## {case}", "", f"`./tern study {case}`, {versions}, to t = {end:g} s. The case as it stands takes {report.seconds(cost)} of CPU; its runs "
+    parts = [f"## {case}", "",
+             f"`./tern study {case}`, {versions}, to t = {end:g} s. The case as it stands takes {report.seconds(cost)} of CPU; its runs "
              f"at begin and end differ by {report.percent(scatter)}. {report.finest_sentence(found)}", "", report.quantity_lines(found), "",
-             "The front:", "", report.front_table(found), "", "Observed orders:", "", report.order_lines(found), "", "Parameters:", "", report.parameter_table(found), ""]
+             "The front:", "", report.front_table(found), "", "Observed orders:", "", report.order_lines(found), "", "Parameters:", "",
+             report.parameter_table(found), ""]
     if report.failures(found):
         parts += ["Did not end:", "", report.failures(found), ""]
     return "\n".join(parts)
 
 
+def _wrapped(text):
+    """`text` in lines that can be read; tables, headings and pictures as they are."""
+    lines = []
+    for line in text.split("\n"):
+        if len(line) <= WIDTH or line.startswith(("|", "#", "!")):
+            lines.append(line)
+            continue
+        # What is in backticks stays on one line.
+        whole = re.sub(r"`[^`]*`", lambda code: code[0].replace(" ", "\0"), line)
+        lines += textwrap.wrap(whole, WIDTH, subsequent_indent="  " if line.startswith("* ") else "", break_long_words=False,
+                               break_on_hyphens=False)
+    return "\n".join(lines).replace("\0", " ")
+
+
 def trade_text(tables):
     """docs/TRADE.md."""
-    return "\n".join([INTRODUCTION, "![Error against CPU time](pictures/trade.png)", "", "## The presets", "", _presets_words(), "", preset_table(tables), "",
-                      "## Which settings for which error", "", wish_table(tables), "", "## The parameters, over all scenes", "", parameter_summary(tables), "",
-                      *(_case_section(case, found) for case, found in tables.items())])
+    return _wrapped("\n".join([INTRODUCTION, "![Error against CPU time](pictures/trade.png)", "", "## The presets", "", _presets_words(),
+                               "", preset_table(tables), "",
+                      "## Which settings for which error", "", wish_table(tables), "", "## The parameters, over all scenes", "",
+                               parameter_summary(tables), "",
+                      *(_case_section(case, found) for case, found in tables.items())]))
 
 
 def _presets_words():

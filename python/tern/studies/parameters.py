@@ -79,7 +79,8 @@ def select(names):
         return list(PARAMETERS)
     chosen = []
     for name in names:
-        found = [parameter for parameter in PARAMETERS if parameter.key == name] or [parameter for parameter in PARAMETERS if parameter.key.endswith("." + name)]
+        found = [parameter for parameter in PARAMETERS if parameter.key == name] or [parameter for parameter in PARAMETERS
+                                                                                     if parameter.key.endswith("." + name)]
         if len(found) > 1:
             raise Error(BAD_INPUT, f"--parameters {name} may be {' or '.join(parameter.key for parameter in found)}; write it in full.")
         if not found:

@@ -18,7 +18,8 @@ def _panel(axes, case, rows, named):
     known, best = front.measured(rows), front.pareto(rows)
     others = [row for row in known if row not in best and row.point not in PRESET_COLOURS]
     axes.plot([row.cpu_s for row in others], [_error(row) for row in others], "o", color="0.7", markersize=4, label="points of the study")
-    axes.plot([row.cpu_s for row in best], [_error(row) for row in best], "-o", color=style.RUN_COLOURS[2], markersize=5, label="front: none is cheaper and closer")
+    axes.plot([row.cpu_s for row in best], [_error(row) for row in best], "-o", color=style.RUN_COLOURS[2], markersize=5,
+              label="front: none is cheaper and closer")
     for name, colour in PRESET_COLOURS.items():
         row = front.find(rows, name)
         if row and row in known:

@@ -80,7 +80,8 @@ def parameter_table(rows):
                       *(_over(getattr(row, name), getattr(standard, name)) for name in ("steps", "pressure_iterations"))])
     order = {parameter.key: number for number, parameter in enumerate(PARAMETERS)}
     lines.sort(key=lambda line: order.get(line[0], 99))
-    return table(["parameter", "value", "speed-up", "error added", "moves the curves by", "from the finest", "steps", "pressure iterations"], lines)
+    return table(["parameter", "value", "speed-up", "error added", "moves the curves by", "from the finest", "steps",
+                  "pressure iterations"], lines)
 
 
 def _over(value, other):
@@ -136,8 +137,9 @@ def quantity_lines(rows):
     if not standard or not standard.quantities:
         return "The case has no reference: the error is the distance to the finest run, over all gauges."
     lines = [[name, percent(value), percent(best.quantities.get(name)) if best else "-"] for name, value in standard.quantities.items()]
-    note = "" if front.by_reference(rows) else ("The reference is another code or an experiment: shown, but not what runs are judged by; that is "
-                                                "the distance from the finest run.\n\n")
+    note = "" if front.by_reference(rows) else (
+        "The reference is another code or an experiment: shown, but not what runs are judged by; that is the distance from the "
+        "finest run.\n\n")
     return note + table(["error of (over its scale)", "standard", f"finest ({best.point})" if best else "finest"], lines)
 
 
@@ -165,7 +167,8 @@ def answer(case, rows, error=None, time_s=None, base_options=""):
         lines.append(f"  {kind} {percent(front.error_of(row))}, {percent(row.distance_to_finest)} from the finest run, CPU "
                      f"{seconds(row.cpu_s)}, wall {seconds(row.wall_s)}")
         best = front.finest(rows)
-        if row.judged_by == "finest" and best and row.distance_to_finest and best.distance_to_finest and row.distance_to_finest < best.distance_to_finest:
+        if (row.judged_by == "finest" and best and row.distance_to_finest and best.distance_to_finest
+                and row.distance_to_finest < best.distance_to_finest):
             lines.append(f"  (the finest run itself is uncertain by {percent(best.distance_to_finest)}: smaller distances say little)")
     return "\n".join(lines)
 

@@ -79,7 +79,8 @@ class Sweep:
     def measure(self, planned):
         """Runs a point (or takes note of why it cannot be run) and returns its row; KeyboardInterrupt ends the study."""
         point = planned.point
-        row = Row(point.name, point.parameter, point.value, shlex.join(point.options), end_time_s=self.criterion.until, judged_by=self.criterion.judged_by,
+        row = Row(point.name, point.parameter, point.value, shlex.join(point.options), end_time_s=self.criterion.until,
+                  judged_by=self.criterion.judged_by,
                   settings=effective_cells(planned.settings, self.scene_parameters))
         if planned.refused:
             row.status, row.exit_code, row.cause = STATUS.get(planned.exit_code, "failed"), planned.exit_code, planned.refused

@@ -111,7 +111,8 @@ class GetfemStructure:
         for sentence, refused in {
                 "it is not in 2D": case.dimension != 2,
                 "a clamp is not a box": any("box" not in shape for shape in clamps),
-                "a clamp moves": any(key in clamp for clamp in structure.get("clamp", []) for key in ("displacement", "rotation", "motion_file")),
+                "a clamp moves": any(key in clamp for clamp in structure.get("clamp", [])
+                                     for key in ("displacement", "rotation", "motion_file")),
                 "it has loads": structure.get("load"), "the body has mass_damping": body.get("mass_damping"),
                 f"the material is {body['material']}": body["material"] != "neo_hookean",
                 "it is in plane stress": body.get("plane") == "stress", "the body moves at the start": body.get("velocity"),
