@@ -1,4 +1,4 @@
-// Extremes of the structure (tests/structure/extreme_scenes.hpp): what each comes to, bounded with its figures, stopped with a
+// Extremes of the structure (fixtures/extreme_scenes.hpp): what each comes to, bounded with its figures, stopped with a
 // message, or WRONG. Prints the table of docs/STRUCTURE.md:  build/release/bench/bench-structure_extremes [words]
 // With words, only the rows that have them. Ends with 1 when one is wrong.
 

@@ -1,5 +1,6 @@
 // Step limits: dt = C sqrt(dx/|g|), dt = C dx/u with u = sqrt(2 |g| H) for a fluid that is free to fall by H, and for
-// a viscous one dt = C h^2/nu, and for the structure dt_s = C dx_s/c_p, c_p^2 = E (1 - nu)/(rho (1 + nu)(1 - 2 nu)), in plane stress E/(rho (1 - nu^2)).
+// a viscous one dt = C h^2/nu, and for the structure dt_s = C dx_s/c_p, c_p^2 = E (1 - nu)/(rho (1 + nu)(1 - 2 nu)), in plane
+// stress E/(rho (1 - nu^2)).
 // Added mass of a cantilever of free length L in its first mode: rho_f L/1.875 per wet face, over rho_s T.
 
 #include "scene/estimate.hpp"

@@ -27,7 +27,8 @@ int found(const std::function<double(int, int)>& load) {
 double sign(int n) { return n % 2 ? -1 : 1; }
 
 // Seen to fail: with the cosine at -0.6 (noise), without the mean (small ripple), without the growth (ring that dies
-// out); of vibrations: without them, without their growth (steady one), without the sign of p (what windows resolve), without the halves (blow).
+// out); of vibrations: without them, without their growth (steady one), without the sign of p (what windows resolve), without the halves
+// (blow).
 TEST(LoadAlternation, IsFoundOnlyWhereTheLoadTurnsRoundAgainAndAgain) {
   EXPECT_EQ(found([](int n, int k) { return 1 + 0.01 * std::pow(1.5, n) * sign(n) * std::sin(0.1 * k + 0.2); }), 11);
   EXPECT_EQ(found([](int n, int) { return n > 20 ? 2 * sign(n) : 0; }), 25);
@@ -81,7 +82,8 @@ TEST(EarlyStop, NamesExplicitStaggeringWhileTheMotionIsStillSound) {
   expect_named({0.1, 4, 1e7, 1, cm0}, 0.23, {"The interface has made", "up to t = 0.0", "limit", "coupling.algorithm = \"CM2\""});
 }
 
-// One pass under a floor of a hundredth of the density of water: the fluid is told of a floor that gives way, and sinks through the one there is.
+// One pass under a floor of a hundredth of the density of water: the fluid is told of a floor that gives way, and sinks through the one
+// there is.
 // Seen to fail without check_volume() (bounded speeds, no message, a tenth of the water gone).
 TEST(EarlyStop, NamesTheVolumeThatALightBodyTakesUnderOnePass) {
   expect_named({0.01, 4, 1e7, 1, CouplingAlgorithm::cm2}, 0.27,

@@ -95,8 +95,9 @@ double apart(const std::vector<double>& a, const std::vector<double>& b) {
   return distance / largest;
 }
 
-// The side walls, which the plate meets with its long edges, take nothing of the load: images of the water behind them (coupler/schemes/interface_pairs.hpp).
-// Measured: deflection within 2.1 and 1.3 % of the largest, load 1.0078 and 1.0040 of that in 2D. Without images in 3D the load is 0.904 and 0.936 of it.
+// The side walls, which the plate meets with its long edges, take nothing of the load: images of the water behind them
+// (coupler/schemes/interface_pairs.hpp). Measured: deflection within 2.1 and 1.3 % of the largest, load 1.0078 and 1.0040 of that in 2D.
+// Without images in 3D the load is 0.904 and 0.936 of it.
 // Seen to fail, in 3D alone: with 1.9 for the factor 2 of b_ik; without images; with half the flux through faces in the divergence.
 TEST(ThreeDimensions, AreTheTwoOfASliceThatDoesNotChangeAlongItsWidth) {
   constexpr double until = 0.05;

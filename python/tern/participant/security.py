@@ -1,4 +1,5 @@
-"""Keys of a participant, and what the handshake of a connection says about them: as proto/transport/keys.hpp and participant_channel.cpp."""
+"""Keys of a participant, and what the handshake of a connection says about them: as proto/transport/keys.hpp and
+participant_channel.cpp."""
 
 import ipaddress
 import os

@@ -22,7 +22,7 @@ namespace {
 const double nan = std::numeric_limits<double>::quiet_NaN();
 const double infinity = std::numeric_limits<double>::infinity();
 
-/// What both ends know after the handshake and one Band of samples.hpp.
+/// What both ends know after the handshake and one Band of fixtures/message_samples.hpp.
 Agreement agreed(wire::Role participant) {
   Agreement agreement;
   remember(samples::make(Kind::kHello, participant), agreement);
