@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <string>
+#include <string_view>
+
 #include "scene/parameter_table.hpp"
 
 namespace tern {
@@ -39,6 +42,19 @@ std::string heading(const TableDefinition& table) {
   return table.repeated ? "`[[" + table.path + "]]`" : "`[" + table.path + "]`";
 }
 
+/// `text` in lines of at most 120 characters, broken at spaces.
+std::string wrapped(std::string_view text) {
+  constexpr std::size_t width = 120;
+  std::string lines;
+  while (text.size() > width) {
+    const std::size_t end = text.rfind(' ', width);
+    if (end == std::string_view::npos) break;
+    lines += fmt::format("{}\n", text.substr(0, end));
+    text.remove_prefix(end + 1);
+  }
+  return lines.append(text);
+}
+
 }  // namespace
 
 std::string parameter_reference() {
@@ -53,9 +69,8 @@ std::string parameter_reference() {
       "a list of\n"
       "tables is named by its position from 0 or by its name: `--set structure.body.plate.spacing=0.0005`.\n";
   for (const TableDefinition& table : table_definitions()) {
-    text += fmt::format("\n## {}\n\n{}", heading(table), table.meaning);
-    if (table.presence == TableDefinition::Presence::required) text += " At least one.";
-    text += "\n";
+    const bool required = table.presence == TableDefinition::Presence::required;
+    text += fmt::format("\n## {}\n\n{}\n", heading(table), wrapped(fmt::format("{}{}", table.meaning, required ? " At least one." : "")));
     bool first = true;
     for (const Parameter& p : parameters()) {
       if (p.table != table.path) continue;
