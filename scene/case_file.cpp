@@ -265,7 +265,7 @@ StructureCase read_structure(const Setting& setting, int dimension, bool coupled
     body.poisson_ratio = number(item, "poisson_ratio");
     for (const Setting& clamp : item.at("clamp").items) body.clamps.push_back(read_shape(clamp, dimension));
     body.velocity = expressions_or_zero(item, "velocity");
-    body.law = text(item, "material") == "st_venant_kirchhoff" ? MaterialLaw::st_venant_kirchhoff : MaterialLaw::neo_hookean;
+    body.material = text(item, "material");
     if (const Setting* plane = item.find("plane")) {
       if (dimension == 3)
         throw BadInput(

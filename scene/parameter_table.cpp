@@ -3,6 +3,9 @@
 #include "scene/parameter_table.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "structure/material/registry.hpp"
 
 namespace tern {
 namespace {
@@ -18,6 +21,14 @@ const Range not_negative{0, infinity, false, true};
 Range from_to(double lowest, double highest) { return {lowest, highest, false, false}; }
 Range above_to(double lowest, double highest) { return {lowest, highest, true, false}; }
 Range between(double lowest, double highest) { return {lowest, highest, true, true}; }
+
+/// The materials in words, "a, b, or c".
+std::string material_meanings() {
+  std::vector<std::string> meanings;
+  structure::for_each_material([&](const auto* law) { meanings.push_back(law->meaning); });
+  meanings.back() = "or " + meanings.back();
+  return fmt::format("{}", fmt::join(meanings, ", "));
+}
 
 }  // namespace
 
@@ -275,8 +286,8 @@ const std::vector<Parameter>& parameters() {
        "",
        "\"neo_hookean\"",
        any,
-       {"neo_hookean", "st_venant_kirchhoff"},
-       "Law of the material: compressible neo-Hookean, or St Venant-Kirchhoff (which gives way under strong compression)."},
+       structure::material_keys(),
+       "Law of the material: " + material_meanings() + "."},
       {"structure.body",
        "plane",
        Type::choice,

@@ -10,10 +10,10 @@
 #include <cstring>
 
 #include "base/error.hpp"
+#include "structure/energy.hpp"
 #include "structure/implicit/implicit_step.hpp"
 #include "structure/implicit/integrator_choice.hpp"
 #include "structure/loads.hpp"
-#include "structure/material/energy.hpp"
 #include "structure/material_point.hpp"
 #include "structure/reference.hpp"
 #include "structure/surface_points.hpp"
