@@ -266,6 +266,7 @@ StructureCase read_structure(const Setting& setting, int dimension, bool coupled
     for (const Setting& clamp : item.at("clamp").items) body.clamps.push_back(read_shape(clamp, dimension));
     body.velocity = expressions_or_zero(item, "velocity");
     body.material = text(item, "material");
+    if (item.find("mooney_ratio")) body.mooney_ratio = number(item, "mooney_ratio");
     if (const Setting* plane = item.find("plane")) {
       if (dimension == 3)
         throw BadInput(

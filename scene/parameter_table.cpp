@@ -25,7 +25,7 @@ Range between(double lowest, double highest) { return {lowest, highest, true, tr
 /// The materials in words, "a, b, or c".
 std::string material_meanings() {
   std::vector<std::string> meanings;
-  structure::for_each_material([&](const auto* law) { meanings.push_back(law->meaning); });
+  structure::for_each_material([&]<class Law>() { meanings.push_back(Law::meaning); });
   meanings.back() = "or " + meanings.back();
   return fmt::format("{}", fmt::join(meanings, ", "));
 }
@@ -280,14 +280,16 @@ const std::vector<Parameter>& parameters() {
        {},
        "Particles inside any of these shapes are fixed; one layer of them is enough. The outermost ones are moved onto the face "
        "of the region."},
-      {"structure.body",
-       "material",
-       Type::choice,
-       "",
-       "\"neo_hookean\"",
-       any,
-       structure::material_keys(),
+      {"structure.body", "material", Type::choice, "", "\"neo_hookean\"", any, structure::material_keys(),
        "Law of the material: " + material_meanings() + "."},
+      {"structure.body",
+       "mooney_ratio",
+       Type::number,
+       "-",
+       "absent",
+       from_to(0, 1),
+       {},
+       "Of mooney_rivlin: C01/(C10 + C01), how much of the shear modulus is that of the second invariant; absent = 0.2."},
       {"structure.body",
        "plane",
        Type::choice,

@@ -19,26 +19,25 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "structure/material/mooney_rivlin.hpp"
 #include "structure/material/neo_hookean.hpp"
 #include "structure/material/st_venant_kirchhoff.hpp"
 
 namespace tern::structure {
 
-using MaterialLaw = std::variant<NeoHookean, StVenantKirchhoff>;
+using MaterialLaw = std::variant<NeoHookean, StVenantKirchhoff, MooneyRivlin>;
 
-/// found(law type) for each material in the order of MaterialLaw: a pointer to it that is null, for its static members.
+/// found.operator()<Law>() for each material, in the order of MaterialLaw.
 template <class Found>
 void for_each_material(const Found& found) {
-  [&]<std::size_t... n>(std::index_sequence<n...>) {
-    (found(static_cast<const std::variant_alternative_t<n, MaterialLaw>*>(nullptr)), ...);
-  }
+  [&]<std::size_t... n>(std::index_sequence<n...>) { (found.template operator()<std::variant_alternative_t<n, MaterialLaw>>(), ...); }
   (std::make_index_sequence<std::variant_size_v<MaterialLaw>>());
 }
 
 /// Choices of `material` in a case file.
 inline std::vector<std::string> material_keys() {
   std::vector<std::string> keys;
-  for_each_material([&](const auto* law) { keys.push_back(law->key); });
+  for_each_material([&]<class Law>() { keys.push_back(Law::key); });
   return keys;
 }
 
@@ -49,7 +48,7 @@ struct Material : Hooke {
   /// Throws BadInput when `parameters.material` is none of material_keys().
   explicit Material(const MaterialParameters& parameters) : Hooke(parameters), law(NeoHookean(parameters)) {
     bool found = false;
-    for_each_material([&]<class Law>(const Law*) {
+    for_each_material([&]<class Law>() {
       if (parameters.material != Law::key) return;
       law = Law(parameters);
       found = true;
