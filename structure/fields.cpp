@@ -46,14 +46,14 @@ Fields<D> fields_of(const Reference<D>& reference, const State<D>& state, const 
     const Body& body = reference.bodies[reference.particle_body[p]];
     const Matrix<D> f = deformation_gradient_of<D>(work, row), h = f - Matrix<D>::Identity();
     const double j2 = f.determinant();
-    const auto [p, across] = std::visit(
+    const auto [piola, across] = std::visit(
         [&](const auto& law) {
           return std::pair(stress_of<D>(law, h, f, j2), D == 2 ? law.template out_of_plane<D>(h, j2) : OutOfPlane{});
         },
         body.material.law);
     const double j = j2 * across.stretch;
     Eigen::Matrix3d full = Eigen::Matrix3d::Zero();
-    full.topLeftCorner<D, D>() = p * f.transpose() / j;
+    full.topLeftCorner<D, D>() = piola * f.transpose() / j;
     if (D == 2) full(2, 2) = across.stress;
     const Eigen::Matrix3d deviator = full - full.trace() / 3 * Eigen::Matrix3d::Identity();
     fields.position.push_back(reference.position_of(row) + d);

@@ -50,6 +50,8 @@ struct MooneyRivlin : Hooke {
                                             const Number& j_plane, Number (&p)[D][D]) const {
     using std::exp;
     using std::log;
+    using tern::exp;
+    using tern::log;
     Number c[D][D], i1 = {}, squares = {};
     for (int a = 0; a < D; ++a)
       for (int b = 0; b < D; ++b) {

@@ -34,6 +34,7 @@ struct NeoHookean : Hooke {
   [[gnu::always_inline]] inline void stress(const Number (&)[D][D], const Number (&f)[D][D], const Number (&inverse_transposed)[D][D],
                                             const Number& j, Number (&p)[D][D]) const {
     using std::log;
+    using tern::log;
     Number log_j = log(j);
     if (plane_stress) log_j += each_lane(log_j, [this](double log_j2) { return log_thickness_stretch(log_j2); });
     const Number factor = lambda * log_j - mu;
