@@ -13,6 +13,7 @@
 #include "scene/expression.hpp"
 #include "scene/geometry.hpp"
 #include "scene/rigid_motion.hpp"
+#include "structure/material/parameters.hpp"
 
 namespace tern {
 
@@ -21,7 +22,6 @@ enum class GradientForm { sum, blend };  ///< pairwise sum form, or corrected in
 enum class CouplingAlgorithm { cm0, cm2, cm3, automatic };
 enum class Acceleration { iqn_ils, aitken };  ///< of the repetitions of cm3
 enum class Integrator { explicit_steps, implicit_steps, automatic };
-enum class MaterialLaw { neo_hookean, st_venant_kirchhoff };
 enum class InterfaceScheme { fsa, pi, riemann };  ///< corrected gradient, surface integral of the pressure, pairs with dissipation
 enum class VemForm { seed, sum, pairmax };        ///< which of the two pressures of a pair pull
 
@@ -64,15 +64,10 @@ struct FluidCase {
   FluidNumerics numerics = default_fluid_numerics();
 };
 
-struct StructureBody {
+struct StructureBody : MaterialParameters {
   std::string name;
   Shape shape;
-  double spacing = 0;        ///< dx_s [m]
-  double density = 0;        ///< rho_0 [kg/m^3]
-  double young_modulus = 0;  ///< [Pa]
-  double poisson_ratio = 0;  ///< [-]
-  MaterialLaw law = MaterialLaw::neo_hookean;
-  bool plane_stress = false;  ///< 2D: plane stress instead of plane strain
+  double spacing = 0;         ///< dx_s [m]
   double mass_damping = 0;    ///< [1/s]; 0 = not evaluated
   std::vector<Shape> clamps;  ///< particles inside are clamped; regions of the named clamps included
   VectorExpression velocity;  ///< initial velocity [m/s] in x, y, z

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "scene/estimate.hpp"
+#include "structure/material/registry.hpp"
 
 namespace tern {
 namespace {
@@ -160,7 +161,7 @@ std::string explain_text(const Case& scene, const Costs& costs) {
       const StructureBody& body = scene.structure->bodies[i];
       text +=
           fmt::format("* The elastic body '{}': {}{}, {} kg/m^3, E = {} Pa, Poisson's ratio {}, {:.3g} mm thick; {}.\n", body.name,
-                      body.law == MaterialLaw::neo_hookean ? "neo-Hookean" : "St Venant-Kirchhoff",
+                      structure::Material(body).name(),
                       scene.dimension == 3 ? ""
                       : body.plane_stress  ? " in plane stress"
                                            : " in plane strain",

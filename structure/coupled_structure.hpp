@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "scene/case_file.hpp"
+#include "structure/complete_state.hpp"
 #include "structure/structure.hpp"
 
 namespace tern::structure {
@@ -19,6 +20,20 @@ Velocity interface_velocity(const Velocity& mean, const Velocity& at_begin) {
   constexpr double kept = 0.8;
   return (1 + kept) * mean - kept * at_begin;
 }
+
+/// A CompleteState and the surface as the fluid knows it.
+template <int D>
+struct CoupledState {
+  CompleteState<D> structure;
+  Surface<D> surface;
+
+  /// The list of the members: visit(name, member of each state) for every one.
+  template <class Visit, class... States>
+  static void for_each_field(Visit&& visit, States&... state) {
+    CompleteState<D>::for_each_field(visit, state.structure...);
+    visit("surface", state.surface...);
+  }
+};
 
 template <int D>
 class CoupledStructure {
@@ -59,6 +74,15 @@ class CoupledStructure {
     Surface<D> end = structure_.surface();
     if (algorithm_ != CouplingAlgorithm::cm0) end.velocity = velocity_at_end(end.position);
     at_begin_ = std::move(end);
+  }
+
+  /// Between two windows: everything from which another one goes on with the same bits.
+  CoupledState<D> state() const { return {structure_.state(), at_begin_}; }
+  void set_state(const CoupledState<D>& given) {
+    CoupledState<D> state;
+    CoupledState<D>::for_each_field([](const char*, const auto& source, auto& target) { target = source; }, given, state);
+    structure_.set_state(state.structure);
+    at_begin_ = std::move(state.surface);
   }
 
  private:

@@ -1,14 +1,35 @@
 // Output fields: Cauchy stress sigma = P F^T / J and its von Mises value. P is the stress at the middle of a particle's cell,
-// without the part of the strain gradient. In plane strain the stress out of the plane (neo-Hookean: lambda ln J / J; St
-// Venant-Kirchhoff: lambda tr E / J) enters the von Mises value; in plane stress it is zero, and J includes the thickness.
+// without the part of the strain gradient. In plane strain the stress out of the plane enters the von Mises value; in plane
+// stress it is zero, and J includes the thickness.
 
-#include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "structure/material/energy.hpp"
+#include "structure/energy.hpp"
 #include "structure/time_step.hpp"
 
 namespace tern::structure {
+namespace {
+
+/// P of one particle.
+template <int D, class Law>
+Matrix<D> stress_of(const Law& law, const Matrix<D>& h, const Matrix<D>& f, double j) {
+  const Matrix<D> inverse_transposed = f.inverse().transpose();
+  double h_of[D][D], f_of[D][D], inverse_of[D][D], p[D][D];
+  for (int a = 0; a < D; ++a)
+    for (int b = 0; b < D; ++b) {
+      h_of[a][b] = h(a, b);
+      f_of[a][b] = f(a, b);
+      inverse_of[a][b] = inverse_transposed(a, b);
+    }
+  law.template stress<D>(h_of, f_of, inverse_of, j, p);
+  Matrix<D> result;
+  for (int a = 0; a < D; ++a)
+    for (int b = 0; b < D; ++b) result(a, b) = p[a][b];
+  return result;
+}
+
+}  // namespace
 
 template <int D>
 Fields<D> fields_of(const Reference<D>& reference, const State<D>& state, const Workspace<D>& work) {
@@ -18,35 +39,22 @@ Fields<D> fields_of(const Reference<D>& reference, const State<D>& state, const 
   for (std::size_t p = 0; p < count; ++p) {
     const auto row = reference.particle_row[p];
     Vector<D> d, v;
-    Matrix<D> stress;
     for (int a = 0; a < D; ++a) {
       d[a] = state.displacement[a][row];
       v[a] = state.velocity[a][row];
     }
     const Body& body = reference.bodies[reference.particle_body[p]];
-    const Material& m = body.material;
-    const Matrix<D> f = deformation_gradient_of<D>(work, row);
-    const Matrix<D> h = f - Matrix<D>::Identity(), e = 0.5 * (h + h.transpose() + h.transpose() * h);
-    double j = f.determinant(), out_of_plane = 0;
-    if (m.law == MaterialLaw::neo_hookean) {
-      double log_j = std::log(j);
-      if (m.plane_stress) {
-        const double log_f33 = m.log_thickness_stretch(log_j);
-        log_j += log_f33;
-        j *= std::exp(log_f33);
-      }
-      stress = m.mu * f + (m.lambda * log_j - m.mu) * f.inverse().transpose();
-      out_of_plane = m.plane_stress ? 0 : m.lambda * log_j / j;
-    } else {
-      stress = f * (m.plane_lambda * e.trace() * Matrix<D>::Identity() + 2 * m.mu * e);
-      if (m.plane_stress)
-        j *= std::sqrt(std::max(1 - 2 * m.lambda / (m.lambda + 2 * m.mu) * e.trace(), 0.0));
-      else
-        out_of_plane = m.lambda * e.trace() / j;
-    }
+    const Matrix<D> f = deformation_gradient_of<D>(work, row), h = f - Matrix<D>::Identity();
+    const double j2 = f.determinant();
+    const auto [piola, across] = std::visit(
+        [&](const auto& law) {
+          return std::pair(stress_of<D>(law, h, f, j2), D == 2 ? law.template out_of_plane<D>(h, j2) : OutOfPlane{});
+        },
+        body.material.law);
+    const double j = j2 * across.stretch;
     Eigen::Matrix3d full = Eigen::Matrix3d::Zero();
-    full.topLeftCorner<D, D>() = stress * f.transpose() / j;
-    if (D == 2) full(2, 2) = out_of_plane;
+    full.topLeftCorner<D, D>() = piola * f.transpose() / j;
+    if (D == 2) full(2, 2) = across.stress;
     const Eigen::Matrix3d deviator = full - full.trace() / 3 * Eigen::Matrix3d::Identity();
     fields.position.push_back(reference.position_of(row) + d);
     fields.displacement.push_back(d);

@@ -4,7 +4,7 @@
 //   f_i = sum_j (alpha E/2) V_i V_j (w_ij/|X_ij|^2) (delta^i_ij + delta^j_ij) (x_i - x_j)/|x_ij|,
 //   delta^k_ij = (F_k X_ji - x_ji) . x_ji/|x_ij|.
 
-#include "structure/lanes.hpp"
+#include "base/lanes.hpp"
 
 namespace tern::structure {
 

@@ -362,7 +362,7 @@ Reference<D> build_reference(const StructureCase& structure) {
     Body body{.name = input.name,
               .shape = input.shape,
               .clamps = input.clamps,
-              .material = Material::isotropic(input.density, input.young_modulus, input.poisson_ratio, input.law, input.plane_stress),
+              .material = Material(input),
               .spacing = input.spacing,
               .smoothing_length = structure.numerics.smoothing_length_ratio * input.spacing,
               .mass_damping = input.mass_damping,

@@ -18,12 +18,12 @@
 #include <string>
 #include <vector>
 
+#include "base/lanes.hpp"
 #include "base/vector.hpp"
 #include "scene/case_file.hpp"
 #include "scene/rigid_motion.hpp"
 #include "structure/gradient_vectors.hpp"
-#include "structure/lanes.hpp"
-#include "structure/material/material.hpp"
+#include "structure/material/registry.hpp"
 
 namespace tern::structure {
 

@@ -6,7 +6,7 @@
 // The reconstructed jump Dv vanishes in every affine velocity field. Limiter: its normal (tangential) part is dropped where
 // it opposes that of the plain jump v_j - v_i, so that every pair dissipates.
 
-#include "structure/lanes.hpp"
+#include "base/lanes.hpp"
 
 namespace tern::structure {
 

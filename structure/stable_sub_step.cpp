@@ -27,9 +27,8 @@ std::pair<double, double> stretches(const Matrix<D>& f) {
 }  // namespace
 
 template <int D>
-double stable_sub_step(const Reference<D>& reference, double courant, const State<D>& state, Workspace<D>& work) {
+double stable_sub_step(const Reference<D>& reference, double courant, const State<D>& state, const Workspace<D>& work) {
   constexpr double least_stretch = 0.05;  // the step must not shrink without bound before J <= 0 is found
-  deformation_gradient(reference, state, work);
   constexpr double collapse = 1e-3;
   double dt = std::numeric_limits<double>::max();
   for (const Body& body : reference.bodies) {
@@ -65,7 +64,7 @@ double stable_sub_step(const Reference<D>& reference, double courant, const Stat
   return dt;
 }
 
-template double stable_sub_step<2>(const Reference<2>&, double, const State<2>&, Workspace<2>&);
-template double stable_sub_step<3>(const Reference<3>&, double, const State<3>&, Workspace<3>&);
+template double stable_sub_step<2>(const Reference<2>&, double, const State<2>&, const Workspace<2>&);
+template double stable_sub_step<3>(const Reference<3>&, double, const State<3>&, const Workspace<3>&);
 
 }  // namespace tern::structure

@@ -1,5 +1,6 @@
 #pragma once
-// What changes: State is the only source of truth (saving and restoring is a copy); Fields of Workspace are rebuilt from it.
+// What changes. State is the motion, which a repeated window begins from again; what the integrators learn from window to window
+// stands beside it (complete_state.hpp). Workspace is rebuilt from them.
 
 #include <array>
 #include <vector>
@@ -30,6 +31,25 @@ struct State {
   std::vector<Lanes> diffusion_loss;  ///< per block: energy dissipated by the diffusion in its pairs
   std::vector<Lanes> penalty_store;   ///< per block: energy taken up by the penalty in its pairs
   std::vector<Lanes> damping_loss;    ///< per block: energy dissipated by the mass damping; empty without
+
+  /// The list of the members: visit(name, member of each state) for every one.
+  template <class Visit, class... States>
+  static void for_each_field(Visit&& visit, States&... state) {
+    visit("time", state.time...);
+    visit("displacement", state.displacement...);
+    visit("velocity", state.velocity...);
+    visit("internal_force", state.internal_force...);
+    visit("force_is_elastic", state.force_is_elastic...);
+    visit("undisturbed", state.undisturbed...);
+    visit("load", state.load.force...);
+    visit("interface_work", state.interface_work...);
+    visit("gravity_work", state.gravity_work...);
+    visit("load_work", state.load_work...);
+    visit("clamp_work", state.clamp_work...);
+    visit("diffusion_loss", state.diffusion_loss...);
+    visit("penalty_store", state.penalty_store...);
+    visit("damping_loss", state.damping_loss...);
+  }
 };
 
 template <int D>

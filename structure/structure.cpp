@@ -10,10 +10,10 @@
 #include <cstring>
 
 #include "base/error.hpp"
+#include "structure/complete_state.hpp"
+#include "structure/energy.hpp"
 #include "structure/implicit/implicit_step.hpp"
-#include "structure/implicit/integrator_choice.hpp"
 #include "structure/loads.hpp"
-#include "structure/material/energy.hpp"
 #include "structure/material_point.hpp"
 #include "structure/reference.hpp"
 #include "structure/surface_points.hpp"
@@ -32,13 +32,13 @@ struct Structure<D>::Parts {
   Loads<D> loads;
   double courant = 0;
 
-  State<D> state, saved;
-  Workspace<D> work;
-  Ticks duration = 0;                         // of the present window
-  int sub_steps = 0;                          // explicit ones it takes, or would take
-  std::unique_ptr<ImplicitStep<D>> implicit;  // null when the integrator is explicit
+  State<D> state, saved;  // now, and at the begin of the window
+  Workspace<D> work;      // between two calls it holds the deformation gradient of `state`
+  Ticks duration = 0;     // of the present window
+  int sub_steps = 0;      // explicit ones it takes, or would take
   IntegratorChoice choice;
   bool always_implicit = false, implicit_window = false;
+  std::unique_ptr<ImplicitStep<D>> implicit;  // null when the integrator is explicit
 
   explicit Parts(const Case& scene)
       : reference(build_reference<D>(scene.structure.value())),
@@ -67,12 +67,6 @@ struct Structure<D>::Parts {
 
   /// Internal force of the present state with everything explicit steps need.
   void all_forces() { internal_forces(reference, seconds(state.time), 0, state, work); }
-
-  /// Deformation gradient and stress of the present state into the workspace.
-  void deform() {
-    deformation_gradient(reference, state, work);
-    first_piola_kirchhoff(reference, state, seconds(state.time), work);
-  }
 
   std::array<double, 3> place(std::int32_t row) const {
     std::array<double, 3> x{};
@@ -111,8 +105,14 @@ struct Structure<D>::Parts {
     state.undisturbed &= !moves;
   }
 
-  /// Advances the present window under state.load and counts the work of the constant forces, f . (d_end - d_begin).
+  /// Advances the present window under state.load.
   void advance() {
+    advance_state();
+    deformation_gradient(reference, state, work);
+  }
+
+  /// Counts the work of the constant forces, too: f . (d_end - d_begin).
+  void advance_state() {
     begin_clamp_motion();
     for (int a = 0; a < D; ++a) work.external_force[a] = weight[a];
     for (std::size_t k = 0; k < attachment.row.size(); ++k)
@@ -126,9 +126,10 @@ struct Structure<D>::Parts {
       ++work.evaluations.windows_at_rest;
       return;
     }
-    const ImplicitCounts before = implicit ? implicit->counts() : ImplicitCounts{};
+    const ImplicitCounts before = implicit ? implicit->memory().counts : ImplicitCounts{};
     advance_window(reference, duration, sub_steps, implicit_window ? implicit.get() : nullptr, state, work);
-    if (implicit_window) choice.add(implicit->counts().evaluations - before.evaluations, implicit->counts().factors - before.factors);
+    if (implicit_window)
+      choice.add(implicit->memory().counts.evaluations - before.evaluations, implicit->memory().counts.factors - before.factors);
     double total = 0, by_gravity = 0, by_loads = 0;
     for (int a = 0; a < D; ++a)
       for (const auto row : reference.particle_row) {
@@ -193,8 +194,31 @@ void Structure<D>::advance(const SurfaceLoad<D>& load) {
 }
 
 template <int D>
+CompleteState<D> Structure<D>::state() const {
+  const Parts& p = *parts_;
+  return {p.state, p.implicit ? p.implicit->memory() : ImplicitMemory<D>{}, p.choice, p.implicit_window, p.work.evaluations};
+}
+
+template <int D>
+void Structure<D>::set_state(const CompleteState<D>& given) {
+  Parts& p = *parts_;
+  CompleteState<D> state;
+  copy_state(given, state);
+  const auto fits = [&](const RowVectors<D>& values) { return values[D - 1].size() == p.reference.rows; };
+  if (!fits(state.motion.displacement) || !fits(state.motion.velocity) || !fits(state.motion.internal_force) ||
+      (state.implicit.factored_h > 0 && !fits(state.implicit.factored_displacement)) ||
+      state.motion.load.force.size() != p.attachment.row.size())
+    throw BadInput("The state is that of another scene: it has other particles or surface points.");
+  p.state = std::move(state.motion);
+  if (p.implicit) p.implicit->set_memory(p.reference, state.implicit, p.state, p.work);
+  p.choice = state.choice;
+  p.implicit_window = state.implicit_window;
+  p.work.evaluations = state.evaluations;
+  deformation_gradient(p.reference, p.state, p.work);
+}
+
+template <int D>
 Surface<D> Structure<D>::surface() const {
-  deformation_gradient(parts_->reference, parts_->state, parts_->work);
   return present_surface(parts_->attachment, parts_->reference, parts_->state, parts_->work);
 }
 
@@ -234,7 +258,6 @@ double Structure<D>::largest_sub_step() const {
 
 template <int D>
 Energies Structure<D>::energies() const {
-  deformation_gradient(parts_->reference, parts_->state, parts_->work);
   return energies_of(parts_->reference, parts_->state, parts_->work);
 }
 
@@ -245,7 +268,6 @@ Momentum Structure<D>::momentum() const {
 
 template <int D>
 Fields<D> Structure<D>::fields() const {
-  parts_->deform();
   return fields_of(parts_->reference, parts_->state, parts_->work);
 }
 

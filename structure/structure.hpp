@@ -68,6 +68,9 @@ struct Fields {
 };
 
 template <int D>
+struct CompleteState;  // structure/complete_state.hpp
+
+template <int D>
 class Structure {
  public:
   /// Fills the bodies of `scene` with particles at rest in their reference configuration (t = 0). Throws BadInput when a
@@ -97,6 +100,11 @@ class Structure {
 
   /// Load under which the present state was reached; zero forces before the first window.
   const SurfaceLoad<D>& load() const;
+
+  /// Everything from which another Structure of the same scene goes on with the same bits, after advance().
+  CompleteState<D> state() const;
+  /// Throws BadInput when the state is that of another scene.
+  void set_state(const CompleteState<D>& state);
 
   // What the state says of itself.
 

@@ -52,11 +52,12 @@ void drift(const Reference<D>& reference, double dt, State<D>& state);
 template <int D>
 double clamp_power(const Reference<D>& reference, const State<D>& state);
 
-/// Largest stable sub-step [s]: courant dx/(c + |v|max), c the pressure wave speed at the strongest compression.
+/// Largest stable sub-step [s]: courant dx/(c + |v|max), c the pressure wave speed at the strongest compression. `work` holds
+/// the deformation gradient of `state`.
 template <int D>
-double stable_sub_step(const Reference<D>& reference, double courant, const State<D>& state, Workspace<D>& work);
+double stable_sub_step(const Reference<D>& reference, double courant, const State<D>& state, const Workspace<D>& work);
 
-/// Throws NumericalFailure when neighbours have passed through each other; after stable_sub_step(), from whose F it starts.
+/// Throws NumericalFailure when neighbours have passed through each other; `work` as above.
 template <int D>
 void check_bond_order(const Reference<D>& reference, const State<D>& state, const Workspace<D>& work);
 

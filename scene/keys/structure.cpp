@@ -1,14 +1,25 @@
 // [structure], [[structure.body]] and [structure.numerics]
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "base/error.hpp"
 #include "scene/keys/row.hpp"
 #include "scene/keys/tables.hpp"
+#include "structure/material/registry.hpp"
 
 namespace tern {
 namespace {
 
 using Presence = TableDefinition::Presence;
+
+/// The materials in words, "a, b, or c".
+std::string material_meanings() {
+  std::vector<std::string> meanings;
+  structure::for_each_material([&]<class Law>() { meanings.push_back(Law::meaning); });
+  meanings.back() = "or " + meanings.back();
+  return fmt::format("{}", fmt::join(meanings, ", "));
+}
 
 const Rows<StructureBody>& body_rows() {
   // clang-format off
@@ -23,10 +34,10 @@ const Rows<StructureBody>& body_rows() {
       {"clamp", &StructureBody::clamps, "", "[]", any,
        "Particles inside any of these shapes are fixed; one layer of them is enough. The outermost ones are moved onto the face of the "
        "region."},
-      {"material",
-       one_of(&StructureBody::law, {{"neo_hookean", MaterialLaw::neo_hookean}, {"st_venant_kirchhoff", MaterialLaw::st_venant_kirchhoff}}),
-       "", "\"neo_hookean\"", any,
-       "Law of the material: compressible neo-Hookean, or St Venant-Kirchhoff (which gives way under strong compression)."},
+      {"material", one_of(&StructureBody::material, structure::material_keys()), "", "\"neo_hookean\"", any,
+       "Law of the material: " + material_meanings() + "."},
+      {"mooney_ratio", &StructureBody::mooney_ratio, "-", absent, from_to(0, 1),
+       "Of mooney_rivlin: C01/(C10 + C01), how much of the shear modulus is that of the second invariant; absent = 0.2."},
       {"plane", one_of(&StructureBody::plane_stress, {{"strain", false}, {"stress", true}}), "", absent, any,
        "2D only: no strain (absent, strain) or no stress across the plane."},
       {"mass_damping", &StructureBody::mass_damping, "1/s", absent, positive,

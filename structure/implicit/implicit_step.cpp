@@ -75,15 +75,35 @@ void damp(const Reference<D>& reference, double dt, State<D>& state) {
 template <int D>
 Eigen::VectorXd ImplicitStep<D>::step_for(const Eigen::VectorXd& residual) {
   Eigen::VectorXd step = residual;
-  std::vector<double> share(updates_.size());
-  for (std::size_t n = updates_.size(); n-- > 0;) {
-    share[n] = updates_[n].moved.dot(step) / updates_[n].product;
-    step -= share[n] * updates_[n].change;
+  std::vector<double> share(memory_.updates.size());
+  for (std::size_t n = memory_.updates.size(); n-- > 0;) {
+    share[n] = memory_.updates[n].moved.dot(step) / memory_.updates[n].product;
+    step -= share[n] * memory_.updates[n].change;
   }
   step = tangent_.solve(step);
-  for (std::size_t n = 0; n < updates_.size(); ++n)
-    step += (share[n] - updates_[n].change.dot(step) / updates_[n].product) * updates_[n].moved;
+  for (std::size_t n = 0; n < memory_.updates.size(); ++n)
+    step += (share[n] - memory_.updates[n].change.dot(step) / memory_.updates[n].product) * memory_.updates[n].moved;
   return step;
+}
+
+template <int D>
+bool ImplicitStep<D>::renew(const Reference<D>& reference, double h, const RowVectors<D>& displacement, const Workspace<D>& work) {
+  memory_.updates.clear();
+  memory_.excess = 0;
+  memory_.factored_displacement = displacement;
+  tangent_.assemble(reference, work, 1 / (h * h));
+  memory_.factored_h = tangent_.factorise() ? h : 0;
+  return memory_.factored_h > 0;
+}
+
+template <int D>
+void ImplicitStep<D>::set_memory(const Reference<D>& reference, const ImplicitMemory<D>& memory, State<D> state, Workspace<D>& work) {
+  if (memory.factored_h > 0) {
+    state.displacement = memory.factored_displacement;
+    displacement_gradients(reference, state, work);
+    renew(reference, memory.factored_h, memory.factored_displacement, work);
+  }
+  memory_ = memory;
 }
 
 template <int D>
@@ -97,7 +117,7 @@ bool ImplicitStep<D>::solve(const Reference<D>& reference, double h, const Eigen
     inertia.template segment<D>(static_cast<Eigen::Index>(n) * D).setConstant(reference.mass[rows[n]] / (h * h));
 
   const auto evaluate = [&](const Eigen::VectorXd& at, Eigen::VectorXd& result) {
-    ++counts_.evaluations;
+    ++memory_.counts.evaluations;
     scatter<D>(rows, at, state.displacement);
     if (!evaluate_elastic_force(reference, state, work)) return false;
     result = constant + gather<D>(rows, state.internal_force) - inertia.cwiseProduct(at - predictor);
@@ -108,17 +128,13 @@ bool ImplicitStep<D>::solve(const Reference<D>& reference, double h, const Eigen
 
   Eigen::VectorXd d = gather<D>(rows, state.displacement), residual, next, next_residual;
   if (!evaluate(d, residual)) return false;
-  const double ratio = h * h / (factored_h_ * factored_h_);
-  bool renew = !(ratio < largest_ratio && ratio * largest_ratio > 1) || excess_ > worth_of_a_factor;
+  const double ratio = h * h / (memory_.factored_h * memory_.factored_h);
+  bool outdated = !(ratio < largest_ratio && ratio * largest_ratio > 1) || memory_.excess > worth_of_a_factor;
   for (int attempt = 0; attempt < 2; ++attempt) {
     bool fresh = false;
-    if (renew) {
-      updates_.clear();
-      ++counts_.factors;
-      tangent_.assemble(reference, work, 1 / (h * h));
-      factored_h_ = tangent_.factorise() ? h : 0;
-      if (factored_h_ == 0) return false;
-      excess_ = 0;
+    if (outdated) {
+      ++memory_.counts.factors;
+      if (!renew(reference, h, state.displacement, work)) return false;
       fresh = true;
     }
     for (int iteration = 0; iteration < most_iterations; ++iteration) {
@@ -134,30 +150,30 @@ bool ImplicitStep<D>::solve(const Reference<D>& reference, double h, const Eigen
         if (accepted) break;
       }
       if (!accepted) break;
-      Update update{next - d, residual - next_residual, 0};
+      QuasiNewtonUpdate update{next - d, residual - next_residual, 0};
       update.product = update.moved.dot(update.change);
       d = next;
       residual = next_residual;
       if (share * largest <= tolerance * spacing) {
-        excess_ += std::max(0, iteration + 1 - expected_iterations);
+        memory_.excess += std::max(0, iteration + 1 - expected_iterations);
         return true;
       }
       if (update.product > 0) {
-        if (updates_.size() == most_updates) updates_.erase(updates_.begin());
-        updates_.push_back(std::move(update));
+        if (memory_.updates.size() == most_updates) memory_.updates.erase(memory_.updates.begin());
+        memory_.updates.push_back(std::move(update));
       }
     }
     if (fresh || !evaluate(d, residual)) return false;
-    renew = true;
+    outdated = true;
   }
   return false;
 }
 
 template <int D>
 Eigen::VectorXd ImplicitStep<D>::guess(int part, double dt, const Eigen::VectorXd& straight) const {
-  if (bend_[part].size() != straight.size()) return straight;
-  const double ratio = dt / bend_dt_;
-  return straight + ratio * ratio * bend_[part];
+  if (memory_.bend[part].size() != straight.size()) return straight;
+  const double ratio = dt / memory_.bend_dt;
+  return straight + ratio * ratio * memory_.bend[part];
 }
 
 template <int D>
@@ -171,7 +187,7 @@ bool ImplicitStep<D>::advance(const Reference<D>& reference, double dt, State<D>
   bool done = state.force_is_elastic;  // as the last implicit step leaves it
   if (!done) {
     done = evaluate_elastic_force(reference, state, work);
-    ++counts_.evaluations;
+    ++memory_.counts.evaluations;
   }
   const double power_n = clamp_power(reference, state);
   const Eigen::VectorXd f_n = gather<D>(rows, state.internal_force);
@@ -194,21 +210,21 @@ bool ImplicitStep<D>::advance(const Reference<D>& reference, double dt, State<D>
     done = solve(reference, h, d_hat + h * v_hat, external, state, work);
     if (done) {
       const Eigen::VectorXd d = gather<D>(rows, state.displacement);
-      bend_[0] = d_g - straight;
-      bend_[1] = d - straight_on;
-      bend_dt_ = dt;
+      memory_.bend[0] = d_g - straight;
+      memory_.bend[1] = d - straight_on;
+      memory_.bend_dt = dt;
       scatter<D>(rows, (d - d_hat) / h, state.velocity);
       damp(reference, dt, state);
       // Work of the clamps by the trapezoidal rule over both parts of the step.
       const double power = clamp_power(reference, state);
       state.clamp_work += 0.5 * dt * (g * (power_n + power_g) + (1 - g) * (power_g + power));
-      ++counts_.steps;
+      ++memory_.counts.steps;
       return true;
     }
   }
   state = saved;
-  for (auto& bend : bend_) bend.resize(0);
-  ++counts_.failed;
+  for (auto& bend : memory_.bend) bend.resize(0);
+  ++memory_.counts.failed;
   return false;
 }
 

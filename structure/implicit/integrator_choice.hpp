@@ -24,6 +24,13 @@ class IntegratorChoice {
   /// Of an implicit window, in explicit sub-steps; running mean.
   double cost() const { return cost_; }
 
+  /// visit(name, member of each) for every member, as of a State.
+  template <class Visit, class... Choices>
+  static void for_each_field(Visit&& visit, Choices&... choice) {
+    visit("cost", choice.cost_...);
+    visit("windows", choice.windows_...);
+  }
+
  private:
   // In explicit sub-steps with diffusion, 2D, measured by bench-structure_substep (docs/STRUCTURE.md). An evaluation goes with
   // one solve.

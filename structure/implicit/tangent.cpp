@@ -1,30 +1,15 @@
 // Tangent of the elastic force. With c = dx^2/12, G_a = dF/dX_a, Fi = F^-1, B_a = G_a Fi, D_a = sym(B_a), S_a = C:D_a (C Hooke's law),
 //   d2W = dF:d2Psi:dF + c sum_a [ dD_a:C:dD_a - 2 S_a:(dB_a dF Fi) ],   dB_a = (dG_a - B_a dF) Fi,   dD_a = sym(dB_a),
-//   d2Psi = mu d_ik d_JL + (mu - lambda ln J) Fi_Jk Fi_Li + lambda Fi_Ji Fi_Lk   (neo-Hookean),
-//   d2Psi = d_ik S_JL + F_iM C_MJNL F_kN                                          (St Venant-Kirchhoff).
+// d2Psi is that of the material (structure/material/registry.hpp).
 
 #include "structure/implicit/tangent.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "structure/time_step.hpp"
 
 namespace tern::structure {
-namespace {
-
-/// Stiffness C_MJNL of Hooke's law.
-double hooke_stiffness(const Material& m, int a, int b, int c, int d) {
-  return m.plane_lambda * (a == b) * (c == d) + m.mu * ((a == c) * (b == d) + (a == d) * (b == c));
-}
-
-template <int D>
-Matrix<D> hooke_stress(const Material& m, const Matrix<D>& e) {
-  return m.plane_lambda * e.trace() * Matrix<D>::Identity() + 2 * m.mu * e;
-}
-
-}  // namespace
 
 template <int D>
 Eigen::Matrix<double, D * D + D * curvature_components<D>, D * D + D * curvature_components<D>> energy_hessian(const Body& body,
@@ -35,32 +20,7 @@ Eigen::Matrix<double, D * D + D * curvature_components<D>, D * D + D * curvature
   const Matrix<D> f = deformation_gradient_of<D>(work, row), inverse = f.inverse();
   Eigen::Matrix<double, size, size> hessian = Eigen::Matrix<double, size, size>::Zero();
 
-  if (m.law == MaterialLaw::neo_hookean) {
-    double log_j = std::log(f.determinant()), lambda = m.lambda;
-    if (m.plane_stress) {
-      // The thickness answers: d ln J / d ln J_2 = 2 mu F33^2/(2 mu F33^2 + lambda).
-      const double log_f33 = m.log_thickness_stretch(log_j), stiffness = 2 * m.mu * std::exp(2 * log_f33);
-      log_j += log_f33;
-      lambda *= stiffness / (stiffness + m.lambda);
-    }
-    for (int i = 0; i < D; ++i)
-      for (int J = 0; J < D; ++J)
-        for (int k = 0; k < D; ++k)
-          for (int L = 0; L < D; ++L)
-            hessian(i * D + J, k * D + L) = m.mu * (i == k) * (J == L) + (m.mu - m.lambda * log_j) * inverse(J, k) * inverse(L, i) +
-                                            lambda * inverse(J, i) * inverse(L, k);
-  } else {
-    const Matrix<D> stress = hooke_stress<D>(m, 0.5 * (f.transpose() * f - Matrix<D>::Identity()));
-    for (int i = 0; i < D; ++i)
-      for (int J = 0; J < D; ++J)
-        for (int k = 0; k < D; ++k)
-          for (int L = 0; L < D; ++L) {
-            double& entry = hessian(i * D + J, k * D + L);
-            entry = (i == k) * stress(J, L);
-            for (int M = 0; M < D; ++M)
-              for (int N = 0; N < D; ++N) entry += f(i, M) * hooke_stiffness(m, M, J, N, L) * f(k, N);
-          }
-  }
+  hessian.template topLeftCorner<first, first>() = std::visit([&](const auto& law) { return law.template tangent<D>(f); }, m.law);
 
   const double c = body.spacing * body.spacing / 12;
   using Rows = Eigen::Matrix<double, D * D, size>;
@@ -68,7 +28,7 @@ Eigen::Matrix<double, D * D + D * curvature_components<D>, D * D + D * curvature
   for (int i = 0; i < D; ++i)
     for (int J = 0; J < D; ++J)
       for (int k = 0; k < D; ++k)
-        for (int L = 0; L < D; ++L) stiffness(i * D + J, k * D + L) = hooke_stiffness(m, i, J, k, L);
+        for (int L = 0; L < D; ++L) stiffness(i * D + J, k * D + L) = m.stiffness(i, J, k, L);
   for (int direction = 0; direction < D; ++direction) {
     Matrix<D> g;
     for (int i = 0; i < D; ++i)
@@ -86,7 +46,7 @@ Eigen::Matrix<double, D * D + D * curvature_components<D>, D * D + D * curvature
     for (int i = 0; i < D; ++i)
       for (int l = 0; l < D; ++l) strain.row(i * D + l) = 0.5 * (change.row(i * D + l) + change.row(l * D + i));
     hessian += c * strain.transpose() * stiffness * strain;
-    const Matrix<D> stress = hooke_stress<D>(m, 0.5 * (b + b.transpose()));
+    const Matrix<D> stress = m.strain_stress<D>(0.5 * (b + b.transpose()));
     // S:(dB dF Fi) = sum_ik dB_ik sum_l S_il (dF Fi)_kl.
     Rows weighted = Rows::Zero();
     for (int i = 0; i < D; ++i)

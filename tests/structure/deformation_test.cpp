@@ -152,9 +152,9 @@ TEST(Stress, FollowsHookesLawForSmallStrain) {
 }
 
 /// P_11 and P_22 of a block of `law` stretched by `strain` along x and free of strain along y, over E.
-std::array<double, 2> stress_of_a_stretched_block(MaterialLaw law, bool plane_stress, double strain) {
+std::array<double, 2> stress_of_a_stretched_block(const std::string& law, bool plane_stress, double strain) {
   StructureCase structure = block<2>(6);
-  structure.bodies[0].law = law;
+  structure.bodies[0].material = law;
   structure.bodies[0].plane_stress = plane_stress;
   const auto reference = build_reference<2>(structure);
   auto state = state_at_rest(reference, 0);
@@ -167,7 +167,7 @@ std::array<double, 2> stress_of_a_stretched_block(MaterialLaw law, bool plane_st
 
 // E/(1 - nu^2) along, nu times that across. Seen to fail: with lambda of plane strain.
 TEST(Stress, InPlaneStressFollowsHookesLawForSmallStrain) {
-  for (const MaterialLaw law : {MaterialLaw::neo_hookean, MaterialLaw::st_venant_kirchhoff}) {
+  for (const std::string& law : material_keys()) {
     const auto [along, across] = stress_of_a_stretched_block(law, true, 1e-7);
     EXPECT_NEAR(along, 1e-7 / (1 - 0.09), 1e-6 * 1e-7 + 1e-13);
     EXPECT_NEAR(across, 0.3e-7 / (1 - 0.09), 1e-6 * 1e-7 + 1e-13);
@@ -176,16 +176,16 @@ TEST(Stress, InPlaneStressFollowsHookesLawForSmallStrain) {
 
 // S = (lambda + 2 mu) E_11, E_11 = e + e^2/2, P = (1 + e) S. Seen to fail: without the quadratic term of the strain.
 TEST(Stress, OfStVenantAndKirchhoffIsQuadraticInTheStretch) {
-  const Material m = Material::isotropic(1000, 1e6, 0.3);
+  const Hooke m({.density = 1000, .young_modulus = 1e6, .poisson_ratio = 0.3});
   const double e = 0.5, strain = e + 0.5 * e * e;
-  const auto [along, across] = stress_of_a_stretched_block(MaterialLaw::st_venant_kirchhoff, false, e);
+  const auto [along, across] = stress_of_a_stretched_block("st_venant_kirchhoff", false, e);
   EXPECT_NEAR(along, 1.5 * (m.lambda + 2 * m.mu) * strain / 1e6, 1e-12);
   EXPECT_NEAR(across, m.lambda * strain / 1e6, 1e-12);
 }
 
 // Seen to fail: after one step of Newton's method 0.13, after three 5e-6.
 TEST(Stress, AcrossThePlaneVanishesInPlaneStressAtAnyStretch) {
-  const Material m = Material::isotropic(1000, 1e6, 0.45, MaterialLaw::neo_hookean, true);
+  const NeoHookean m({.density = 1000, .young_modulus = 1e6, .poisson_ratio = 0.45, .plane_stress = true});
   for (const double log_j2 : {-1.5, -0.3, 1e-9, 0.4, 2.0}) {
     const double y = m.log_thickness_stretch(log_j2);
     EXPECT_LT(std::abs(m.mu * (std::exp(2 * y) - 1) + m.lambda * (log_j2 + y)), 1e-12 * (m.lambda + m.mu));

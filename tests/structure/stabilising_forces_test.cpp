@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "fixtures/structure_scenes.hpp"
-#include "structure/material/energy.hpp"
+#include "structure/energy.hpp"
 
 namespace tern::structure::testing {
 namespace {

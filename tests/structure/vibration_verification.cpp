@@ -43,7 +43,7 @@ TEST(PressureWave, TravelsAtItsSpeedAndLeavesNoRippleBehind) {
   StructureBody b = body("block", {0, 0, 0}, {160, 100, 0}, 1);
   b.velocity[0] = Expression("1e-3*exp(-((x-80)/12)^2)");
   Structure<2> structure(scene(2, {b}));
-  const Material material = Material::isotropic(1000, 1e6, 0.3);
+  const Hooke material({.density = 1000, .young_modulus = 1e6, .poisson_ratio = 0.3});
   const double c = material.pressure_wave_speed();
   const auto crest = [&] {
     double moment = 0, total = 0, lowest = 0;

@@ -5,11 +5,13 @@
 #include <cstddef>
 #include <cstring>
 
+#include <Eigen/Core>
+
 #ifdef __SSE2__
 #include <xmmintrin.h>
 #endif
 
-namespace tern::structure {
+namespace tern {
 
 inline constexpr int lane_count = 4;
 
@@ -25,6 +27,33 @@ inline Lanes load(const double* p) {
 inline void store(double* p, const Lanes& v) { std::memcpy(p, &v, sizeof v); }
 
 inline Lanes broadcast(double x) { return Lanes{x, x, x, x}; }
+
+/// Natural logarithm and exponential of each lane.
+inline Lanes log(const Lanes& x) {
+  Lanes result;
+  Eigen::Map<Eigen::Array4d>(reinterpret_cast<double*>(&result)) =
+      Eigen::Map<const Eigen::Array4d>(reinterpret_cast<const double*>(&x)).log();
+  return result;
+}
+
+inline Lanes exp(const Lanes& x) {
+  Lanes result;
+  Eigen::Map<Eigen::Array4d>(reinterpret_cast<double*>(&result)) =
+      Eigen::Map<const Eigen::Array4d>(reinterpret_cast<const double*>(&x)).exp();
+  return result;
+}
+
+/// function(x) of each lane, or of a plain number.
+template <class Function>
+inline Lanes each_lane(const Lanes& x, const Function& function) {
+  Lanes result;
+  for (int lane = 0; lane < lane_count; ++lane) result[lane] = function(x[lane]);
+  return result;
+}
+template <class Function>
+inline double each_lane(double x, const Function& function) {
+  return function(x);
+}
 
 inline double sum(const Lanes& v) { return (v[0] + v[1]) + (v[2] + v[3]); }
 
@@ -64,4 +93,4 @@ inline void for_each_block(std::ptrdiff_t count, const Work& work) {
   }
 }
 
-}  // namespace tern::structure
+}  // namespace tern

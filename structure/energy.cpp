@@ -1,8 +1,6 @@
 // Energies: kinetic sum m v^2/2, strain sum V_0 W(F, K) (first_piola_kirchhoff.cpp); work and dissipation are summed up by the time step.
 
-#include "structure/material/energy.hpp"
-
-#include <cmath>
+#include "structure/energy.hpp"
 
 #include "structure/time_step.hpp"
 
@@ -15,27 +13,15 @@ double energy_density(const Body& body, const Workspace<D>& work, std::int32_t r
   for (int a = 0; a < D; ++a)
     for (int b = 0; b < D; ++b) h(a, b) = work.displacement_gradient[a][b][row];
   const Matrix<D> f = Matrix<D>::Identity() + h;
-  const auto hooke_energy = [&](const Matrix<D>& e) { return 0.5 * m.plane_lambda * e.trace() * e.trace() + m.mu * e.squaredNorm(); };
-  double density = 0;
-  if (m.law == MaterialLaw::neo_hookean) {
-    // tr F^T F - D = 2 tr H + H:H, which does not lose the digits of a small strain.
-    double trace = 2 * h.trace() + h.squaredNorm(), log_j = std::log(f.determinant());
-    if (m.plane_stress) {
-      const double log_f33 = m.log_thickness_stretch(log_j);
-      trace += std::expm1(2 * log_f33);
-      log_j += log_f33;
-    }
-    density = 0.5 * m.mu * trace - m.mu * log_j + 0.5 * m.lambda * log_j * log_j;
-  } else {
-    density = hooke_energy(0.5 * (h + h.transpose() + h.transpose() * h));
-  }
+  double density = std::visit([&](const auto& law) { return law.template energy_density<D>(h, f); }, m.law);
   const Matrix<D> inverse = f.inverse();
   for (int direction = 0; direction < D; ++direction) {
     Matrix<D> k;
     for (int a = 0; a < D; ++a)
       for (int b = 0; b < D; ++b) k(a, b) = work.curvature[a][curvature_index<D>(direction, b)][row];
     const Matrix<D> b = k * inverse;
-    density += body.spacing * body.spacing / 12 * hooke_energy(0.5 * (b + b.transpose()));
+    const Matrix<D> strain = 0.5 * (b + b.transpose());
+    density += body.spacing * body.spacing / 12 * m.strain_energy<D>(strain);
   }
   return density;
 }

@@ -4,8 +4,7 @@
 // across a plate in bending, 1/n^2 of the stiffness. It also holds the zigzag motions that F_i alone does not see, and under
 // compression it stiffens as the neo-Hookean solid does.
 //   P = dW/dF = dPsi/dF - sum_a B_a^T Q_a,   Q_a = dW/d(dF/dX_a) = dx^2/12 S_a F^-T,   S_a = lambda tr(D_a) I + 2 mu D_a,
-//   dPsi/dF = mu (F - F^-T) + lambda ln J F^-T   (neo-Hookean, seed paper eq. 4; F^-T = cof F / J),
-//   dPsi/dF = F (lambda tr(E) I + 2 mu E)        (St Venant-Kirchhoff).
+// dPsi/dF is that of the material (structure/material/registry.hpp), F^-T = cof F / J.
 
 #include <fmt/format.h>
 
@@ -57,8 +56,8 @@ std::string likely_cause(const State<D>& state, const Body& body, std::int32_t r
         "it moves at {:.3g} m/s, the pressure wave at {:.3g} m/s: the load is faster than the material can "
         "pass on",
         speed, wave_speed);
-  if (body.material.law == MaterialLaw::st_venant_kirchhoff)
-    return "the St Venant-Kirchhoff solid softens under compression and has no resistance left below 0.58 of its length";
+  const char* weakness = std::visit([](const auto& law) { return law.weakness; }, body.material.law);
+  if (weakness != nullptr) return weakness;
   return "the load is too violent for this material and resolution";
 }
 
@@ -87,55 +86,9 @@ template <int D>
                   particle, body.name, place, j, time_s, std::sqrt(squared), likely_cause(state, body, row, j), body.spacing));
 }
 
-Lanes log(const Lanes& x) {
-  Lanes result;
-  Eigen::Map<Eigen::Array4d>(reinterpret_cast<double*>(&result)) =
-      Eigen::Map<const Eigen::Array4d>(reinterpret_cast<const double*>(&x)).log();
-  return result;
-}
-
-/// P = mu F + (lambda ln J - mu) F^-T with J = J_D F33, J_D the determinant of the D x D part.
-template <int D>
-[[gnu::always_inline]] inline void neo_hookean(const Material& material, const Lanes (&f)[D][D], const Lanes (&inverse_transposed)[D][D],
-                                               const Lanes& j, Lanes (&p)[D][D]) {
-  Lanes log_j = log(j);
-  if (material.plane_stress)
-    for (int lane = 0; lane < lane_count; ++lane) log_j[lane] += material.log_thickness_stretch(log_j[lane]);
-  const Lanes factor = material.lambda * log_j - material.mu;
-  for (int a = 0; a < D; ++a)
-    for (int b = 0; b < D; ++b) p[a][b] = material.mu * f[a][b] + factor * inverse_transposed[a][b];
-}
-
-/// S = lambda tr(E) I + 2 mu E.
-template <int D>
-[[gnu::always_inline]] inline void hooke(const Material& material, const Lanes (&e)[D][D], Lanes (&s)[D][D]) {
-  Lanes trace = e[0][0];
-  for (int a = 1; a < D; ++a) trace += e[a][a];
-  for (int a = 0; a < D; ++a)
-    for (int b = 0; b < D; ++b) s[a][b] = 2 * material.mu * e[a][b];
-  for (int a = 0; a < D; ++a) s[a][a] += material.plane_lambda * trace;
-}
-
-template <int D>
-void st_venant_kirchhoff(const Material& material, const Lanes (&h)[D][D], const Lanes (&f)[D][D], Lanes (&p)[D][D]) {
-  Lanes e[D][D], s[D][D];
-  for (int a = 0; a < D; ++a)
-    for (int b = 0; b < D; ++b) {
-      e[a][b] = h[a][b] + h[b][a];
-      for (int c = 0; c < D; ++c) e[a][b] += h[c][a] * h[c][b];
-      e[a][b] *= 0.5;
-    }
-  hooke<D>(material, e, s);
-  for (int a = 0; a < D; ++a)
-    for (int b = 0; b < D; ++b) {
-      p[a][b] = f[a][0] * s[0][b];
-      for (int c = 1; c < D; ++c) p[a][b] += f[a][c] * s[c][b];
-    }
-}
-
 /// Adds the part of the strain gradient K to P, and gives Q. `factor` = dx^2/12.
 template <int D>
-[[gnu::always_inline]] inline void strain_gradient(const Material& material, double factor, const Lanes (&inverse_transposed)[D][D],
+[[gnu::always_inline]] inline void strain_gradient(const Hooke& hooke, double factor, const Lanes (&inverse_transposed)[D][D],
                                                    const Lanes (&k)[D][curvature_components<D>], Lanes (&p)[D][D],
                                                    Lanes (&q)[D][curvature_components<D>]) {
   for (int direction = 0; direction < D; ++direction) {
@@ -147,7 +100,7 @@ template <int D>
       }
     for (int i = 0; i < D; ++i)
       for (int l = 0; l <= i; ++l) d[i][l] = d[l][i] = (0.5 * factor) * (b[i][l] + b[l][i]);
-    hooke<D>(material, d, s);
+    hooke.strain_stress<D>(d, s);
     for (int m = 0; m < D; ++m) {
       Lanes stress[D];
       for (int i = 0; i < D; ++i) {
@@ -200,10 +153,7 @@ std::ptrdiff_t stresses_of_blocks(const Reference<D>& reference, Workspace<D>& w
     const Lanes inverse_j = 1 / j;
     for (int a = 0; a < D; ++a)
       for (int b = 0; b < D; ++b) inverse_transposed[a][b] *= inverse_j;
-    if (material.law == MaterialLaw::neo_hookean)
-      neo_hookean<D>(material, f, inverse_transposed, j, stress);
-    else
-      st_venant_kirchhoff<D>(material, gradient, f, stress);
+    std::visit([&](const auto& law) { law.template stress<D>(gradient, f, inverse_transposed, j, stress); }, material.law);
     strain_gradient<D>(material, body.spacing * body.spacing / 12, inverse_transposed, second, stress, double_stress);
     for (int a = 0; a < D; ++a) {
       for (int b = 0; b < D; ++b) store(p[a][b] + block.row, stress[a][b]);
