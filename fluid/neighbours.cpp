@@ -3,7 +3,6 @@
 #include <omp.h>
 
 #include "base/parallel.hpp"
-#include "sph/convex_corner.hpp"
 #include "sph/near_points.hpp"
 
 namespace tern::fluid {
@@ -74,8 +73,8 @@ void sum_row(const Constants<D>& constants, const std::array<std::vector<double>
 /// Makes a row of the first n entries from begin[i] on: fills it up, finds the vectors from i to the nearest images of its
 /// neighbours (those of what fills up the row lie outside the support), and sums.
 template <bool periodic, int D>
-void complete_row(const Constants<D>& constants, const Period<D>& period, const std::vector<Vector<D>>& position, int i, int n,
-                  std::array<std::vector<double>, D>& offset, Neighbours<D>& result) {
+void fill_and_sum_row(const Constants<D>& constants, const Period<D>& period, const std::vector<Vector<D>>& position, int i, int n,
+                      std::array<std::vector<double>, D>& offset, Neighbours<D>& result) {
   int* column = result.column.data() + result.begin[i];
   const int filled = filled_up(n);
   for (int k = n; k < filled; ++k) column[k] = i;
@@ -161,7 +160,7 @@ void find_neighbours(const Constants<D>& constants, const Period<D>& period, con
         if (period.any()) for_images<D>(period, position[i], low, high, constants.kernel.support(), search);
         if (!fits) break;
         period.specialise(
-            [&](auto periodic) { complete_row<decltype(periodic)::value, D>(constants, period, position, i, found, offset, result); });
+            [&](auto periodic) { fill_and_sum_row<decltype(periodic)::value, D>(constants, period, position, i, found, offset, result); });
         next += filled_up(found);
       }
     }
@@ -169,82 +168,17 @@ void find_neighbours(const Constants<D>& constants, const Period<D>& period, con
 }
 
 template <int D>
-void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& period, const std::vector<Vector<D>>& position,
-                             const Faces<D>& faces, const FaceRows& rows, bool past_corners, Neighbours<D>& neighbours) {
-  auto& [sight, affected, listed] = neighbours.cutting;
-  const int n = static_cast<int>(position.size());
-  const double support = constants.kernel.support();
-  affected.clear();
-  listed.assign(n, 0);
-  sight.clear();
-  // What particle i sees of two-sided faces; its number in `sight` is kept in `listed`.
-  for (int i = 0; i < n; ++i)
-    for (int entry = rows.begin[i], end = entry + rows.count[i]; entry < end; ++entry) {
-      const int k = rows.face[entry];
-      if (!faces.two_sided[k]) continue;
-      if (!listed[i]) {
-        sight.push_back({faces.normal[k], 1e300, 0});
-        affected.push_back(i);
-        listed[i] = static_cast<int>(sight.size());
-      }
-      auto& own = sight.back();
-      own.height = std::min(own.height, (position[i] - faces.position[k]).dot(faces.normal[k]));
-      own.spread = std::max(own.spread, (faces.normal[k] - own.normal).norm());
-    }
-  const int viewers = static_cast<int>(sight.size());
-  // Whether the line from a to b, that enters a body through `patch`, leaves it past a corner.
-  const auto leaves_past_corner = [&](int patch, const Vector<D>& a, int other, const Vector<D>& b) {
-    bool leaves = false;
-    for (int entry = rows.begin[other]; entry < rows.begin[other] + rows.count[other]; ++entry) {
-      const int k = rows.face[entry];
-      if (!patch_separates(faces, k, b, a)) continue;
-      if (!passes_corner<D>(faces.normal[patch], faces.normal[k])) return false;
-      leaves = true;
-    }
-    return leaves;
-  };
-  const auto blocked_by = [&](int viewer, int other) {
-    if (listed[viewer] == 0 || listed[viewer] > viewers) return false;
-    const Vector<D>& a = position[viewer];
-    const Vector<D> d = period.any() ? period.nearest(position[other] - a) : Vector<D>(position[other] - a);
-    // In front of every face that the viewer sees: most are, and need no closer look.
-    const auto& own = sight[listed[viewer] - 1];
-    if (d.dot(own.normal) + own.height > own.spread * support) return false;
-    const Vector<D> b = a + d;
-    for (int entry = rows.begin[viewer]; entry < rows.begin[viewer] + rows.count[viewer]; ++entry) {
-      const int k = rows.face[entry];
-      if (faces.two_sided[k] && patch_separates(faces, k, a, b) && !(past_corners && leaves_past_corner(k, a, other, b))) return true;
-    }
-    return false;
-  };
-  // The test is the same from both ends, so both rows lose the pair. A particle that sees no face itself loses pairs only to
-  // neighbours that do; those are collected on the way.
-  neighbours.row_offset.resize(std::max<std::size_t>(1, neighbours.row_offset.size()));
-  for (std::size_t a = 0; a < affected.size(); ++a) {
-    const int i = affected[a], first = neighbours.begin[i];
-    int kept = 0;
-    for (int k = 0; k < neighbours.count[i]; ++k) {
-      const int j = neighbours.column[first + k];
-      if (blocked_by(i, j) || blocked_by(j, i)) {
-        if (!listed[j]) affected.push_back(j), listed[j] = viewers + 1;
-        continue;
-      }
-      neighbours.column[first + kept++] = j;
-    }
-    if (kept == neighbours.count[i]) continue;
-    period.specialise([&](auto periodic) {
-      complete_row<decltype(periodic)::value, D>(constants, period, position, i, kept, neighbours.row_offset[0], neighbours);
-    });
-  }
-  neighbours.beside_body.reserve(n);
-  neighbours.beside_body.insert(neighbours.beside_body.end(), affected.begin(), affected.end());
+void complete_row(const Constants<D>& constants, const Period<D>& period, const std::vector<Vector<D>>& position, int i, int n,
+                  std::array<std::vector<double>, D>& offset, Neighbours<D>& result) {
+  period.specialise(
+      [&](auto periodic) { fill_and_sum_row<decltype(periodic)::value, D>(constants, period, position, i, n, offset, result); });
 }
 
-#define TERN_INSTANTIATE(D)                                                                                                       \
-  template void find_neighbours<D>(const Constants<D>&, const Period<D>&, const CellGrid<D>&, const CellContents&,                \
-                                   const std::vector<Vector<D>>&, Neighbours<D>&);                                                \
-  template void cut_pairs_through_faces<D>(const Constants<D>&, const Period<D>&, const std::vector<Vector<D>>&, const Faces<D>&, \
-                                           const FaceRows&, bool, Neighbours<D>&);
+#define TERN_INSTANTIATE(D)                                                                                        \
+  template void find_neighbours<D>(const Constants<D>&, const Period<D>&, const CellGrid<D>&, const CellContents&, \
+                                   const std::vector<Vector<D>>&, Neighbours<D>&);                                 \
+  template void complete_row<D>(const Constants<D>&, const Period<D>&, const std::vector<Vector<D>>&, int, int,    \
+                                std::array<std::vector<double>, D>&, Neighbours<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)
 #undef TERN_INSTANTIATE

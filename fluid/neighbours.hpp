@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "fluid/period.hpp"
-#include "fluid/state.hpp"
-#include "sph/faces.hpp"
+#include "fluid/reference.hpp"
+#include "sph/cell_grid.hpp"
 
 namespace tern::fluid {
 
@@ -62,11 +62,9 @@ template <int D>
 void find_neighbours(const Constants<D>& constants, const Period<D>& period, const CellGrid<D>& grid, const CellContents& contents,
                      const std::vector<Vector<D>>& position, Neighbours<D>& neighbours);
 
-/// Takes out pairs whose connecting line passes through a two-sided face that either particle sees, and sums those rows
-/// anew. `rows` lists the faces seen by each particle. The fluid on one side of a plate does not see the fluid on the other.
-/// With `past_corners`, fluid past a convex corner is seen (convex_corner.hpp).
+/// Sums row i anew over its first n entries, which `column` holds already. `offset`: scratch.
 template <int D>
-void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& period, const std::vector<Vector<D>>& position,
-                             const Faces<D>& faces, const FaceRows& rows, bool past_corners, Neighbours<D>& neighbours);
+void complete_row(const Constants<D>& constants, const Period<D>& period, const std::vector<Vector<D>>& position, int i, int n,
+                  std::array<std::vector<double>, D>& offset, Neighbours<D>& neighbours);
 
 }  // namespace tern::fluid

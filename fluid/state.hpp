@@ -1,51 +1,60 @@
 #pragma once
-// The state of the fluid: everything a later step needs. All else is rebuilt from it every step.
+// The state of the fluid: everything a later step needs. A fluid of the same scene that is given it at the end of a window goes
+// on with the same bits. All else is rebuilt from it every step.
 
 #include <cstdint>
 #include <vector>
 
 #include "base/time.hpp"
 #include "base/vector.hpp"
-#include "scene/case_file.hpp"
-#include "sph/face_kernel.hpp"
-#include "sph/lattice_sums.hpp"
+#include "fluid/particle_class.hpp"
 
 namespace tern::fluid {
+
+/// What enclosed regions were asked for and cannot do, over the run so far.
+struct EnclosedAccount {
+  bool any = false;         ///< there was an enclosed region
+  double largest_flux = 0;  ///< net sum V (div u* - s) taken out of the source of a region, largest by size [m^D/s]
+  double volume_error = 0;  ///< volume that faces have pushed into a region over its volume, largest by size [-]
+  bool warned = false;
+  std::vector<double> pushed;  ///< volume error by label of the particle, which keeps it while regions join and part; empty: none yet
+};
 
 template <int D>
 struct State {
   Ticks time = 0;
-  std::vector<std::uint32_t> id;           ///< label, stable over the run
-  std::vector<Vector<D>> position;         ///< [m]
-  std::vector<Vector<D>> velocity;         ///< [m/s]
-  std::vector<double> pressure;            ///< [Pa]
-  std::vector<std::uint8_t> free_surface;  ///< 1: marked as free surface; kept for the hysteresis of the mark
+
+  // One value per particle: for_each_field() lists them.
+  std::vector<Vector<D>> position;            ///< [m]
+  std::vector<Vector<D>> velocity;            ///< [m/s]
+  std::vector<double> pressure;               ///< [Pa]
+  std::vector<std::uint32_t> id;              ///< label, stable over the run
+  std::vector<ParticleClass> particle_class;  ///< of the last step
+
+  std::vector<Vector<D>> wall_velocity;  ///< of each patch over the last window, if any wall moves [m/s]
+  bool has_pressure = false;             ///< there was a pressure solve
+  bool fills_enclosure = false;          ///< all fluid is enclosed by fixed walls: it has no free surface and cannot get one
+  EnclosedAccount enclosed;
+  double reference_speed = 0;      ///< of the scene; 0: not known [m/s]
+  int windows_of_collapse = 0;     ///< with a step far shorter than the reference speed asks for
+  int windows_of_lost_volume = 0;  ///< beside bodies, with more or less of it than there can be
+  int fallback_solves = 0;         ///< without the multigrid
+  std::size_t removed = 0;         ///< particles that left the domain
+  std::size_t leaked = 0;          ///< that went through a wall or the structure
+  double potential = 0;            ///< minus the work of gravity since t = 0 [J/m^(3-D)]
 
   std::size_t size() const { return id.size(); }
 };
 
-/// What stays the same over a run.
-template <int D>
-struct Constants {
-  explicit Constants(const FluidCase& fluid)
-      : numerics(fluid.numerics),
-        spacing(fluid.spacing),
-        density(fluid.density),
-        viscosity(fluid.viscosity.value_or(0) / fluid.density),
-        volume(std::pow(fluid.spacing, D)),
-        mass(density * volume),
-        kernel(fluid.numerics.smoothing_length_ratio * fluid.spacing),
-        faces(kernel, fluid.spacing),
-        lattice(lattice_sums<D>(kernel, fluid.spacing)) {}
-
-  FluidNumerics numerics;
-  double spacing;       ///< dx [m]
-  double density;       ///< rho [kg/m^3]
-  double viscosity;     ///< kinematic, nu = mu/rho; 0 = inviscid [m^2/s]
-  double volume, mass;  ///< per particle [m^D], [kg/m^(3-D)]
-  Kernel<D> kernel;
-  FaceKernel<D> faces;
-  LatticeSums lattice;
-};
+/// Calls visit(name, unit, values) for each array with one value per particle: what sorting by cell, the removal of escaped
+/// particles, frames and comparisons go through.
+template <class AnyState, class Visit>
+void for_each_field(AnyState& state, Visit&& visit) {
+  visit("position", "m", state.position);
+  visit("velocity", "m/s", state.velocity);
+  visit("pressure", "Pa", state.pressure);
+  visit("id", "", state.id);
+  visit("flag", "", state.particle_class);
+}
 
 }  // namespace tern::fluid

@@ -1,59 +1,60 @@
 #pragma once
-// What walls and structure contribute to the sums of the fluid particles near them, through the faces these see.
+// The faces that bound the fluid, of walls and of the structure, and what each particle sees of them.
 
 #include <vector>
 
+#include "fluid/boundary/boundary_sums.hpp"
+#include "fluid/boundary/wall_clipping.hpp"
+#include "fluid/boundary/walls.hpp"
 #include "fluid/neighbours.hpp"
-#include "fluid/state.hpp"
-#include "sph/convex_corner.hpp"
+#include "fluid/reference.hpp"
+#include "fluid/workspace.hpp"
+#include "proto/interface.hpp"
 #include "sph/faces.hpp"
 
 namespace tern::fluid {
 
-/// Sums over the hidden side of all faces a particle sees; zero away from faces. set_wall_sums() comes first.
 template <int D>
-struct BoundarySums {
-  std::vector<double> number_density;    ///< hidden part of sum V w [-]
-  std::vector<Matrix<D>> moment;         ///< hidden part of sum V grad w (r_j - r_i)^T [-]
-  std::vector<Vector<D>> wall_gradient;  ///< sum_hidden V grad w behind walls [1/m]
-  std::vector<Matrix<D>> tangential;     ///< T = sum_hidden V grad w (r_j - r_i)_t^T, _t: along the face (beside corners: see THEORY) [-]
-  std::vector<Vector<D>> mirrored_hydrostatic;  ///< sum_hidden V grad w rho (g - a_w)_n (r_j - r_i)_n behind walls [Pa/m]
-  std::vector<Vector<D>> surface_gradient;      ///< sum_hidden V grad w behind the structure [1/m]
-  std::vector<Vector<D>> averted_gradient;      ///< what averted faces take from that (convex_corner.hpp) [1/m]
-  std::vector<Vector<D>> unborne_gradient;      ///< of both, what is not the interface's [1/m]
-  std::vector<double> borne_share;              ///< of each face of the structure (convex_corner.hpp) [-]
-  std::vector<CornerScratch> corner_scratch;    ///< by thread
-  std::vector<double> flux;                     ///< sum_k A_k w~_ik n_k . u_k of all faces [1/s]
+struct Boundary {
+  Boundary(const Case& scene, const Constants<D>& constants);
+
+  Walls<D> walls;                           ///< as they are without a structure
+  FaceFinder<D> wall_finder;                ///< of these
+  std::vector<double> space_before_walls;   ///< per patch, negative: not known (wetness.hpp)
+  ClippedWalls<D> clipped_walls;            ///< as the structure leaves them: what particles see
+  FaceRows wall_rows;                       ///< by particle
+  Faces<D> surface;                         ///< of the structure
+  FaceFinder<D> surface_finder;             ///< of it
+  std::vector<std::uint8_t> covered_faces;  ///< of the surface: they stand at a wall
+  FaceRows surface_rows;                    ///< by particle
+  BoundarySums<D> sums;
+
+  const Faces<D>& seen_walls() const { return clipped_walls.faces(); }
+  bool sees_structure(std::ptrdiff_t i) const { return surface_rows.count[i] > 0; }
+  bool sees_wall(std::ptrdiff_t i) const { return wall_rows.count[i] > 0; }
+  bool sees_face(std::ptrdiff_t i) const { return sees_wall(i) || sees_structure(i); }
 };
 
-/// Fills `rows` with the faces every particle sees, in the order of the particles, without the weights.
+/// Places moving walls at the middle of the window; their velocity in the window before becomes that in this one.
 template <int D>
-void see_faces(const std::vector<Vector<D>>& position, const Faces<D>& faces, const FaceFinder<D>& finder, FaceRows& rows);
+void move_walls(const Constants<D>& constants, const Window& window, Boundary<D>& boundary, std::vector<Vector<D>>& wall_velocity);
 
-/// A wall mirrors the fluid in front of it; where there is none, above the water or beside a jet, nothing is behind it
-/// either. Sets `wall_rows.wet` to the share of each wall patch that is wet, from the filled share of the `space` in front of
-/// it, less what the structure takes of that. `space`: part of sum V w that walls leave open in front of each of their
-/// patches, negative where it is not yet known. `whole_walls`: as they are without a structure.
+/// Takes over the surface of the structure at the middle of the window and clips the walls at which it stands.
 template <int D>
-void leave_out_dry_walls(const Constants<D>& constants, const std::vector<Vector<D>>& position, const Faces<D>& walls,
-                         const Faces<D>& whole_walls, const FaceFinder<D>& wall_finder, std::vector<double>& space,
-                         const Faces<D>& structure, const FaceFinder<D>& structure_finder, FaceRows& wall_rows);
+void set_surface(const Constants<D>& constants, const Surface<D>& surface, Boundary<D>& boundary);
 
-/// Part of sum V w at x that lies behind the faces seen from there. `seen`: scratch.
+/// Faces that each particle at `position` sees. Takes pairs of particles out of `neighbours` that a body parts.
 template <int D>
-double hidden_density(const Constants<D>& constants, const Faces<D>& faces, const FaceFinder<D>& finder, const Vector<D>& x,
-                      std::vector<int>& seen);
+void see_boundary(const Constants<D>& constants, const Period<D>& period, const std::vector<Vector<D>>& position, Boundary<D>& boundary,
+                  Neighbours<D>& neighbours);
 
-/// Sums over the hidden side of the walls, and the weights of the rows. `gravity`: at each particle [m/s^2].
+/// Wet shares and sums over the hidden side, of the faces that each particle sees. `gravity`: at each particle [m/s^2].
 template <int D>
-void set_wall_sums(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
-                   const Faces<D>& faces, FaceRows& rows, BoundarySums<D>& sums);
+void sum_over_hidden_side(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
+                          Boundary<D>& boundary);
 
-/// Adds the hidden side of the structure and sets the weights of the rows. Its hydrostatic part is the coupler's, as part of the interface
-/// force. `covered`: faces that stand at a wall.
+/// The surface of the same window under another load: changes the flux that the particles `at_structure` see.
 template <int D>
-void add_surface_sums(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
-                      const Faces<D>& faces, const FaceFinder<D>& finder, const std::vector<std::uint8_t>& covered, FaceRows& rows,
-                      BoundarySums<D>& sums);
+void set_surface_velocity(const std::vector<Vector<D>>& velocity, const std::vector<int>& at_structure, Boundary<D>& boundary);
 
 }  // namespace tern::fluid

@@ -74,7 +74,7 @@ const Wall<D>& Walls<D>::find(const std::string& name) const {
 }
 
 template <int D>
-void Walls<D>::move_over(double begin, double duration) {
+void Walls<D>::move_over(double begin, double duration, std::vector<Vector<D>>& velocity_of) {
   for (Wall<D>& wall : walls_) {
     if (!wall.scene.motion) continue;
     const Placement<D> before = placement<D>(*wall.scene.motion, begin), after = placement<D>(*wall.scene.motion, begin + duration);
@@ -89,18 +89,10 @@ void Walls<D>::move_over(double begin, double duration) {
       // The change of the patch's own velocity has the tangential and the centripetal part of its acceleration.
       const Vector<D> velocity =
           shift_rate + turning_velocity<D>(turn_rate, wall.scene.motion->axis, Vector<D>(faces_.position[k] - pivot));
-      faces_.normal_acceleration[k] = begin > 0 ? (velocity - faces_.velocity[k]).dot(faces_.normal[k]) / duration : 0;
-      faces_.velocity[k] = velocity;
+      faces_.normal_acceleration[k] = begin > 0 ? (velocity - velocity_of[k]).dot(faces_.normal[k]) / duration : 0;
+      faces_.velocity[k] = velocity_of[k] = velocity;
     }
   }
-}
-
-template <int D>
-double Walls<D>::largest_speed() const {
-  double largest = 0;
-  for (const Wall<D>& wall : walls_)
-    for (std::size_t k = wall.first; wall.scene.motion && k < wall.last; ++k) largest = std::max(largest, faces_.velocity[k].norm());
-  return largest;
 }
 
 template class Walls<2>;

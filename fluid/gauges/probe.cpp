@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fluid/boundary/wetness.hpp"
+#include "sph/wet_share.hpp"
+
 namespace tern::fluid {
 namespace {
 
@@ -161,7 +164,7 @@ double Probe<D>::flux(const Vector<D>& from, const Vector<D>& to) const {
       for_particles_around(x, [&](int i, const Vector<D>&, double w) { momentum += w * fluid_.state().velocity[i], weight += w; });
       if (weight == 0) continue;
       // From nothing outside to all inside across the free surface, so that the flux does not jump from point to point.
-      const double wet = std::clamp(2 * filling(x) - 0.5, 0.0, 1.0);
+      const double wet = wet_share(filling(x));
       sum += area * wet * momentum.dot(across.normal) / weight;
     }
   return sum;
@@ -202,7 +205,7 @@ double Probe<D>::wall_pressure(const Vector<D>& x, const Vector<D>& normal, doub
   const Vector<D> acceleration = fluid_.gravity_at(seconds(fluid_.state().time), x) - normal_acceleration * normal;
   double sum = 0, weight = 0, nearest = constants.kernel.support();
   for_particles_around(x, [&](int i, const Vector<D>& d, double w) {
-    if (fluid_.flags()[i] == Flag::spray || d.dot(normal) <= 0 || screened(x + d)) return;
+    if (fluid_.state().particle_class[i].spray() || d.dot(normal) <= 0 || screened(x + d)) return;
     sum += w * (fluid_.state().pressure[i] - constants.density * acceleration.dot(d));
     weight += w;
     nearest = std::min(nearest, d.norm());

@@ -1,11 +1,12 @@
 // Particle shifting against clumps and voids (Lind et al. 2012), with the part normal to a free surface left out
 // (optimised shifting, Khayyer et al. 2017):
 //   dr_i = -C_s h |u|max dt grad C_i,   grad C_i = sum V_j (1 + 0.2 (w_ij/w(dx))^4) grad w_ij
-// And off the faces of the structure: these end a window elsewhere than the velocity says that the fluid has been given, a little each
-// window, so that a particle beside a face that swings creeps up to it and through it.
+// And off the faces of the structure: the displacement of a face differs a little from dt times the velocity that was sent, so that a
+// particle beside a face that swings would creep up to it and through it.
+
+#include "fluid/motion/shifting.hpp"
 
 #include "base/parallel.hpp"
-#include "fluid/fluid.hpp"
 #include "sph/contact.hpp"
 
 namespace tern::fluid {
@@ -43,39 +44,57 @@ Vector<D> off_structure(const Faces<D>& faces, const FaceRows& rows, std::ptrdif
 }  // namespace
 
 template <int D>
-void Fluid<D>::shift_particles() {
-  const double contact = constants_.numerics.contact_distance * constants_.spacing;
-  if (!surface_.position.empty() && contact > 0)
-    for (int i : band_) {
-      Vector<D> way = off_structure<D>(surface_, surface_rows_, i, predicted_position_[i], contact);
-      keep_off_faces<D>(seen_walls_.faces(), wall_rows_, i, predicted_position_[i], contact, way);
-      state_.position[i] += way;
+void move_off_structure(const Constants<D>& constants, const Boundary<D>& boundary, const std::vector<int>& at_structure,
+                        const std::vector<Vector<D>>& predicted_position, std::vector<Vector<D>>& position) {
+  const double contact = constants.numerics.contact_distance * constants.spacing;
+  if (!boundary.surface.position.empty() && contact > 0)
+    for (int i : at_structure) {
+      Vector<D> way = off_structure<D>(boundary.surface, boundary.surface_rows, i, predicted_position[i], contact);
+      keep_off_faces<D>(boundary.seen_walls(), boundary.wall_rows, i, predicted_position[i], contact, way);
+      position[i] += way;
     }
-  const double coefficient = constants_.numerics.shifting * constants_.kernel.smoothing_length() * bulk_speed_ * duration_s_;
+}
+
+template <int D>
+double shifting_coefficient(const Constants<D>& constants, double duration, double bulk_speed) {
+  return constants.numerics.shifting * constants.kernel.smoothing_length() * bulk_speed * duration;
+}
+
+template <int D>
+void shift_particles(double coefficient, const Constants<D>& constants, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
+                     const Corrections<D>& correction, const std::vector<ParticleClass>& particle_class,
+                     const std::vector<Vector<D>>& predicted_position, std::vector<Vector<D>>& position) {
   if (coefficient == 0) return;
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
-  evaluations_.shifting += n;
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (std::ptrdiff_t i = 0; i < n; ++i) {
-    if (flag_[i] != Flag::interior) continue;
-    const Vector<D> boundary = boundary_.wall_gradient[i] + boundary_.surface_gradient[i] + boundary_.averted_gradient[i];
-    Vector<D> shift = -coefficient * (neighbours_.concentration_gradient[i] + boundary);
-    if (near_surface_[i]) {
-      const Vector<D> outward = correction_[i] * (neighbours_.kernel_gradient[i] + boundary);
+    if (!particle_class[i].interior()) continue;
+    const Vector<D> hidden = boundary.sums.wall_gradient[i] + boundary.sums.surface_gradient[i] + boundary.sums.back_facing_gradient[i];
+    Vector<D> shift = -coefficient * (neighbours.concentration_gradient[i] + hidden);
+    if (particle_class[i].has(ParticleClass::beside_surface)) {
+      const Vector<D> outward = correction.matrix[i] * (neighbours.kernel_gradient[i] + hidden);
       const double size2 = outward.squaredNorm();
       if (size2 > 0) shift -= shift.dot(outward) / size2 * outward;
     }
-    const bool at_structure = surface_rows_.count[i] > 0;
-    const double limit = (at_structure ? largest_shift_at_structure : largest_shift) * constants_.spacing;
+    const bool at_structure = boundary.sees_structure(i);
+    const double limit = (at_structure ? largest_shift_at_structure : largest_shift) * constants.spacing;
     const double size = shift.norm();
     if (size > limit) shift *= limit / size;
-    keep_off_faces<D>(seen_walls_.faces(), wall_rows_, i, predicted_position_[i], 0.5 * constants_.spacing, shift);
-    if (at_structure) keep_off_faces<D>(surface_, surface_rows_, i, predicted_position_[i], 0.5 * constants_.spacing, shift);
-    state_.position[i] += shift;
+    keep_off_faces<D>(boundary.seen_walls(), boundary.wall_rows, i, predicted_position[i], 0.5 * constants.spacing, shift);
+    if (at_structure) keep_off_faces<D>(boundary.surface, boundary.surface_rows, i, predicted_position[i], 0.5 * constants.spacing, shift);
+    position[i] += shift;
   }
 }
 
-template void Fluid<2>::shift_particles();
-template void Fluid<3>::shift_particles();
+template void move_off_structure<2>(const Constants<2>&, const Boundary<2>&, const std::vector<int>&, const std::vector<Vector<2>>&,
+                                    std::vector<Vector<2>>&);
+template void move_off_structure<3>(const Constants<3>&, const Boundary<3>&, const std::vector<int>&, const std::vector<Vector<3>>&,
+                                    std::vector<Vector<3>>&);
+template double shifting_coefficient<2>(const Constants<2>&, double, double);
+template double shifting_coefficient<3>(const Constants<3>&, double, double);
+template void shift_particles<2>(double, const Constants<2>&, const Neighbours<2>&, const Boundary<2>&, const Corrections<2>&,
+                                 const std::vector<ParticleClass>&, const std::vector<Vector<2>>&, std::vector<Vector<2>>&);
+template void shift_particles<3>(double, const Constants<3>&, const Neighbours<3>&, const Boundary<3>&, const Corrections<3>&,
+                                 const std::vector<ParticleClass>&, const std::vector<Vector<3>>&, std::vector<Vector<3>>&);
 
 }  // namespace tern::fluid

@@ -3,13 +3,15 @@
 // velocity at the start, the fastest wall so far, the body at the first window. And the volume of the fluid beside bodies, which
 // nothing changes but a body whose surface moves otherwise than the fluid was told: light bodies under CM2 do, without a sound.
 
+#include "fluid/motion/speed_limit.hpp"
+
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
-#include "fluid/fluid.hpp"
+#include "fluid/gauges/totals.hpp"
 
 namespace tern::fluid {
 namespace {
@@ -22,49 +24,48 @@ constexpr double lost_volume = 0.05;  ///< of the fluid, when it lasts; sound ru
 }  // namespace
 
 template <int D>
-void Fluid<D>::check_speed() {
-  if (state_.time == 0)
-    for (const auto& u : surface_.velocity) reference_speed_ = std::max(reference_speed_, u.norm());
-  reference_speed_ = std::max(reference_speed_, walls_.largest_speed());
-  const double reference = reference_speed_ > 0 ? reference_speed_ : 1.0;
-  const double fastest = std::sqrt(ordered_max(static_cast<std::ptrdiff_t>(state_.size()), 0.0, [&](std::ptrdiff_t i) {
-    const double squared = predicted_velocity_[i].squaredNorm();
+void check_speed(const Window& window, const Prediction<D>& prediction, const std::vector<Vector<D>>& surface_velocity, State<D>& state) {
+  if (state.time == 0)
+    for (const auto& u : surface_velocity) state.reference_speed = std::max(state.reference_speed, u.norm());
+  state.reference_speed = std::max(state.reference_speed, largest_speed(state.wall_velocity));
+  const double reference = state.reference_speed > 0 ? state.reference_speed : 1.0;
+  const double fastest = std::sqrt(ordered_max(static_cast<std::ptrdiff_t>(state.size()), 0.0, [&](std::ptrdiff_t i) {
+    const double squared = prediction.velocity[i].squaredNorm();
     return std::isfinite(squared) ? squared : 1e300;
   }));
-  windows_of_collapse_ = fastest < collapsed * reference ? 0 : windows_of_collapse_ + 1;
-  const bool lasts = windows_of_collapse_ == lasting;
+  state.windows_of_collapse = fastest < collapsed * reference ? 0 : state.windows_of_collapse + 1;
+  const bool lasts = state.windows_of_collapse == lasting;
   if (fastest < impossible * reference && !lasts) return;
-  for (std::size_t i = 0; i < state_.size(); ++i) {
-    const double speed = predicted_velocity_[i].norm();
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    const double speed = prediction.velocity[i].norm();
     if (speed < (1 - 1e-12) * fastest) continue;
     std::string where;
-    for (int c = 0; c < D; ++c) where += fmt::format("{}{:.5g}", c ? ", " : "", predicted_position_[i][c]);
+    for (int c = 0; c < D; ++c) where += fmt::format("{}{:.5g}", c ? ", " : "", prediction.position[i][c]);
     throw NumericalFailure(fmt::format(
         "The speed of fluid particle {} at ({}) m is {:.4g} m/s at t = {:.6g} s, above the limit of {:.4g} m/s ({} the reference speed of "
         "the scene); pressure there {:.4g} Pa. The step has {}: use a smaller fluid.numerics.courant, or for a light structure the "
         "coupling "
         "algorithm CM3.",
-        state_.id[i], where, speed, begin_s_ + duration_s_, (lasts ? collapsed : impossible) * reference,
-        lasts ? "for ten windows a hundred times" : "a thousand times", state_.pressure[i],
-        lasts ? fmt::format("collapsed to {:.3g} s, which this speed asks for", duration_s_) : "become unstable"));
+        state.id[i], where, speed, window.begin + window.duration, (lasts ? collapsed : impossible) * reference,
+        lasts ? "for ten windows a hundred times" : "a thousand times", state.pressure[i],
+        lasts ? fmt::format("collapsed to {:.3g} s, which this speed asks for", window.duration) : "become unstable"));
   }
 }
 
 template <int D>
-void Fluid<D>::check_volume() {
-  const double drift = surface_.size() == 0 ? 0 : volume_drift();
-  windows_of_lost_volume_ = std::abs(drift) < lost_volume ? 0 : windows_of_lost_volume_ + 1;
-  if (windows_of_lost_volume_ < lasting) return;
+void check_volume(const Window& window, double drift, State<D>& state) {
+  state.windows_of_lost_volume = std::abs(drift) < lost_volume ? 0 : state.windows_of_lost_volume + 1;
+  if (state.windows_of_lost_volume < lasting) return;
   throw NumericalFailure(fmt::format(
       "The fluid has {} {:.1f} % of its volume by t = {:.6g} s, and more than {:g} % for ten windows. The surface of a body moves "
       "otherwise than the fluid was told, or is too coarse to hold it: use coupling.algorithm = \"CM3\", or a smaller "
       "fluid.numerics.gravity_courant and courant.",
-      drift < 0 ? "lost" : "gained", 100 * std::abs(drift), begin_s_ + duration_s_, 100 * lost_volume));
+      drift < 0 ? "lost" : "gained", 100 * std::abs(drift), window.begin + window.duration, 100 * lost_volume));
 }
 
-template void Fluid<2>::check_volume();
-template void Fluid<3>::check_volume();
-template void Fluid<2>::check_speed();
-template void Fluid<3>::check_speed();
+template void check_speed<2>(const Window&, const Prediction<2>&, const std::vector<Vector<2>>&, State<2>&);
+template void check_speed<3>(const Window&, const Prediction<3>&, const std::vector<Vector<3>>&, State<3>&);
+template void check_volume<2>(const Window&, double, State<2>&);
+template void check_volume<3>(const Window&, double, State<3>&);
 
 }  // namespace tern::fluid

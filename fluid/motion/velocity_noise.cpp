@@ -7,9 +7,11 @@
 // loses of order (chi/tau) (k h)^4 per unit of time. Pairs are antisymmetric and central: both momenta are conserved.
 // The reconstruction is that of MUSCL schemes and of the structure's Riemann diffusion.
 
+#include "fluid/motion/velocity_noise.hpp"
+
 #include "base/parallel.hpp"
-#include "fluid/fluid.hpp"
 #include "fluid/motion/velocity_gradient.hpp"
+#include "fluid/pressure/density_source.hpp"
 
 namespace tern::fluid {
 namespace {
@@ -19,43 +21,56 @@ constexpr double largest_share = 0.5;  ///< per step, for stability
 }  // namespace
 
 template <int D>
-void Fluid<D>::damp_velocity_noise() {
-  const double share = std::min(largest_share, constants_.numerics.noise_damping * duration_s_ / density_time_scale());
+double damped_share(const Reference<D>& reference, double duration, double bulk_speed) {
+  return std::min(largest_share, reference.constants.numerics.noise_damping * duration / density_time_scale(reference, bulk_speed));
+}
+
+template <int D>
+void damp_velocity_noise(double share, const Period<D>& space, const Neighbours<D>& neighbours, const Corrections<D>& correction,
+                         const std::vector<ParticleClass>& particle_class, const std::vector<Vector<D>>& position,
+                         PackedVelocities<D>& packed, std::vector<Vector<D>>& velocity) {
   if (share == 0) return;
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
-  evaluations_.noise_damping += n;
-  pack<D>(predicted_position_, predicted_velocity_, motion_);
-  half_gradient_.resize(n);
-  period_.specialise([&](auto periodic) {
-    const PackedPeriod<decltype(periodic)::value, D> period(period_);
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
+  std::vector<Motion<D>>& motion = packed.motion;
+  std::vector<std::array<Packed<D>, D>>& half_gradient = packed.half_gradient;
+  pack<D>(position, velocity, motion);
+  half_gradient.resize(n);
+  space.specialise([&](auto periodic) {
+    const PackedPeriod<decltype(periodic)::value, D> period(space);
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
     for (std::ptrdiff_t i = 0; i < n; ++i) {
-      half_gradient_[i].fill(Packed<D>::Zero());
-      if (!has_gradient_[i]) continue;
-      const Matrix<D> gradient = velocity_gradient_sum(neighbours_, period, motion_, i) * fluid_correction_[i];
+      half_gradient[i].fill(Packed<D>::Zero());
+      if (!particle_class[i].has(ParticleClass::corrected_gradient)) continue;
+      const Matrix<D> gradient = velocity_gradient_sum(neighbours, period, motion, i) * correction.fluid[i];
       for (int b = 0; b < D; ++b)
-        for (int a = 0; a < D; ++a) half_gradient_[i][b][a] = 0.5 * gradient(a, b);
+        for (int a = 0; a < D; ++a) half_gradient[i][b][a] = 0.5 * gradient(a, b);
     }
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
     for (std::ptrdiff_t i = 0; i < n; ++i) {
-      if (!has_gradient_[i]) continue;
-      const Packed<D> x = motion_[i].position, u = motion_[i].velocity;
-      const std::array<Packed<D>, D> own = half_gradient_[i];
+      if (!particle_class[i].has(ParticleClass::corrected_gradient)) continue;
+      const Packed<D> x = motion[i].position, u = motion[i].velocity;
+      const std::array<Packed<D>, D> own = half_gradient[i];
       Packed<D> even = Packed<D>::Zero(), odd = Packed<D>::Zero();
-      for_row_in_turns(neighbours_, i, even, odd, [&](Packed<D>& change, int k) {
-        const int j = neighbours_.column[k];
-        const Packed<D> r = period.between(x, motion_[j].position);
-        Packed<D> jump = motion_[j].velocity - u;
-        for (int b = 0; b < D; ++b) jump -= (own[b] + half_gradient_[j][b]) * r[b];
-        const double exchange = has_gradient_[j] ? neighbours_.weight[k] * (jump * r).sum() : 0;
+      for_row_in_turns(neighbours, i, even, odd, [&](Packed<D>& change, int k) {
+        const int j = neighbours.column[k];
+        const Packed<D> r = period.between(x, motion[j].position);
+        Packed<D> jump = motion[j].velocity - u;
+        for (int b = 0; b < D; ++b) jump -= (own[b] + half_gradient[j][b]) * r[b];
+        const double exchange = particle_class[j].has(ParticleClass::corrected_gradient) ? neighbours.weight[k] * (jump * r).sum() : 0;
         change += exchange * r;
       });
-      for (int c = 0; c < D; ++c) predicted_velocity_[i][c] += share * (even[c] + odd[c]);
+      for (int c = 0; c < D; ++c) velocity[i][c] += share * (even[c] + odd[c]);
     }
   });
 }
 
-template void Fluid<2>::damp_velocity_noise();
-template void Fluid<3>::damp_velocity_noise();
+template double damped_share<2>(const Reference<2>&, double, double);
+template double damped_share<3>(const Reference<3>&, double, double);
+template void damp_velocity_noise<2>(double, const Period<2>&, const Neighbours<2>&, const Corrections<2>&,
+                                     const std::vector<ParticleClass>&, const std::vector<Vector<2>>&, PackedVelocities<2>&,
+                                     std::vector<Vector<2>>&);
+template void damp_velocity_noise<3>(double, const Period<3>&, const Neighbours<3>&, const Corrections<3>&,
+                                     const std::vector<ParticleClass>&, const std::vector<Vector<3>>&, PackedVelocities<3>&,
+                                     std::vector<Vector<3>>&);
 
 }  // namespace tern::fluid

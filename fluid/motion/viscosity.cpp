@@ -5,8 +5,9 @@
 // since K y summed over the hidden side is 2 A_k w~ (Gauss), no further table is needed, and a linear profile at a plane
 // wall has no acceleration. Every term pulls velocities together: sum m a . u <= 0 between walls at rest.
 
+#include "fluid/motion/viscosity.hpp"
+
 #include "base/parallel.hpp"
-#include "fluid/fluid.hpp"
 
 namespace tern::fluid {
 namespace {
@@ -16,33 +17,35 @@ constexpr double least_height = 1.0 / 6;  ///< of h, for y_ik: keeps the limit o
 }  // namespace
 
 template <int D>
-void Fluid<D>::apply_viscosity() {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
-  evaluations_.viscosity += n;
-  const double scale = 2 * duration_s_ * constants_.viscosity;
-  const double least = least_height * constants_.kernel.smoothing_length();
-  const Faces<D>& faces = seen_walls_.faces();
-  const Vector<D>* velocity = state_.velocity.data();
+void add_viscosity(const Constants<D>& constants, double duration, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
+                   const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& velocity,
+                   std::vector<Vector<D>>& predicted_velocity) {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
+  const double scale = 2 * duration * constants.viscosity;
+  const double least = least_height * constants.kernel.smoothing_length();
+  const Faces<D>& faces = boundary.seen_walls();
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (std::ptrdiff_t i = 0; i < n; ++i) {
     const Vector<D> u = velocity[i];
     Vector<D> sum = Vector<D>::Zero();
-    const int last = neighbours_.begin[i] + neighbours_.count[i];
-    for (int k = neighbours_.begin[i]; k < last; ++k) {
-      const Vector<D>& other = velocity[neighbours_.column[k]];
-      for (int c = 0; c < D; ++c) sum[c] += neighbours_.weight[k] * (other[c] - u[c]);
+    const int last = neighbours.begin[i] + neighbours.count[i];
+    for (int k = neighbours.begin[i]; k < last; ++k) {
+      const Vector<D>& other = velocity[neighbours.column[k]];
+      for (int c = 0; c < D; ++c) sum[c] += neighbours.weight[k] * (other[c] - u[c]);
     }
-    for (int entry = wall_rows_.begin[i]; entry < wall_rows_.begin[i] + wall_rows_.count[i]; ++entry) {
-      const int k = wall_rows_.face[entry];
-      if (walls_.slips(k)) continue;
-      const double height = std::max((predicted_position_[i] - faces.position[k]).dot(faces.normal[k]), least);
-      sum += std::max(wall_rows_.weight[entry], 0.0) / height * (faces.velocity[k] - u);
+    for (int entry = boundary.wall_rows.begin[i]; entry < boundary.wall_rows.begin[i] + boundary.wall_rows.count[i]; ++entry) {
+      const int k = boundary.wall_rows.face[entry];
+      if (boundary.walls.slips(k)) continue;
+      const double height = std::max((position[i] - faces.position[k]).dot(faces.normal[k]), least);
+      sum += std::max(boundary.wall_rows.weight[entry], 0.0) / height * (faces.velocity[k] - u);
     }
-    predicted_velocity_[i] += scale * sum;
+    predicted_velocity[i] += scale * sum;
   }
 }
 
-template void Fluid<2>::apply_viscosity();
-template void Fluid<3>::apply_viscosity();
+template void add_viscosity<2>(const Constants<2>&, double, const Neighbours<2>&, const Boundary<2>&, const std::vector<Vector<2>>&,
+                               const std::vector<Vector<2>>&, std::vector<Vector<2>>&);
+template void add_viscosity<3>(const Constants<3>&, double, const Neighbours<3>&, const Boundary<3>&, const std::vector<Vector<3>>&,
+                               const std::vector<Vector<3>>&, std::vector<Vector<3>>&);
 
 }  // namespace tern::fluid

@@ -3,8 +3,12 @@
 // tau does not depend on the step taken: with 1/dt one short step would turn the accumulated error into a pressure jump.
 // Compression is relaxed everywhere, expansion only inside: one-sided it would inflate the fluid by 1 % per second.
 
+#include "fluid/pressure/density_source.hpp"
+
+#include <algorithm>
+#include <cmath>
+
 #include "base/parallel.hpp"
-#include "fluid/fluid.hpp"
 
 namespace tern::fluid {
 namespace {
@@ -16,28 +20,33 @@ constexpr double interior_trace = 0.97;
 }  // namespace
 
 template <int D>
-double Fluid<D>::density_time_scale() const {
-  const double by_velocity = 0.15 * constants_.spacing / std::max(bulk_speed_, 1e-300);
-  return gravity_size_ > 0 ? std::min(by_velocity, 0.1 * std::sqrt(constants_.spacing / gravity_size_)) : by_velocity;
+double density_time_scale(const Reference<D>& reference, double bulk_speed) {
+  const double by_velocity = 0.15 * reference.constants.spacing / std::max(bulk_speed, 1e-300);
+  return reference.gravity_size > 0 ? std::min(by_velocity, 0.1 * std::sqrt(reference.constants.spacing / reference.gravity_size))
+                                    : by_velocity;
 }
 
 template <int D>
-void Fluid<D>::compute_density_source() {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
-  density_source_.resize(n);
-  evaluations_.density_source += n;
-  const double rate = constants_.numerics.density_relaxation / density_time_scale();
+void compute_density_source(const Reference<D>& reference, double bulk_speed, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
+                            const Corrections<D>& correction, const std::vector<ParticleClass>& particle_class,
+                            std::vector<double>& source) {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(particle_class.size());
+  source.resize(n);
+  const Constants<D>& constants = reference.constants;
+  const double rate = constants.numerics.density_relaxation / density_time_scale(reference, bulk_speed);
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (std::ptrdiff_t i = 0; i < n; ++i) {
-    const double excess = (neighbours_.number_density[i] + boundary_.number_density[i]) / constants_.lattice.density - 1;
-    const bool applies = excess > 0 || (trace_[i] > interior_trace && flag_[i] == Flag::interior);
-    density_source_[i] = applies ? rate * excess : 0;
+    const double excess = (neighbours.number_density[i] + boundary.sums.number_density[i]) / constants.lattice.density - 1;
+    const bool applies = excess > 0 || (correction.trace[i] > interior_trace && particle_class[i].interior());
+    source[i] = applies ? rate * excess : 0;
   }
 }
 
-template double Fluid<2>::density_time_scale() const;
-template double Fluid<3>::density_time_scale() const;
-template void Fluid<2>::compute_density_source();
-template void Fluid<3>::compute_density_source();
+template double density_time_scale<2>(const Reference<2>&, double);
+template double density_time_scale<3>(const Reference<3>&, double);
+template void compute_density_source<2>(const Reference<2>&, double, const Neighbours<2>&, const Boundary<2>&, const Corrections<2>&,
+                                        const std::vector<ParticleClass>&, std::vector<double>&);
+template void compute_density_source<3>(const Reference<3>&, double, const Neighbours<3>&, const Boundary<3>&, const Corrections<3>&,
+                                        const std::vector<ParticleClass>&, std::vector<double>&);
 
 }  // namespace tern::fluid

@@ -1,13 +1,14 @@
 // Velocity divergence, with S_i = sum_F V_j (u_j - u_i) grad w_ij^T (difference form, zero for constants):
 //   inside:            div_i = tr(S_i C_i)                                exact for linear fields
-//   in the sum form:   div_i = tr S_i                                     the adjoint of that form of the pressure gradient
+//   symmetric:         div_i = tr S_i                                     the adjoint of that form of the pressure gradient
 //   at faces also:     - 2 sum_k A_k w~_ik n_k . (u_k - u_i)  +  T_i : S_i C^F_i
 // The factor 2 is the mirror velocity 2 u_k - u_i of the hidden side; without it half the flux through a wall is lost. Along
 // a face the velocity behind it varies as that before it: without T, the part of the moments along hidden faces, fluid that
 // stretches along a wall and thins towards it would seem to be compressed, by a quarter of the rate at which it stretches.
 
+#include "fluid/pressure/divergence.hpp"
+
 #include "base/parallel.hpp"
-#include "fluid/fluid.hpp"
 #include "fluid/motion/velocity_gradient.hpp"
 
 namespace tern::fluid {
@@ -22,27 +23,35 @@ double trace_of_product(const Matrix<D>& a, const Matrix<D>& b) {
 }  // namespace
 
 template <int D>
-void Fluid<D>::compute_divergence() {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state_.size());
-  divergence_.resize(n);
-  pack<D>(predicted_position_, predicted_velocity_, motion_);
-  period_.specialise([&](auto periodic) {
-    const PackedPeriod<decltype(periodic)::value, D> period(period_);
+void compute_divergence(const Period<D>& space, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
+                        const Corrections<D>& correction, const std::vector<ParticleClass>& particle_class,
+                        const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& velocity, std::vector<Motion<D>>& motion,
+                        std::vector<double>& divergence) {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
+  divergence.resize(n);
+  pack<D>(position, velocity, motion);
+  space.specialise([&](auto periodic) {
+    const PackedPeriod<decltype(periodic)::value, D> period(space);
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
     for (std::ptrdiff_t i = 0; i < n; ++i) {
-      const Matrix<D> sum = velocity_gradient_sum(neighbours_, period, motion_, i);
-      if (wall_rows_.count[i] == 0 && surface_rows_.count[i] == 0) {
-        divergence_[i] = sum_form_[i] ? sum.trace() : trace_of_product<D>(sum, fluid_correction_[i]);
+      const Matrix<D> sum = velocity_gradient_sum(neighbours, period, motion, i);
+      if (!boundary.sees_face(i)) {
+        divergence[i] =
+            particle_class[i].has(ParticleClass::symmetric_gradient) ? sum.trace() : trace_of_product<D>(sum, correction.fluid[i]);
         continue;
       }
       const double through_faces =
-          boundary_.flux[i] + predicted_velocity_[i].dot(boundary_.wall_gradient[i] + boundary_.surface_gradient[i]);
-      divergence_[i] = sum.trace() + boundary_.tangential[i].cwiseProduct(sum * fluid_correction_[i]).sum() - 2 * through_faces;
+          boundary.sums.flux[i] + velocity[i].dot(boundary.sums.wall_gradient[i] + boundary.sums.surface_gradient[i]);
+      divergence[i] = sum.trace() + boundary.sums.tangential[i].cwiseProduct(sum * correction.fluid[i]).sum() - 2 * through_faces;
     }
   });
 }
 
-template void Fluid<2>::compute_divergence();
-template void Fluid<3>::compute_divergence();
+template void compute_divergence<2>(const Period<2>&, const Neighbours<2>&, const Boundary<2>&, const Corrections<2>&,
+                                    const std::vector<ParticleClass>&, const std::vector<Vector<2>>&, const std::vector<Vector<2>>&,
+                                    std::vector<Motion<2>>&, std::vector<double>&);
+template void compute_divergence<3>(const Period<3>&, const Neighbours<3>&, const Boundary<3>&, const Corrections<3>&,
+                                    const std::vector<ParticleClass>&, const std::vector<Vector<3>>&, const std::vector<Vector<3>>&,
+                                    std::vector<Motion<3>>&, std::vector<double>&);
 
 }  // namespace tern::fluid

@@ -1,4 +1,4 @@
-// Sealed fluid: pools, compatible source, account of the volume that walls push into them.
+// Enclosed regions, compatible source, account of the volume that walls push into them.
 
 #include "fluid/pressure/enclosed_regions.hpp"
 
@@ -7,39 +7,38 @@
 #include <fmt/format.h>
 
 #include "base/log.hpp"
-#include "fluid/fluid.hpp"
 
 namespace tern::fluid {
 namespace {
 
-constexpr double tolerated_volume_error = 1e-4;  ///< of a pool; more is worth a warning
+constexpr double tolerated_volume_error = 1e-4;  ///< of a region; more is worth a warning
 
 }  // namespace
 
-void SealedPools::add_up(const std::vector<double>& values) {
+void EnclosedRegions::add_up(const std::vector<double>& values) {
   sum.assign(size.size(), 0);
-  for (std::size_t i = 0; i < pool.size(); ++i)
-    if (pool[i] >= 0) sum[pool[i]] += values[i];
+  for (std::size_t i = 0; i < region.size(); ++i)
+    if (region[i] >= 0) sum[region[i]] += values[i];
 }
 
-void SealedPools::subtract_means(std::vector<double>& values) {
+void EnclosedRegions::subtract_means(std::vector<double>& values) {
   add_up(values);
   for (std::size_t k = 0; k < size.size(); ++k) sum[k] /= size[k];
-  for (std::size_t i = 0; i < pool.size(); ++i)
-    if (pool[i] >= 0) values[i] -= sum[pool[i]];
+  for (std::size_t i = 0; i < region.size(); ++i)
+    if (region[i] >= 0) values[i] -= sum[region[i]];
 }
 
 template <int D>
-void find_sealed_pools(const Neighbours<D>& neighbours, const std::vector<std::uint8_t>& active, const std::vector<float>& constant,
-                       SealedPools& pools) {
-  const int n = static_cast<int>(active.size());
-  std::vector<std::uint8_t>& tied = pools.tied;
-  auto &pool = pools.pool, &size = pools.size, &queue = pools.queue;
+void find_enclosed_regions(const Neighbours<D>& neighbours, const std::vector<ParticleClass>& particle_class,
+                           const std::vector<float>& constant, EnclosedRegions& regions) {
+  const int n = static_cast<int>(particle_class.size());
+  std::vector<std::uint8_t>& tied = regions.tied;
+  auto &region = regions.region, &size = regions.size, &queue = regions.queue;
   tied.resize(n);
   size.clear();
   bool any_tied = false;
   for (int i = 0; i < n; ++i) {
-    tied[i] = active[i] && constant[i] > 0;
+    tied[i] = particle_class[i].pressure_unknown() && constant[i] > 0;
     any_tied = any_tied || tied[i];
   }
   int loose = 0;
@@ -51,7 +50,7 @@ void find_sealed_pools(const Neighbours<D>& neighbours, const std::vector<std::u
     return false;
   };
   const auto sweep_over = [&](int i, bool backwards) {
-    if (!active[i] || tied[i]) return;
+    if (!particle_class[i].pressure_unknown() || tied[i]) return;
     tied[i] = tied_at(i, backwards);
     loose += !tied[i];
   };
@@ -63,57 +62,60 @@ void find_sealed_pools(const Neighbours<D>& neighbours, const std::vector<std::u
     for (int i = 0; i < n; ++i) sweep_over(i, false);
   }
   if (any_tied && loose == 0) {
-    pool.clear();
+    region.clear();
     return;
   }
-  pool.assign(n, -1);
+  region.assign(n, -1);
   for (int start = 0; start < n; ++start) {
-    if (!active[start] || tied[start] || pool[start] >= 0) continue;
+    if (!particle_class[start].pressure_unknown() || tied[start] || region[start] >= 0) continue;
     const int number = static_cast<int>(size.size());
     bool reaches_tie = false;
     queue.assign(1, start);
-    pool[start] = number;
+    region[start] = number;
     for (std::size_t next = 0; next < queue.size(); ++next) {
       const int i = queue[next];
       for (int k = neighbours.begin[i]; k < neighbours.begin[i] + neighbours.count[i]; ++k) {
         const int j = neighbours.column[k];
         reaches_tie = reaches_tie || tied[j];
-        if (!active[j] || tied[j] || pool[j] >= 0) continue;
-        pool[j] = number;
+        if (!particle_class[j].pressure_unknown() || tied[j] || region[j] >= 0) continue;
+        region[j] = number;
         queue.push_back(j);
       }
     }
     if (reaches_tie)
-      for (int i : queue) pool[i] = -1, tied[i] = 1;
+      for (int i : queue) region[i] = -1, tied[i] = 1;
     else
       size.push_back(static_cast<int>(queue.size()));
   }
 }
 
 template <int D>
-void Fluid<D>::account_for_sealed_fluid() {
-  const std::ptrdiff_t sealed_rows = std::accumulate(pools_.size.begin(), pools_.size.end(), std::ptrdiff_t{0});
-  enclosed_ = enclosed_ || (sealed_rows == static_cast<std::ptrdiff_t>(state_.size()) && !walls_.moving() && surface_.size() == 0);
-  SealedAccount& account = sealed_account_;
+void account_for_enclosed_fluid(const Reference<D>& reference, const Window& window, const Boundary<D>& boundary,
+                                const std::vector<double>& source, EnclosedRegions& regions, State<D>& state) {
+  const double volume = reference.constants.volume;
+  const std::ptrdiff_t enclosed_rows = std::accumulate(regions.size.begin(), regions.size.end(), std::ptrdiff_t{0});
+  state.fills_enclosure = state.fills_enclosure || (enclosed_rows == static_cast<std::ptrdiff_t>(state.size()) &&
+                                                    !boundary.walls.moving() && boundary.surface.size() == 0);
+  EnclosedAccount& account = state.enclosed;
   account.any = true;
-  pools_.add_up(source_);
-  for (double b : pools_.sum) {
-    const double flux = -duration_s_ / constants_.density * b;
+  regions.add_up(source);
+  for (double b : regions.sum) {
+    const double flux = -window.duration / reference.constants.density * b;
     if (std::abs(flux) > std::abs(account.largest_flux)) account.largest_flux = flux;
   }
-  if (!walls_.moving() && surface_.size() == 0) return;
-  pools_.sum.assign(pools_.size.size(), 0);
-  for (std::size_t i = 0; i < pools_.pool.size(); ++i) {
+  if (!boundary.walls.moving() && boundary.surface.size() == 0) return;
+  regions.sum.assign(regions.size.size(), 0);
+  for (std::size_t i = 0; i < regions.region.size(); ++i) {
     // What the faces seen by a particle push into the fluid per time, as the divergence counts it.
-    if (pools_.pool[i] >= 0) pools_.sum[pools_.pool[i]] += 2 * constants_.volume * boundary_.flux[i];
+    if (regions.region[i] >= 0) regions.sum[regions.region[i]] += 2 * volume * boundary.sums.flux[i];
   }
-  pools_.pushed.resize(initial_particles_, 0);
+  account.pushed.resize(reference.particles, 0);
   int largest = -1;
-  for (std::size_t i = 0; i < pools_.pool.size(); ++i) {
-    const int k = pools_.pool[i];
+  for (std::size_t i = 0; i < regions.region.size(); ++i) {
+    const int k = regions.region[i];
     if (k < 0) continue;
-    double& pushed = pools_.pushed[state_.id[i]];
-    pushed += duration_s_ * pools_.sum[k] / (pools_.size[k] * constants_.volume);
+    double& pushed = account.pushed[state.id[i]];
+    pushed += window.duration * regions.sum[k] / (regions.size[k] * volume);
     if (std::abs(pushed) > std::abs(account.volume_error)) account.volume_error = pushed, largest = k;
   }
   if (account.warned || largest < 0 || std::abs(account.volume_error) < tolerated_volume_error) return;
@@ -122,13 +124,15 @@ void Fluid<D>::account_for_sealed_fluid() {
       fmt::format("A wall moves {} sealed fluid, which cannot change its volume: by t = {:.6g} s it has swept {:.3g} of the volume of "
                   "{} particles ({:.4g} m^{}); their pressure is what it would be at constant volume. Open the container, or leave "
                   "room for a free surface.",
-                  account.volume_error > 0 ? "into" : "away from", begin_s_ + duration_s_, std::abs(account.volume_error),
-                  pools_.size[largest], pools_.size[largest] * constants_.volume, D));
+                  account.volume_error > 0 ? "into" : "away from", window.begin + window.duration, std::abs(account.volume_error),
+                  regions.size[largest], regions.size[largest] * volume, D));
 }
 
-#define TERN_INSTANTIATE(D)                                                                                                            \
-  template void find_sealed_pools<D>(const Neighbours<D>&, const std::vector<std::uint8_t>&, const std::vector<float>&, SealedPools&); \
-  template void Fluid<D>::account_for_sealed_fluid();
+#define TERN_INSTANTIATE(D)                                                                                                       \
+  template void find_enclosed_regions<D>(const Neighbours<D>&, const std::vector<ParticleClass>&, const std::vector<float>&,      \
+                                         EnclosedRegions&);                                                                       \
+  template void account_for_enclosed_fluid<D>(const Reference<D>&, const Window&, const Boundary<D>&, const std::vector<double>&, \
+                                              EnclosedRegions&, State<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)
 #undef TERN_INSTANTIATE

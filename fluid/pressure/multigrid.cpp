@@ -27,11 +27,11 @@ int cells_of_period(double length, double width) {
 }  // namespace
 
 template <int D>
-void Multigrid<D>::build(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position, const std::vector<std::uint8_t>& active,
+void Multigrid<D>::build(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position, const std::vector<ParticleClass>& particle_class,
                          const std::vector<int>& beside_body, double spacing, double gradient_scale) {
   matrix_ = &matrix;
   if (levels_.empty()) levels_.resize(1);
-  build_finest(matrix, position, active, beside_body, spacing, gradient_scale);
+  build_finest(matrix, position, particle_class, beside_body, spacing, gradient_scale);
   std::size_t level = 0;
   while (levels_[level].nodes() > coarsest_nodes && level < 12) {
     if (levels_.size() == level + 1) levels_.emplace_back();
@@ -56,13 +56,14 @@ void Multigrid<D>::build(const EdgeMatrix& matrix, const std::vector<Vector<D>>&
 }
 
 template <int D>
-void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position, const std::vector<std::uint8_t>& active,
-                                const std::vector<int>& beside_body, double spacing, double gradient_scale) {
+void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position,
+                                const std::vector<ParticleClass>& particle_class, const std::vector<int>& beside_body, double spacing,
+                                double gradient_scale) {
   Level& level = levels_[0];
   const int n = matrix.rows();
   Vector<D> low = Vector<D>::Constant(1e300), high = Vector<D>::Constant(-1e300);
   for (int i = 0; i < n; ++i)
-    if (active[i]) low = low.cwiseMin(position[i]), high = high.cwiseMax(position[i]);
+    if (particle_class[i].pressure_unknown()) low = low.cwiseMin(position[i]), high = high.cwiseMax(position[i]);
   if (low[0] > high[0]) low = high = Vector<D>::Zero();
   Vector<D> origin, inverse_width;
   std::array<int, D> cells;
@@ -85,7 +86,7 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
   auto &cell_of = cell_of_particle_, &population = population_, &compact = compact_, &next = next_;
   cell_of.assign(n, -1);
   for (int i = 0; i < n; ++i) {
-    if (!active[i]) continue;
+    if (!particle_class[i].pressure_unknown()) continue;
     std::array<int, D> cell;
     for (int c = 0; c < D; ++c) {
       cell[c] = static_cast<int>((position[i][c] - origin[c]) * inverse_width[c]);

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "base/vector.hpp"
+#include "fluid/particle_class.hpp"
 #include "fluid/period.hpp"
 #include "fluid/pressure/connected_parts.hpp"
 #include "fluid/pressure/edge_matrix.hpp"
@@ -33,10 +34,10 @@ class Multigrid {
  public:
   explicit Multigrid(const Period<D>& period) : period_(period) {}
 
-  /// Rebuilds the hierarchy for the matrix A of particles at x; `active[i]` = 0 for rows that are no unknowns.
+  /// Rebuilds the hierarchy for the matrix A of particles at x; unknowns are those that `particle_class` says.
   /// `beside_body`: particles near bodies that may part the fluid. `gradient_scale`: V times the ratio of A to a Laplacian of
   /// unit coefficient. Matrix and arrays must outlive use.
-  void build(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position, const std::vector<std::uint8_t>& active,
+  void build(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position, const std::vector<ParticleClass>& particle_class,
              const std::vector<int>& beside_body, double spacing, double gradient_scale);
 
   /// z = B r, symmetric positive definite: one V(1,1) cycle from zero. Both of padded length.
@@ -78,7 +79,7 @@ class Multigrid {
   static int node_at(const Level& level, const std::array<int, D>& at);
   /// Gives the places marked in the map their nodes, in the order of the places.
   static void number_places(Level& level);
-  void build_finest(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position, const std::vector<std::uint8_t>& active,
+  void build_finest(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position, const std::vector<ParticleClass>& particle_class,
                     const std::vector<int>& beside_body, double spacing, double gradient_scale);
   void build_next(Level& fine, Level& coarse);
   void connect(Level& level);

@@ -46,6 +46,16 @@ std::vector<double> energy_values(const Fluid<D>& fluid) {
   return {energies.kinetic, energies.potential};
 }
 
+/// As frames hold them; of a class: 0 interior, 1 free surface, 2 spray.
+std::vector<std::uint32_t> numbers(std::vector<std::uint32_t> values) { return values; }
+std::vector<std::uint32_t> numbers(const std::vector<ParticleClass>& values) {
+  std::vector<std::uint32_t> result(values.size());
+  std::transform(values.begin(), values.end(), result.begin(), [](ParticleClass own) {
+    return own.spray() ? 2 : own.free_surface() ? 1 : 0;
+  });
+  return result;
+}
+
 template <int D>
 void write_frame(const Fluid<D>& fluid, FrameWriter& frames, long step) {
   const State<D>& state = fluid.state();
@@ -57,14 +67,15 @@ void write_frame(const Fluid<D>& fluid, FrameWriter& frames, long step) {
     for (std::size_t k = 0; k < order.size(); ++k) result[k] = values[order[k]];
     return result;
   };
-  std::vector<std::uint32_t> flag(state.size());
-  for (std::size_t k = 0; k < order.size(); ++k) flag[k] = static_cast<std::uint32_t>(fluid.flags()[order[k]]);
   frames.begin(seconds(state.time), step);
-  frames.vector<D>("position", "m", sorted(state.position));
-  frames.vector<D>("velocity", "m/s", sorted(state.velocity));
-  frames.scalar("pressure", "Pa", sorted(state.pressure));
-  frames.integer("id", std::span<const std::uint32_t>(sorted(state.id)));
-  frames.integer("flag", std::span<const std::uint32_t>(flag));
+  for_each_field(state, [&]<class T>(const char* name, const char* unit, const std::vector<T>& values) {
+    if constexpr (std::is_same_v<T, Vector<D>>)
+      frames.vector<D>(name, unit, sorted(values));
+    else if constexpr (std::is_same_v<T, double>)
+      frames.scalar(name, unit, sorted(values));
+    else
+      frames.integer(name, std::span<const std::uint32_t>(numbers(sorted(values))));
+  });
   frames.end();
 }
 

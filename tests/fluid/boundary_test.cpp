@@ -93,7 +93,7 @@ TEST(Spray, FliesBallisticallyAndLeavesNoZeroDiagonal) {
     ASSERT_TRUE(fluid.last_solve().converged);
     const auto& ids = fluid.state().id;
     const auto at = static_cast<std::size_t>(std::find(ids.begin(), ids.end(), label) - ids.begin());
-    ASSERT_EQ(fluid.flags()[at], Flag::spray);
+    ASSERT_TRUE(fluid.state().particle_class[at].spray());
     EXPECT_EQ(fluid.state().pressure[at], 0);
     // Drift, kick, drift follows a parabola exactly.
     const Vector<2> u(1.5, 2.5 - gravity * n * dt);
@@ -117,11 +117,11 @@ TEST(Spray, IsANeighbourAtZeroPressureLikeTheMissingPartOfASupport) {
   const double full = k.lattice.laplacian_weight / k.lattice.gradient_moment;
   int beside_spray = 0;
   for (std::size_t i = 0; i < fluid.state().size(); ++i) {
-    if (fluid.flags()[i] == Flag::spray) continue;
+    if (fluid.state().particle_class[i].spray()) continue;
     const double deficit = 1 - pairs.moment[i].trace() / 2;
     double expected = deficit > 0.08 ? k.volume * deficit * full : 0;
     for (int e = pairs.begin[i]; e < pairs.begin[i] + pairs.count[i]; ++e)
-      if (fluid.flags()[pairs.column[e]] == Flag::spray) expected += 2 * k.volume * pairs.weight[e], ++beside_spray;
+      if (fluid.state().particle_class[pairs.column[e]].spray()) expected += 2 * k.volume * pairs.weight[e], ++beside_spray;
     EXPECT_NEAR(fluid.pressure_matrix().constant()[i], expected, 1e-6 * (expected + k.volume));
   }
   EXPECT_GE(beside_spray, 3);

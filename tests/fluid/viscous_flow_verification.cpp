@@ -129,7 +129,7 @@ TEST(DropUnderCentralGravity, StaysRound) {
   for (std::size_t i = 0; i < fluid.state().size(); ++i) {
     const double r = fluid.state().position[i].norm();
     farthest = std::max(farthest, r);
-    if (fluid.flags()[i] != Flag::interior) edge = std::min(edge, r);
+    if (!fluid.state().particle_class[i].interior()) edge = std::min(edge, r);
   }
   std::printf("drop: axes %.4f, %.4f, pressure %.4f of rho k R^2/2, radius %.4f to %.4f, kinetic energy %.2e\n", 2 * std::sqrt(m(0, 0)),
               2 * std::sqrt(m(1, 1)), pressure / samples / (density * 10 * 0.125), edge, farthest,

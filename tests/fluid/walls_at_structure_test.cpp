@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "fixtures/fluid_scenes.hpp"
+#include "fluid/boundary/line_of_sight.hpp"
 #include "fluid/boundary/mirror_images.hpp"
 #include "fluid/boundary/wall_clipping.hpp"
 

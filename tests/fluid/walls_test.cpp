@@ -23,8 +23,9 @@ TEST(Walls, ThatRollHaveTheVelocityAndAccelerationOfARigidBody) {
   const double dt = 1e-4;
   Walls<2> walls(scene(2, 0.1, {box({-1, -0.5, 0}, {1, 0, 0})}, {rolling_tank()}), 0.1, 0.3);
   const Faces<2> start = walls.faces();
+  std::vector<Vector<2>> velocity(start.size(), Vector<2>::Zero());
   const int last = 5000;
-  for (int k = 0; k < last; ++k) walls.move_over(k * dt, dt);
+  for (int k = 0; k < last; ++k) walls.move_over(k * dt, dt, velocity);
   const double t = (last - 0.5) * dt, angle = 0.3 * t + 0.2 * t * t, w = 0.3 + 0.4 * t;
   Matrix<2> turn;
   turn << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
@@ -44,7 +45,8 @@ TEST(Walls, ThatRollHaveTheVelocityAndAccelerationOfARigidBody) {
 // unturned.
 TEST(Walls, ThatRollEncloseTheSameVolume) {
   Walls<2> walls(scene(2, 0.1, {box({-1, -0.5, 0}, {1, 0, 0})}, {rolling_tank()}), 0.1, 0.3);
-  walls.move_over(0.4, 0.1);
+  std::vector<Vector<2>> velocity(walls.faces().size(), Vector<2>::Zero());
+  walls.move_over(0.4, 0.1, velocity);
   double flux = 0;
   for (std::size_t k = 0; k < walls.faces().size(); ++k)
     flux += walls.faces().area[k] * walls.faces().normal[k].dot(walls.faces().velocity[k]);

@@ -1,0 +1,112 @@
+#include "fluid/boundary/boundary_sums.hpp"
+
+#include <algorithm>
+
+#include <omp.h>
+
+#include "base/parallel.hpp"
+#include "fluid/boundary/hidden_sums.hpp"
+
+namespace tern::fluid {
+
+template <int D>
+void set_wall_sums(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
+                   const Faces<D>& faces, FaceRows& rows, BoundarySums<D>& sums) {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
+  for (auto* v : {&sums.number_density, &sums.flux}) v->resize(n);
+  for (auto* m : {&sums.moment, &sums.tangential}) m->resize(n);
+  for (auto* v :
+       {&sums.wall_gradient, &sums.mirrored_hydrostatic, &sums.surface_gradient, &sums.back_facing_gradient, &sums.unborne_gradient})
+    v->resize(n);
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    const HiddenSums<D> hidden = sum_hidden(constants, position[i], faces, i, rows);
+    sums.number_density[i] = hidden.density;
+    sums.moment[i] = hidden.moment;
+    sums.tangential[i] = hidden.moment - hidden.across;
+    sums.wall_gradient[i] = -hidden.gradient;
+    // A wall fixes the pressure gradient along its normal only. Along the face the fluid behind the mirror has the
+    // gradient of the fluid before it, whatever that is: none in a free fall along the wall.
+    sums.mirrored_hydrostatic[i] = constants.density * (hidden.across * gravity[i] - hidden.accelerated);
+    sums.surface_gradient[i].setZero();
+    sums.back_facing_gradient[i].setZero();
+    sums.unborne_gradient[i].setZero();
+    sums.flux[i] = hidden.flux;
+  }
+}
+
+namespace {
+
+/// Beside a corner: takes the cones behind back-facing faces from what is hidden from particle i at x, sets what the interface does not bear
+/// of its sums, and turns `across` into what the faces put on a particle where quantities vary linearly, -2 sum_k A_k w~ n_k (x_k - x_i)^T:
+/// there is no one normal across which the fluid is mirrored.
+template <int D>
+void close_round_corner(const Constants<D>& constants, const Vector<D>& x, const Vector<D>& gravity, const Faces<D>& faces,
+                        const FaceRows& rows, std::ptrdiff_t i, const std::vector<int>& back_facing, HiddenSums<D>& hidden,
+                        BoundarySums<D>& sums) {
+  Matrix<D> across = Matrix<D>::Zero(), unborne = Matrix<D>::Zero();
+  for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry) {
+    const int k = rows.face[entry];
+    const double left = 1 - sums.borne_share[k];
+    const Matrix<D> linear = -2 * rows.weight[entry] * faces.normal[k] * (faces.position[k] - x).transpose();
+    across += linear;
+    unborne += left * linear;
+    sums.unborne_gradient[i] -= left * rows.weight[entry] * faces.normal[k];
+  }
+  if (!back_facing.empty()) hidden.across = across;
+  for (int k : back_facing) {
+    const Vector<D> d = faces.position[k] - x;
+    const double r = d.norm(), angle = subtended_angle<D>(d, Vector<D>(-faces.normal[k]), faces.area[k]);
+    const double weight = faces.area[k] * constants.faces.surface_weight(r);
+    hidden.density -= angle * constants.faces.hidden_density(r);
+    hidden.moment -= (angle * constants.faces.hidden_moment(r) / (r * r)) * d * d.transpose();
+    unborne += 2 * sums.borne_share[k] * weight * faces.normal[k] * d.transpose();
+    sums.back_facing_gradient[i] -= weight * faces.normal[k];
+    sums.unborne_gradient[i] -= (1 - sums.borne_share[k]) * weight * faces.normal[k];
+  }
+  sums.mirrored_hydrostatic[i] += constants.density * (unborne * gravity);
+}
+
+}  // namespace
+
+template <int D>
+void add_surface_sums(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
+                      const Faces<D>& faces, const FaceFinder<D>& finder, const std::vector<std::uint8_t>& covered, FaceRows& rows,
+                      BoundarySums<D>& sums) {
+  if (rows.face.empty()) return;
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size()), count = static_cast<std::ptrdiff_t>(faces.size());
+  const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
+  sums.borne_share.resize(count);
+  sums.corner_scratch.resize(threads);
+#pragma omp parallel num_threads(threads)
+  {
+    CornerView<D> corners(faces, finder, covered, constants.faces, sums.corner_scratch[omp_get_thread_num()]);
+#pragma omp for schedule(static)
+    for (std::ptrdiff_t k = 0; k < count; ++k) sums.borne_share[k] = corners.borne_share(static_cast<int>(k));
+#pragma omp for schedule(static)
+    for (std::ptrdiff_t i = 0; i < n; ++i) {
+      if (rows.count[i] == 0) continue;
+      HiddenSums<D> hidden = sum_hidden(constants, position[i], faces, i, rows);
+      const int* const seen = rows.face.data() + rows.begin[i];
+      corners.look(position[i], seen, rows.count[i]);
+      if (!corners.averted().empty() || std::any_of(seen, seen + rows.count[i], [&](int k) { return sums.borne_share[k] < 1; }))
+        close_round_corner<D>(constants, position[i], gravity[i], faces, rows, i, corners.averted(), hidden, sums);
+      sums.number_density[i] += hidden.density;
+      sums.moment[i] += hidden.moment;
+      sums.tangential[i] += hidden.moment - hidden.across;
+      sums.surface_gradient[i] = -hidden.gradient;
+      sums.flux[i] += hidden.flux;
+    }
+  }
+}
+
+#define TERN_INSTANTIATE(D)                                                                                                             \
+  template void set_wall_sums<D>(const Constants<D>&, const std::vector<Vector<D>>&, const std::vector<Vector<D>>&, const Faces<D>&,    \
+                                 FaceRows&, BoundarySums<D>&);                                                                          \
+  template void add_surface_sums<D>(const Constants<D>&, const std::vector<Vector<D>>&, const std::vector<Vector<D>>&, const Faces<D>&, \
+                                    const FaceFinder<D>&, const std::vector<std::uint8_t>&, FaceRows&, BoundarySums<D>&);
+TERN_INSTANTIATE(2)
+TERN_INSTANTIATE(3)
+#undef TERN_INSTANTIATE
+
+}  // namespace tern::fluid

@@ -1,0 +1,40 @@
+#pragma once
+// What walls and structure contribute to the sums of the fluid particles near them, through the faces these see.
+
+#include <vector>
+
+#include "fluid/reference.hpp"
+#include "sph/convex_corner.hpp"
+#include "sph/faces.hpp"
+
+namespace tern::fluid {
+
+/// Sums over the hidden side of all faces a particle sees; zero away from faces. set_wall_sums() comes first.
+template <int D>
+struct BoundarySums {
+  std::vector<double> number_density;    ///< hidden part of sum V w [-]
+  std::vector<Matrix<D>> moment;         ///< hidden part of sum V grad w (r_j - r_i)^T [-]
+  std::vector<Vector<D>> wall_gradient;  ///< sum_hidden V grad w behind walls [1/m]
+  std::vector<Matrix<D>> tangential;     ///< T = sum_hidden V grad w (r_j - r_i)_t^T, _t: along the face (beside corners: see THEORY) [-]
+  std::vector<Vector<D>> mirrored_hydrostatic;  ///< sum_hidden V grad w rho (g - a_w)_n (r_j - r_i)_n behind walls [Pa/m]
+  std::vector<Vector<D>> surface_gradient;      ///< sum_hidden V grad w behind the structure [1/m]
+  std::vector<Vector<D>> back_facing_gradient;  ///< what back-facing faces take from that (convex_corner.hpp) [1/m]
+  std::vector<Vector<D>> unborne_gradient;      ///< of both, what is not the interface's [1/m]
+  std::vector<double> borne_share;              ///< of each face of the structure (convex_corner.hpp) [-]
+  std::vector<CornerScratch> corner_scratch;    ///< by thread
+  std::vector<double> flux;                     ///< sum_k A_k w~_ik n_k . u_k of all faces [1/s]
+};
+
+/// Sums over the hidden side of the walls, and the weights of the rows. `gravity`: at each particle [m/s^2].
+template <int D>
+void set_wall_sums(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
+                   const Faces<D>& faces, FaceRows& rows, BoundarySums<D>& sums);
+
+/// Adds the hidden side of the structure and sets the weights of the rows. Its hydrostatic part is the coupler's, as part of the interface
+/// force. `covered`: faces that stand at a wall.
+template <int D>
+void add_surface_sums(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
+                      const Faces<D>& faces, const FaceFinder<D>& finder, const std::vector<std::uint8_t>& covered, FaceRows& rows,
+                      BoundarySums<D>& sums);
+
+}  // namespace tern::fluid

@@ -1,0 +1,153 @@
+#include "fluid/boundary/line_of_sight.hpp"
+
+#include <algorithm>
+
+#include <omp.h>
+
+#include "base/parallel.hpp"
+#include "sph/convex_corner.hpp"
+
+namespace tern::fluid {
+
+template <int D>
+void see_faces(const std::vector<Vector<D>>& position, const Faces<D>& faces, const FaceFinder<D>& finder, FaceRows& rows) {
+  const int n = static_cast<int>(position.size());
+  const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
+  rows.begin.resize(n);
+  rows.count.resize(n);
+  rows.height.resize(n);
+  rows.face.clear();
+  rows.seen.resize(threads);
+#pragma omp parallel num_threads(threads)
+  {
+    // Each thread finds the faces of one contiguous range of particles; put one after the other they are in order.
+    const int thread = omp_get_thread_num();
+    const int own_begin = static_cast<int>(static_cast<long>(n) * thread / threads);
+    const int own_end = static_cast<int>(static_cast<long>(n) * (thread + 1) / threads);
+    std::vector<int>& seen = thread == 0 ? rows.face : rows.seen[thread];
+    seen.clear();
+    for (int i = own_begin; i < own_end; ++i) {
+      rows.begin[i] = static_cast<int>(seen.size());
+      finder.see(faces, position[i], seen);
+      rows.count[i] = static_cast<int>(seen.size()) - rows.begin[i];
+    }
+#pragma omp barrier
+    std::size_t before = rows.face.size(), total = before;
+    for (int other = 1; other < threads; ++other) {
+      if (other < thread) before += rows.seen[other].size();
+      total += rows.seen[other].size();
+    }
+#pragma omp barrier
+#pragma omp single
+    {
+      rows.face.resize(total);
+      rows.weight.resize(total);
+    }
+    if (thread > 0) {
+      std::copy(seen.begin(), seen.end(), rows.face.begin() + static_cast<std::ptrdiff_t>(before));
+      for (int i = own_begin; i < own_end; ++i) rows.begin[i] += static_cast<int>(before);
+    }
+  }
+}
+
+template <int D>
+void hide_walls_behind_structure(const std::vector<Vector<D>>& position, const Faces<D>& walls, const Faces<D>& surface,
+                                 const FaceRows& surface_rows, FaceRows& wall_rows) {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    if (surface_rows.count[i] == 0 || wall_rows.count[i] == 0) continue;
+    int kept = 0;
+    for (int entry = wall_rows.begin[i]; entry < wall_rows.begin[i] + wall_rows.count[i]; ++entry) {
+      const Vector<D>& wall = walls.position[wall_rows.face[entry]];
+      bool hidden = false;
+      for (int s = surface_rows.begin[i]; !hidden && s < surface_rows.begin[i] + surface_rows.count[i]; ++s)
+        hidden = patch_separates(surface, surface_rows.face[s], position[i], wall);
+      if (hidden) continue;
+      wall_rows.face[wall_rows.begin[i] + kept++] = wall_rows.face[entry];
+    }
+    wall_rows.count[i] = kept;
+  }
+}
+
+template <int D>
+void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& period, const std::vector<Vector<D>>& position,
+                             const Faces<D>& faces, const FaceRows& rows, bool past_corners, Neighbours<D>& neighbours) {
+  auto& [sight, affected, listed] = neighbours.cutting;
+  const int n = static_cast<int>(position.size());
+  const double support = constants.kernel.support();
+  affected.clear();
+  listed.assign(n, 0);
+  sight.clear();
+  // What particle i sees of two-sided faces; its number in `sight` is kept in `listed`.
+  for (int i = 0; i < n; ++i)
+    for (int entry = rows.begin[i], end = entry + rows.count[i]; entry < end; ++entry) {
+      const int k = rows.face[entry];
+      if (!faces.two_sided[k]) continue;
+      if (!listed[i]) {
+        sight.push_back({faces.normal[k], 1e300, 0});
+        affected.push_back(i);
+        listed[i] = static_cast<int>(sight.size());
+      }
+      auto& own = sight.back();
+      own.height = std::min(own.height, (position[i] - faces.position[k]).dot(faces.normal[k]));
+      own.spread = std::max(own.spread, (faces.normal[k] - own.normal).norm());
+    }
+  const int viewers = static_cast<int>(sight.size());
+  // Whether the line from a to b, that enters a body through `patch`, leaves it past a corner.
+  const auto leaves_past_corner = [&](int patch, const Vector<D>& a, int other, const Vector<D>& b) {
+    bool leaves = false;
+    for (int entry = rows.begin[other]; entry < rows.begin[other] + rows.count[other]; ++entry) {
+      const int k = rows.face[entry];
+      if (!patch_separates(faces, k, b, a)) continue;
+      if (!passes_corner<D>(faces.normal[patch], faces.normal[k])) return false;
+      leaves = true;
+    }
+    return leaves;
+  };
+  const auto blocked_by = [&](int viewer, int other) {
+    if (listed[viewer] == 0 || listed[viewer] > viewers) return false;
+    const Vector<D>& a = position[viewer];
+    const Vector<D> d = period.any() ? period.nearest(position[other] - a) : Vector<D>(position[other] - a);
+    // In front of every face that the viewer sees: most are, and need no closer look.
+    const auto& own = sight[listed[viewer] - 1];
+    if (d.dot(own.normal) + own.height > own.spread * support) return false;
+    const Vector<D> b = a + d;
+    for (int entry = rows.begin[viewer]; entry < rows.begin[viewer] + rows.count[viewer]; ++entry) {
+      const int k = rows.face[entry];
+      if (faces.two_sided[k] && patch_separates(faces, k, a, b) && !(past_corners && leaves_past_corner(k, a, other, b))) return true;
+    }
+    return false;
+  };
+  // The test is the same from both ends, so both rows lose the pair. A particle that sees no face itself loses pairs only to
+  // neighbours that do; those are collected on the way.
+  neighbours.row_offset.resize(std::max<std::size_t>(1, neighbours.row_offset.size()));
+  for (std::size_t a = 0; a < affected.size(); ++a) {
+    const int i = affected[a], first = neighbours.begin[i];
+    int kept = 0;
+    for (int k = 0; k < neighbours.count[i]; ++k) {
+      const int j = neighbours.column[first + k];
+      if (blocked_by(i, j) || blocked_by(j, i)) {
+        if (!listed[j]) affected.push_back(j), listed[j] = viewers + 1;
+        continue;
+      }
+      neighbours.column[first + kept++] = j;
+    }
+    if (kept == neighbours.count[i]) continue;
+    complete_row<D>(constants, period, position, i, kept, neighbours.row_offset[0], neighbours);
+  }
+  neighbours.beside_body.reserve(n);
+  neighbours.beside_body.insert(neighbours.beside_body.end(), affected.begin(), affected.end());
+}
+
+#define TERN_INSTANTIATE(D)                                                                                                       \
+  template void see_faces<D>(const std::vector<Vector<D>>&, const Faces<D>&, const FaceFinder<D>&, FaceRows&);                    \
+  template void hide_walls_behind_structure<D>(const std::vector<Vector<D>>&, const Faces<D>&, const Faces<D>&, const FaceRows&,  \
+                                               FaceRows&);                                                                        \
+  template void cut_pairs_through_faces<D>(const Constants<D>&, const Period<D>&, const std::vector<Vector<D>>&, const Faces<D>&, \
+                                           const FaceRows&, bool, Neighbours<D>&);
+TERN_INSTANTIATE(2)
+TERN_INSTANTIATE(3)
+#undef TERN_INSTANTIATE
+
+}  // namespace tern::fluid

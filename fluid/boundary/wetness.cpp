@@ -1,0 +1,84 @@
+#include "fluid/boundary/wetness.hpp"
+
+#include <algorithm>
+
+#include <omp.h>
+
+#include "base/parallel.hpp"
+#include "sph/wet_share.hpp"
+
+namespace tern::fluid {
+namespace {
+
+/// Unit of the filled space as a whole number. The sum of whole numbers does not depend on their order, nor on the number of
+/// threads that share them. It holds 8000 times the space there is.
+constexpr double filled_unit = 0x1p-50;
+
+/// A point just in front of a face, so that the face's own half space counts as hidden.
+template <int D>
+Vector<D> just_before(const Constants<D>& constants, const Faces<D>& faces, std::size_t k) {
+  return faces.position[k] + 1e-3 * constants.spacing * faces.normal[k];
+}
+
+}  // namespace
+
+template <int D>
+double hidden_density(const Constants<D>& constants, const Faces<D>& faces, const FaceFinder<D>& finder, const Vector<D>& x,
+                      std::vector<int>& seen) {
+  seen.clear();
+  finder.see(faces, x, seen);
+  double sum = 0;
+  for (int k : seen) {
+    const Vector<D> d = faces.position[k] - x;
+    sum += subtended_angle<D>(d, faces.normal[k], faces.area[k]) * constants.faces.hidden_density(d.norm());
+  }
+  return sum;
+}
+
+template <int D>
+void leave_out_dry_walls(const Constants<D>& constants, const std::vector<Vector<D>>& position, const Faces<D>& walls,
+                         const Faces<D>& whole_walls, const FaceFinder<D>& wall_finder, std::vector<double>& space,
+                         const Faces<D>& structure, const FaceFinder<D>& structure_finder, FaceRows& wall_rows) {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size()), count = static_cast<std::ptrdiff_t>(walls.size());
+  const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
+  const double scale = constants.volume / filled_unit;
+  wall_rows.wet.resize(walls.size());
+  wall_rows.filled.resize(threads);
+  wall_rows.seen.resize(threads);
+#pragma omp parallel num_threads(threads)
+  {
+    std::vector<std::int64_t>& filled = wall_rows.filled[omp_get_thread_num()];
+    filled.assign(walls.size(), 0);
+#pragma omp for schedule(static)
+    for (std::ptrdiff_t i = 0; i < n; ++i)
+      for (int entry = wall_rows.begin[i]; entry < wall_rows.begin[i] + wall_rows.count[i]; ++entry) {
+        const int k = wall_rows.face[entry];
+        filled[walls.original[k]] += std::llrint(scale * constants.kernel.value((walls.position[k] - position[i]).norm()));
+      }
+#pragma omp for schedule(static)
+    for (std::ptrdiff_t k = 0; k < count; ++k) {
+      std::int64_t sum = 0;
+      for (const auto& part : wall_rows.filled) sum += part[k];
+      wall_rows.wet[k] = 0;
+      if (sum == 0) continue;
+      const Vector<D> x = just_before(constants, walls, k);
+      std::vector<int>& seen = wall_rows.seen[omp_get_thread_num()];
+      if (space[k] < 0)
+        space[k] = std::max(0.0, constants.lattice.density -
+                                     hidden_density(constants, whole_walls, wall_finder, just_before(constants, whole_walls, k), seen));
+      const double hidden = hidden_density(constants, structure, structure_finder, x, seen);
+      wall_rows.wet[k] = wet_share(filled_unit * static_cast<double>(sum) / std::max(space[k] - hidden, 0.02));
+    }
+  }
+  for (std::ptrdiff_t k = 0; k < count; ++k) wall_rows.wet[k] = wall_rows.wet[walls.original[k]];  // an image comes after its original
+}
+
+#define TERN_INSTANTIATE(D)                                                                                                           \
+  template double hidden_density<D>(const Constants<D>&, const Faces<D>&, const FaceFinder<D>&, const Vector<D>&, std::vector<int>&); \
+  template void leave_out_dry_walls<D>(const Constants<D>&, const std::vector<Vector<D>>&, const Faces<D>&, const Faces<D>&,          \
+                                       const FaceFinder<D>&, std::vector<double>&, const Faces<D>&, const FaceFinder<D>&, FaceRows&);
+TERN_INSTANTIATE(2)
+TERN_INSTANTIATE(3)
+#undef TERN_INSTANTIATE
+
+}  // namespace tern::fluid

@@ -1,0 +1,20 @@
+#pragma once
+// Particles that end a step where they may not be.
+
+#include "fluid/reference.hpp"
+#include "fluid/state.hpp"
+#include "fluid/workspace.hpp"
+#include "sph/faces.hpp"
+
+namespace tern::fluid {
+
+/// Particles that have gone through a face they saw, on the way between two positions.
+template <int D>
+std::size_t count_leaks(double spacing, const Faces<D>& faces, const FaceRows& rows, const std::vector<Vector<D>>& before,
+                        const std::vector<Vector<D>>& after);
+
+/// Removes the particles outside the domain. Throws NumericalFailure when none is left.
+template <int D>
+void remove_escaped(const Reference<D>& reference, const Window& window, State<D>& state);
+
+}  // namespace tern::fluid

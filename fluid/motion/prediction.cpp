@@ -1,0 +1,77 @@
+#include "fluid/motion/prediction.hpp"
+
+#include "base/parallel.hpp"
+
+namespace tern::fluid {
+
+template <int D>
+void predict(const Gravity<D>& gravity, const Window& window, const State<D>& state, Prediction<D>& prediction) {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
+  prediction.gravity.resize(n);
+  prediction.velocity.resize(n);
+  prediction.position.resize(n);
+  const double middle = window.begin + 0.5 * window.duration;
+  const Vector<D> everywhere = gravity.at(middle, Vector<D>::Zero());
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    prediction.position[i] = state.position[i] + 0.5 * window.duration * state.velocity[i];
+    prediction.gravity[i] = everywhere;
+  }
+  // One expression cannot be evaluated by two threads.
+  if (!gravity.uniform())
+    for (std::ptrdiff_t i = 0; i < n; ++i) prediction.gravity[i] = gravity.at(middle, prediction.position[i]);
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i) prediction.velocity[i] = state.velocity[i] + window.duration * prediction.gravity[i];
+}
+
+template <int D>
+void wrap_into_period(const Period<D>& period, State<D>& state, Prediction<D>& prediction) {
+  if (!period.any()) return;
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    const Vector<D> shift = period.into(prediction.position[i]);
+    prediction.position[i] += shift;
+    state.position[i] += shift;
+  }
+}
+
+template <int D>
+void sort_by_cell(double width, State<D>& state, Prediction<D>& prediction, CellOrder<D>& cells) {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
+  struct Box {
+    Vector<D> low, high;
+  };
+  const Box box = ordered_fold(
+      n, Box{prediction.position[0], prediction.position[0]},
+      [&](std::ptrdiff_t i) {
+        return Box{prediction.position[i], prediction.position[i]};
+      },
+      [](const Box& a, const Box& b) {
+        return Box{a.low.cwiseMin(b.low), a.high.cwiseMax(b.high)};
+      });
+  cells.grid.reset(box.low, box.high, width);
+  cells.contents.template fill<D>(cells.grid, prediction.position);
+  const auto reorder = [&](auto& values, auto& scratch) {
+    scratch.resize(n);
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+    for (std::ptrdiff_t i = 0; i < n; ++i) scratch[i] = values[cells.contents.order[i]];
+    values.swap(scratch);
+  };
+  for_each_field(
+      state, [&]<class T>(const char*, const char*, std::vector<T>& values) { reorder(values, std::get<std::vector<T>>(cells.sorted)); });
+  for (auto* values : {&prediction.position, &prediction.velocity, &prediction.gravity})
+    reorder(*values, std::get<std::vector<Vector<D>>>(cells.sorted));
+    // Particles now lie in cell order, so the cell lists are the identity.
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i) cells.contents.order[i] = static_cast<int>(i);
+}
+
+template void predict<2>(const Gravity<2>&, const Window&, const State<2>&, Prediction<2>&);
+template void predict<3>(const Gravity<3>&, const Window&, const State<3>&, Prediction<3>&);
+template void wrap_into_period<2>(const Period<2>&, State<2>&, Prediction<2>&);
+template void wrap_into_period<3>(const Period<3>&, State<3>&, Prediction<3>&);
+template void sort_by_cell<2>(double, State<2>&, Prediction<2>&, CellOrder<2>&);
+template void sort_by_cell<3>(double, State<3>&, Prediction<3>&, CellOrder<3>&);
+
+}  // namespace tern::fluid

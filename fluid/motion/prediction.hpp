@@ -1,0 +1,22 @@
+#pragma once
+// Where the particles are at the middle of the window, and in what order.
+
+#include "fluid/reference.hpp"
+#include "fluid/state.hpp"
+#include "fluid/workspace.hpp"
+
+namespace tern::fluid {
+
+/// r* = r^n + dt/2 u^n, u* = u^n + dt g, and g at r* and the middle of the window.
+template <int D>
+void predict(const Gravity<D>& gravity, const Window& window, const State<D>& state, Prediction<D>& prediction);
+
+/// Brings particles that have left the period back into it.
+template <int D>
+void wrap_into_period(const Period<D>& period, State<D>& state, Prediction<D>& prediction);
+
+/// Puts all fields of the particles in the order of cells as wide as `width` [m].
+template <int D>
+void sort_by_cell(double width, State<D>& state, Prediction<D>& prediction, CellOrder<D>& cells);
+
+}  // namespace tern::fluid

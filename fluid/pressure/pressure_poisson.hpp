@@ -1,0 +1,32 @@
+#pragma once
+// Matrix and right-hand side of the pressure Poisson equation.
+
+#include "fluid/boundary/boundary.hpp"
+#include "fluid/neighbours.hpp"
+#include "fluid/pressure/pressure_system.hpp"
+#include "fluid/reference.hpp"
+#include "fluid/state.hpp"
+#include "fluid/workspace.hpp"
+#include "proto/interface.hpp"
+
+namespace tern::fluid {
+
+/// The rows of all particles that see no face of the structure.
+template <int D>
+void assemble_pressure_matrix(const Constants<D>& constants, const State<D>& state, const Neighbours<D>& neighbours,
+                              const Boundary<D>& boundary, const Corrections<D>& correction, EdgeMatrix& matrix);
+
+/// The rows of the particles `at_structure`, whose faces yield as the load says; and, where an enclosed region deforms a body, those of
+/// the particles it pushes by its level. Marks these in the state.
+template <int D>
+void complete_pressure_matrix(const Constants<D>& constants, const InterfaceCondition<D>& load, const Neighbours<D>& neighbours,
+                              const Boundary<D>& boundary, const Corrections<D>& correction, const std::vector<int>& at_structure,
+                              State<D>& state, PressureSystem<D>& system);
+
+/// system.source from div u* and s; `density_source` is empty where the scene has none.
+template <int D>
+void assemble_pressure_source(const Constants<D>& constants, double duration, const InterfaceCondition<D>& load, const State<D>& state,
+                              const Prediction<D>& prediction, const Boundary<D>& boundary, const std::vector<double>& divergence,
+                              const std::vector<double>& density_source, PressureSystem<D>& system);
+
+}  // namespace tern::fluid

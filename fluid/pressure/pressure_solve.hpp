@@ -1,0 +1,24 @@
+#pragma once
+// Solution of the pressure Poisson equation: conjugate gradients with a multigrid cycle, or, should that fail, with the diagonal.
+
+#include "fluid/neighbours.hpp"
+#include "fluid/pressure/pressure_system.hpp"
+#include "fluid/reference.hpp"
+#include "fluid/state.hpp"
+#include "fluid/workspace.hpp"
+
+namespace tern::fluid {
+
+/// What the solve needs of the matrix alone: the multigrid and the enclosed regions. Begins the count of iterations.
+template <int D>
+void prepare_pressure_solve(const Constants<D>& constants, const Neighbours<D>& neighbours,
+                            const std::vector<ParticleClass>& particle_class, const std::vector<Vector<D>>& position,
+                            PressureSystem<D>& system);
+
+/// state.pressure, starting from that before. Throws NumericalFailure when it does not converge. `position`: of the particles, for the
+/// message.
+template <int D>
+void solve_pressure_poisson(const Constants<D>& constants, const Window& window, const std::vector<Vector<D>>& position, State<D>& state,
+                            PressureSystem<D>& system);
+
+}  // namespace tern::fluid

@@ -1,0 +1,48 @@
+#include "fluid/step_proposal.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fluid/gauges/totals.hpp"
+
+namespace tern::fluid {
+
+template <int D>
+StepProposal propose_step(const Reference<D>& reference, const State<D>& state) {
+  const Constants<D>& constants = reference.constants;
+  const double speed = std::max({largest_speed(state.velocity), largest_speed(state.wall_velocity), reference.speed_floor});
+  StepProposal proposal{1e300, "none"};
+  if (speed > 0) proposal = {constants.numerics.courant * constants.spacing / speed, "velocity"};
+  if (reference.gravity_size > 0) {
+    const double by_gravity = constants.numerics.gravity_courant * std::sqrt(constants.spacing / reference.gravity_size);
+    if (by_gravity < proposal.seconds) proposal = {by_gravity, "gravity"};
+  }
+  if (constants.viscosity > 0) {
+    const double h = constants.kernel.smoothing_length();
+    const double by_viscosity = constants.numerics.viscous_courant * h * h / constants.viscosity;
+    if (by_viscosity < proposal.seconds) proposal = {by_viscosity, "viscosity"};
+  }
+  if (proposal.seconds >= 1e300) proposal = {1e-3, "rest"};
+  return proposal;
+}
+
+template <int D>
+std::optional<FluidExtent<D>> fluid_extent(const Reference<D>& reference, const State<D>& state) {
+  if (reference.period.any()) return std::nullopt;
+  FluidExtent<D> extent{state.position[0], state.position[0]};
+  for (const Vector<D>& x : state.position) {
+    extent.low = extent.low.cwiseMin(x);
+    extent.high = extent.high.cwiseMax(x);
+  }
+  extent.largest_speed = largest_speed(state.velocity);
+  // A particle sees what is nearer than its support; a patch of a wall that it sees, and a gauge, sees as far again from there.
+  extent.reach = 2 * reference.constants.faces.support() + reference.constants.spacing;
+  return extent;
+}
+
+template StepProposal propose_step<2>(const Reference<2>&, const State<2>&);
+template StepProposal propose_step<3>(const Reference<3>&, const State<3>&);
+template std::optional<FluidExtent<2>> fluid_extent<2>(const Reference<2>&, const State<2>&);
+template std::optional<FluidExtent<3>> fluid_extent<3>(const Reference<3>&, const State<3>&);
+
+}  // namespace tern::fluid
