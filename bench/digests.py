@@ -84,8 +84,8 @@ SCENES = {
 }
 
 
-def parts_of(run):
-    """What of a run's directory is compared, as (name, bytes), always in the same order."""
+def parts_of(run, without):
+    """What of a run's directory is compared, as (name, bytes), always in the same order; `without`: begin of datasets left out."""
     for name in ("gauges.csv", "energy.csv", "steps.csv"):
         path = run / name
         if not path.exists():
@@ -102,11 +102,13 @@ def parts_of(run):
             datasets = []
             file.visititems(lambda place, item: datasets.append(place) if isinstance(item, h5py.Dataset) else None)
             for place in sorted(datasets):
+                if without and place.split("/")[-1].startswith(without):
+                    continue
                 values = numpy.asarray(file[place])
                 yield f"{name}/{place}", str((values.dtype, values.shape)).encode() + values.tobytes()
 
 
-def digest(scene, keep):
+def digest(scene, keep, without):
     """Runs a scene. One digest of all its parts; what went wrong instead where it ends early (which may be meant)."""
     case, *options = SCENES[scene]
     run = Path(keep) / scene.replace(" ", "_").replace(",", "")
@@ -115,7 +117,7 @@ def digest(scene, keep):
     if not (run / "steps.csv").exists():
         return f"did not run (exit {done.returncode}): {done.stderr.strip().splitlines()[-1:]}"
     whole = hashlib.sha256()
-    for name, content in parts_of(run):
+    for name, content in parts_of(run, without):
         whole.update(name.encode() + b"\0" + content)
     windows = len((run / "steps.csv").read_text(encoding="utf-8").splitlines()) - 1
     return f"{whole.hexdigest()[:24]}  exit {done.returncode}, {windows} windows"
@@ -125,13 +127,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenes", nargs="*", metavar="SCENE", help="beginning of a scene's name (default: all)")
     parser.add_argument("--keep", metavar="DIR", help="leave the runs there")
+    parser.add_argument("--without", metavar="NAME", help="leave out datasets of frames whose name begins like that, as \"stress\"")
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="scenes at a time (default 2)")
     chosen = parser.parse_args()
     names = [name for name in SCENES if not chosen.scenes or any(name.startswith(wanted) for wanted in chosen.scenes)]
     if not names:
         parser.error(f"no scene begins like that; there are: {'; '.join(SCENES)}")
     with tempfile.TemporaryDirectory() as scratch, ThreadPoolExecutor(chosen.jobs) as pool:
-        for name, line in zip(names, pool.map(lambda name: digest(name, chosen.keep or scratch), names)):
+        for name, line in zip(names, pool.map(lambda name: digest(name, chosen.keep or scratch, chosen.without), names)):
             print(f"{name:32} {line}", flush=True)
 
 

@@ -191,7 +191,10 @@ void Fluid<D>::return_to_unprojected_velocity(const std::vector<Vector<D>>& surf
   template InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>&); \
   template void Fluid<D>::complete_velocity();                                          \
   template void Fluid<D>::end_window(const InterfaceForce<D>&);                         \
-  template void Fluid<D>::pass_window();
+  template void Fluid<D>::pass_window();                                                \
+  template void Fluid<D>::compute_divergence();                                         \
+  template bool Fluid<D>::push(const std::vector<Vector<D>>&);                          \
+  template void Fluid<D>::return_to_unprojected_velocity(const std::vector<Vector<D>>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)
 #undef TERN_INSTANTIATE
