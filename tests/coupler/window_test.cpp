@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scenes.hpp"
+#include "fixtures/interface_scenes.hpp"
 
 namespace tern::coupler {
 namespace {
