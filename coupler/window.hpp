@@ -1,40 +1,67 @@
 #pragma once
-// The order of one coupling window, the same for participants in other processes and for objects in this one.
-// Fluid side:     begin_window, see_surface, solve_pressure, end_window; extent, pass_window  (fluid/fluid.hpp)
-// Structure side: predict_surface, respond, apply                        (structure/coupled_structure.hpp)
+// The coupler: what it is given, what it remembers, and the window (window.cpp).
 
-#include <algorithm>
+#include <vector>
 
-#include "base/time.hpp"
-#include "coupler/coupling_step.hpp"
+#include "coupler/participants.hpp"
+#include "coupler/setup.hpp"
+#include "coupler/state.hpp"
+#include "coupler/workspace.hpp"
 
 namespace tern::coupler {
 
 /// Whether the surface is without influence on the fluid, and the fluid on the surface, in a window of this length.
 template <int D>
-bool out_of_reach(const FluidExtent<D>& fluid, const Surface<D>& surface, Ticks duration) {
-  const double reach = fluid.reach + 0.5 * seconds(duration) * fluid.largest_speed;  // the pressure is solved halfway
-  return std::none_of(surface.position.begin(), surface.position.end(),
-                      [&](const Vector<D>& x) { return (x - x.cwiseMax(fluid.low).cwiseMin(fluid.high)).squaredNorm() <= reach * reach; });
-}
+bool out_of_reach(const FluidExtent<D>& fluid, const Surface<D>& surface, Ticks duration);
 
+template <int D>
+class Coupler {
+ public:
+  Coupler(const Case& scene, const SurfaceProperties& properties) : setup_(scene, properties), state_(setup_), window_(setup_) {}
+
+  /// One window, from opening to end. Throws NumericalFailure when a load is not finite, when fluid and structure cannot be brought to
+  /// agree, and when the coupling diverges; and what the participants throw.
+  void run_window(Participants<D>& participants, Ticks begin, Ticks duration);
+
+  // Its parts, in this order; times in s.
+
+  /// Instead of all that follows: the surface is out of the fluid's reach, and without load.
+  void pass_window(double begin, double duration, const Surface<D>& surface);
+
+  /// Who sees whom, explicit forces from u* and the predicted velocity, and how the surface yields.
+  const InterfaceCondition<D>& first_exchange(double begin, double duration, const Surface<D>& surface, InterfaceParticles<D> particles);
+
+  /// The load under which structure and fluid have to make this window again; null when they agree, or when the algorithm does not iterate.
+  const SurfaceLoad<D>* next_load(const InterfacePressure<D>& pressure);
+
+  /// The first exchange once more, with the velocities that the structure reaches under next_load() [m/s].
+  const InterfaceCondition<D>& repeat_exchange(std::vector<Vector<D>> surface_velocity);
+
+  /// Pressure and contact forces on the particles; surface_load() is the load of the structure now. Audit and observers.
+  const InterfaceForce<D>& last_exchange(const InterfacePressure<D>& pressure);
+
+  const SurfaceLoad<D>& surface_load() const { return window_.load; }
+  const WindowAudit& audit() const { return window_.audit; }
+  const Setup<D>& setup() const { return setup_; }
+  const State<D>& state() const { return state_; }
+  void set_state(const State<D>& state) { state_ = state; }  ///< of another coupler of the same case, at a window's end
+
+  /// At the end of a window that no other follows.
+  void watch(double time, const Energies& energies) { watch_energy(setup_, time, energies, state_.observations); }
+  /// Load on one body in the last window [N/m^(3-D)].
+  Vector<D> total_load(std::uint32_t body) const;
+
+ private:
+  const Setup<D> setup_;
+  State<D> state_;
+  Workspace<D> window_;
+};
+
+/// The same with both sides in this process.
 template <int D, class FluidSide, class StructureSide>
-void run_window(FluidSide& fluid, StructureSide& structure, CouplingStep<D>& step, Ticks begin, Ticks duration) {
-  fluid.begin_window(begin, duration);
-  const Surface<D> surface = structure.predict_surface(begin, duration);
-  if (const auto extent = fluid.extent(); extent && out_of_reach(*extent, surface, duration)) {
-    step.pass(seconds(begin), seconds(duration), surface);
-    fluid.pass_window();
-    structure.apply(step.surface_load());
-    return;
-  }
-  const InterfaceParticles<D> band = fluid.see_surface(surface);
-  InterfacePressure<D> pressure = fluid.solve_pressure(step.dissipative_load(seconds(begin), seconds(duration), surface, band));
-  while (const SurfaceLoad<D>* trial = step.next_trial(pressure))  // CM3 only
-    pressure = fluid.solve_pressure(step.dissipative_load(structure.respond(*trial)));
-  const InterfaceForce<D> force = step.interface_force(pressure);
-  fluid.end_window(force);
-  structure.apply(step.surface_load());
+void run_window(FluidSide& fluid, StructureSide& structure, Coupler<D>& coupler, Ticks begin, Ticks duration) {
+  LocalParticipants<D, FluidSide, StructureSide> participants(fluid, structure);
+  coupler.run_window(participants, begin, duration);
 }
 
 }  // namespace tern::coupler

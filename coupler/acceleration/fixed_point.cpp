@@ -18,14 +18,14 @@ constexpr std::size_t most_changes = 40;  ///< that one trial is made of; a fit 
 constexpr int most_trials = 50;
 constexpr double least_load = 0.01;        ///< that counts, over the largest of the run
 constexpr double largest_residual = 0.05;  ///< with which a window may end after the last trial
-/// A change that is but for this much of it a combination of newer ones says nothing new.
+/// A change is used if at least this part of it is no combination of newer changes.
 constexpr double least_new_part = 1e-3;
-/// The same for a change of a window before. Since then H has become another, by some tenths where a particle came in touch; what
-/// is left of an old change when the newer ones have been taken out of it has the error of all of it.
+/// The same for a change of an earlier window. Since then H has changed, by some tenths where a particle came in touch. What is left of
+/// an old change after the newer ones are taken out has the error of all of it.
 constexpr double least_new_part_of_old = 0.3;
-/// Residual of the first trial above which most of the answer is error: the load of the last window is no place to learn from.
+/// If the first residual exceeds this, most of the answer is error: the load is extrapolated linearly from the last two windows.
 constexpr double mostly_error = 0.5;
-/// By how much of itself an answer may change because of what is not yet known of H. A trial far off can break the structure.
+/// The part of an answer by which it may change for what is not yet known of H. A load far off can break the structure.
 constexpr double largest_surprise = 0.3;
 
 }  // namespace
@@ -63,10 +63,10 @@ bool FixedPoint::add(const Eigen::VectorXd& trial, const Eigen::VectorXd& answer
     if (unknown_ > 0) gain_ = std::clamp((answer - expected_).norm() / unknown_, 1.0, largest_gain_);
   }
   last_ = {residual, answer};
-  // A trial that is worse than its base tells of H, but is no place to go on from; two in a row are, or trials go in circles.
+  // An iteration that is worse than its base is learned from but not built upon. A second one in a row is, or iterations go in circles.
   refused_ = trials_ > 1 && !refused_ && residual.norm() >= base_.residual.norm();
   if (!refused_) base_ = last_;
-  // Where there is next to no load, agreement on what is left of it would be asked of the pressure solver's last digits.
+  // Where there is next to no load, the residual is measured by the largest load of the run: the last digits of the pressure solve differ.
   largest_answer_ = std::max(largest_answer_, size);
   residual_ = largest_answer_ > 0 ? residual.norm() / std::max(size, least_load * largest_answer_) : residual.norm() > 0 ? 1 : 0;
   if (trials_ == most_trials && !(residual_ <= largest_residual))

@@ -1,7 +1,6 @@
 #pragma once
-// Repetition of a window until both sides agree (CM3). A load x on the surface makes the structure move, the fluid answers that
-// motion with the load H(x): wanted is x = H(x). H changes little from window to window, so what the trials of the last
-// windows have shown of it serves the next.
+// Coupling iterations as a fixed point. The structure moves under the load x, the fluid answers that motion with the load H(x); wanted is
+// x = H(x). H changes little from window to window: what the iterations of the last windows have shown of it serves the next.
 
 #include <deque>
 #include <vector>

@@ -30,7 +30,7 @@ class InterfacePairs {
   InterfacePairs(double smoothing_length, double fluid_spacing) : kernel_(Kernel<D>(smoothing_length), fluid_spacing) {}
 
   /// Finds all pairs of the window, particle by particle.
-  void find(const InterfaceParticles<D>& band, const Surface<D>& surface);
+  void find(const InterfaceParticles<D>& particles, const Surface<D>& surface);
 
   /// Of the particles themselves.
   std::span<const InterfacePair<D>> pairs() const { return {pairs_.data(), particle_pairs_}; }

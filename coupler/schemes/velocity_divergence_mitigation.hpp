@@ -5,12 +5,16 @@
 // conserve momentum give both sides one F, with the pressure of the fluid particle mirrored on the surface.
 
 #include <algorithm>
-#include <vector>
+#include <cmath>
 
-#include "coupler/schemes/interface_pairs.hpp"
+#include "coupler/setup.hpp"
 #include "scene/case_file.hpp"
 
 namespace tern::coupler {
+
+template <int D>
+struct Workspace;
+struct Evaluations;
 
 /// F/2 on either side of a pair; the vectors b_ik of interface_pairs.hpp carry the 2 [Pa].
 struct MitigationPressure {
@@ -26,18 +30,9 @@ inline MitigationPressure mitigation_pressure(VemForm form, double fluid, double
   }
 }
 
-/// Velocity divergence at the surface points, sum V_i (u_i - u_k) . grad w_ki over the fluid they see [1/s]. The section
-/// behind a point moves with it and adds nothing.
+/// Adds the forces of this pressure to load and condition of the window, and what they dissipate to its audit. Does nothing where the case
+/// leaves it out. Throws BadInput when the fluid has sent no divergence.
 template <int D>
-std::vector<double> divergence_at_surface(const Kernel<D>& kernel, std::span<const InterfacePair<D>> pairs, const Surface<D>& surface,
-                                          const InterfaceParticles<D>& band) {
-  std::vector<double> divergence(surface.position.size(), 0);
-  for (const auto& pair : pairs) {
-    const Vector<D>& d = pair.offset;
-    divergence[pair.point] +=
-        band.volume[pair.particle] * kernel.gradient_weight(d.norm()) * d.dot(band.velocity[pair.particle] - surface.velocity[pair.point]);
-  }
-  return divergence;
-}
+void add_velocity_divergence_mitigation(const Setup<D>& setup, Workspace<D>& window, Evaluations& evaluations);
 
 }  // namespace tern::coupler

@@ -1,9 +1,7 @@
 #pragma once
-// Finds energy from nowhere. What the fluid has, moving and in height, and what the interface has given to the structure cannot grow:
-// whatever the structure gives the fluid has been taken from the latter. It does grow where the fluid has seen another motion of the
-// surface than the one that came about, the error of every staggering, and where its pressure has answered a motion that did not. In
-// every sound run that is a small part of what moves; when a few windows make a tenth of all energy that is present, it is not the scene
-// any more that is seen.
+// Detects spurious energy: the energy of the fluid, kinetic and potential, plus the work of the interface on the structure must not grow.
+// It grows where the fluid has seen another motion of the surface than the one that came about, which is the error of every staggering. In
+// a sound run that is a small part of the energy present. A run in which a few windows make a tenth of all energy is lost.
 
 #include <deque>
 

@@ -144,12 +144,12 @@ History run(const Column& column, int windows) {
   Piston piston(width, column.piston_mass(), column.stiffness, column.piston_velocity, column.algorithm);
   piston.constant_pressure = column.gravity * column.added_mass();  // the piston starts at rest under the water
   fluid::Fluid<2> fluid(c);
-  CouplingStep<2> step(c, piston.properties());
+  Coupler<2> coupler(c, piston.properties());
   History history;
   const Ticks duration = to_ticks(column.step);
   try {
     for (int n = 0; n < windows; ++n) {
-      run_window<2>(fluid, piston, step, n * duration, duration);
+      run_window<2>(fluid, piston, coupler, n * duration, duration);
       history.height.push_back(piston.height());
       history.velocity.push_back(piston.velocity());
       history.pressure.push_back(piston.pressure());

@@ -70,7 +70,7 @@ void expect_named(const CoupledScene& scene, double healthy_speed, std::vector<s
   for (const auto& part : parts) EXPECT_NE(outcome.message.find(part), std::string::npos) << part << " in: " << outcome.message;
 }
 
-// Seen to fail without check_alternation() (the first two; bounded speeds, no message), without check_energy() (the third; the structure
+// Seen to fail without watch_load() (the first two; bounded speeds, no message), without watch_energy() (the third; the structure
 // bursts at two hundred times the speed). Speeds over sqrt(gH) with CM2: 0.27, 0.46, 0.23.
 TEST(EarlyStop, NamesExplicitStaggeringWhileTheMotionIsStillSound) {
   const auto cm0 = CouplingAlgorithm::cm0;

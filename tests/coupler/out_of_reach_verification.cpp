@@ -35,18 +35,18 @@ Outcome run(const Case& scene, double until) {
   FluidSide fluid(scene);
   structure::Structure<2> structure(scene);
   structure::CoupledStructure<2> coupled(structure, scene.coupling.algorithm);
-  CouplingStep<2> step(scene, structure.surface_properties());
+  Coupler<2> coupler(scene, structure.surface_properties());
   StepControl control;
   Outcome outcome;
   for (Ticks now = 0, end = to_ticks(until); now < end; ++outcome.windows) {
     const Ticks duration = control.next(fluid.propose_step().seconds, now, end);
-    run_window<2>(fluid, coupled, step, now, duration);
+    run_window<2>(fluid, coupled, coupler, now, duration);
     now += duration;
-    outcome.wet += step.audit().pairs > 0;
+    outcome.wet += coupler.audit().pairs > 0;
   }
   outcome.water = fluid.state().position;
   outcome.plate = structure.fields().position;
-  outcome.passed = step.evaluations().windows_without_exchange;
+  outcome.passed = coupler.state().evaluations.windows_without_exchange;
   return outcome;
 }
 

@@ -15,13 +15,13 @@ double transferred(double smoothing_length_ratio, double points_per_dx, double t
   const double half = (D == 2 ? 12 : 8) * dx, inner = (D == 2 ? 6 : 4) * dx;
   const auto surface = flat_plate<D>(half, thickness * dx, dx / points_per_dx);
   const auto band = fluid_layers<D>(half, 4, dx, pressure_below > 0, thickness * dx);
-  CouplingStep<D> step(scene(D, dx, smoothing_length_ratio), properties(surface.position.size()));
-  step.dissipative_load(0, 1e-3, surface, band);
-  step.interface_force(pressure_field<D>(band, [&](const Vector<D>& x) { return x[1] > 0 ? 1000.0 : pressure_below; }));
-  const Vector<D> traction = mean_traction<D>(surface, step.surface_load(), inner, 1);
+  Coupler<D> coupler(scene(D, dx, smoothing_length_ratio), properties(surface.position.size()));
+  coupler.first_exchange(0, 1e-3, surface, band);
+  coupler.last_exchange(pressure_field<D>(band, [&](const Vector<D>& x) { return x[1] > 0 ? 1000.0 : pressure_below; }));
+  const Vector<D> traction = mean_traction<D>(surface, coupler.surface_load(), inner, 1);
   EXPECT_NEAR(traction[0], 0, 1e-9) << "no shear";
   if (pressure_below > 0) {
-    const Vector<D> lower = mean_traction<D>(surface, step.surface_load(), inner, -1);
+    const Vector<D> lower = mean_traction<D>(surface, coupler.surface_load(), inner, -1);
     EXPECT_NEAR(lower[1] / pressure_below, -traction[1] / 1000, 1e-12) << "both faces alike";
   }
   return -traction[1] / 1000;
@@ -59,10 +59,10 @@ TEST(PressureTransfer, CarriesThePressureOfParticlesToTheFaceByTheWeightBetween)
   c.gravity = constant(0, -g);
   const auto surface = flat_plate<2>(12 * dx, 4 * dx, 0.5 * dx);
   const auto band = fluid_layers<2>(12 * dx, 4, dx);
-  CouplingStep<2> step(c, properties(surface.position.size()));
-  step.dissipative_load(0, 1e-3, surface, band);
-  step.interface_force(pressure_field<2>(band, [&](const Vector<2>& x) { return 1000 * g * (depth - x[1]); }));
-  const double traction = mean_traction<2>(surface, step.surface_load(), 6 * dx, 1)[1];
+  Coupler<2> coupler(c, properties(surface.position.size()));
+  coupler.first_exchange(0, 1e-3, surface, band);
+  coupler.last_exchange(pressure_field<2>(band, [&](const Vector<2>& x) { return 1000 * g * (depth - x[1]); }));
+  const double traction = mean_traction<2>(surface, coupler.surface_load(), 6 * dx, 1)[1];
   EXPECT_NEAR(-traction / (1000 * g * depth), transferred<2>(1.5, 2, 4, 0), 1e-9);
 }
 
@@ -70,12 +70,12 @@ TEST(PressureTransfer, CarriesThePressureOfParticlesToTheFaceByTheWeightBetween)
 TEST(PressureTransfer, PutsNoForceOnAFaceThatTurnsAwayFromTheFluid) {
   const auto surface = flat_plate<2>(12 * dx, dx, 0.5 * dx);
   const auto band = fluid_layers<2>(12 * dx, 4, dx);
-  CouplingStep<2> step(scene(2, dx), properties(surface.position.size()));
-  step.dissipative_load(0, 1e-3, surface, band);
-  step.interface_force(pressure_field<2>(band, [](const Vector<2>&) { return 1000.0; }));
+  Coupler<2> coupler(scene(2, dx), properties(surface.position.size()));
+  coupler.first_exchange(0, 1e-3, surface, band);
+  coupler.last_exchange(pressure_field<2>(band, [](const Vector<2>&) { return 1000.0; }));
   for (std::size_t k = 0; k < surface.position.size(); ++k)
     if (surface.normal[k][1] < 0) {
-      EXPECT_EQ(step.surface_load().force[k].norm(), 0) << k;
+      EXPECT_EQ(coupler.surface_load().force[k].norm(), 0) << k;
     }
 }
 

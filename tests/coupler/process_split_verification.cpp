@@ -108,7 +108,7 @@ LastFrame run_here(const Case& scene) {
   fluid::Fluid<2> fluid(scene);
   structure::Structure<2> structure(scene);
   structure::CoupledStructure<2> coupled(structure, scene.coupling.algorithm);
-  CouplingStep<2> step(scene, structure.surface_properties());
+  Coupler<2> coupler(scene, structure.surface_properties());
   StepControl control;
   const Ticks end = to_ticks(scene.end_time);
   const FrameSchedule schedule(scene.output.frame_interval, end);
@@ -116,13 +116,13 @@ LastFrame run_here(const Case& scene) {
   int wet = 0;
   for (Ticks now = 0; now < end; ++frame.step) {
     const Ticks duration = control.next(fluid.propose_step().seconds, now, schedule.next(now));
-    run_window<2>(fluid, coupled, step, now, duration);
+    run_window<2>(fluid, coupled, coupler, now, duration);
     now += duration;
-    wet += step.audit().pairs > 0;
-    EXPECT_LT(step.audit().force_error, 1e-12);
+    wet += coupler.audit().pairs > 0;
+    EXPECT_LT(coupler.audit().force_error, 1e-12);
   }
   EXPECT_EQ(wet, frame.step) << "fluid and structure must act on each other in every window";
-  EXPECT_GT(step.total_load(0).norm(), 1) << "load at the end [N/m]";
+  EXPECT_GT(coupler.total_load(0).norm(), 1) << "load at the end [N/m]";
 
   const auto& state = fluid.state();
   std::vector<std::size_t> order(state.size());

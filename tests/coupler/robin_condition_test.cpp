@@ -31,8 +31,8 @@ TEST(RobinMass, IsTheSectionOrHalfTheLayerAWaveReachesAndAtLeastAParticle) {
     Case c = scene(2, dx);
     c.coupling.algorithm = CouplingAlgorithm::cm2;
     c.coupling.robin_mass_factor = factor;
-    CouplingStep<2> step(c, five_points());
-    const auto load = step.dissipative_load(0, 1e-3, row(5), {});
+    Coupler<2> coupler(c, five_points());
+    const auto load = coupler.first_exchange(0, 1e-3, row(5), {});
     const std::vector<double> expected = {4.0, 0.5, 0.8, 1.0, 2.5};
     ASSERT_EQ(load.robin_mass.size(), 5u);
     for (int k = 0; k < 5; ++k) EXPECT_DOUBLE_EQ(load.robin_mass[k], factor * expected[k]) << k;
@@ -44,11 +44,11 @@ TEST(RobinMass, IsTheSectionOrHalfTheLayerAWaveReachesAndAtLeastAParticle) {
 TEST(RobinMass, IsLessWhereTheFaceHasBeenStretched) {
   Case c = scene(2, dx);
   c.coupling.algorithm = CouplingAlgorithm::cm2;
-  CouplingStep<2> step(c, five_points());
+  Coupler<2> coupler(c, five_points());
   auto surface = row(5);
-  const auto before = step.dissipative_load(0, 1e-3, surface, {}).robin_mass;
+  const auto before = coupler.first_exchange(0, 1e-3, surface, {}).robin_mass;
   surface.area[3] *= 2;
-  const auto after = step.dissipative_load(1e-3, 1e-3, surface, {}).robin_mass;
+  const auto after = coupler.first_exchange(1e-3, 1e-3, surface, {}).robin_mass;
   for (int k = 0; k < 5; ++k) EXPECT_DOUBLE_EQ(after[k], before[k] / (k == 3 ? 2 : 1)) << k;
 }
 
@@ -56,8 +56,8 @@ TEST(RobinMass, IsLessWhereTheFaceHasBeenStretched) {
 TEST(RobinMass, IsNotGivenToAnExplicitCoupling) {
   Case c = scene(2, dx);
   c.coupling.algorithm = CouplingAlgorithm::cm0;
-  CouplingStep<2> step(c, five_points());
-  const auto load = step.dissipative_load(0, 1e-3, row(5), {});
+  Coupler<2> coupler(c, five_points());
+  const auto load = coupler.first_exchange(0, 1e-3, row(5), {});
   for (double mass : load.robin_mass) EXPECT_EQ(mass, 0) << "a point without mass does not yield";
   for (double pressure : load.reference_pressure) EXPECT_EQ(pressure, 0);
 }
@@ -72,17 +72,17 @@ TEST(RobinReferencePressure, IsWhatTheLastLoadCarriedLessTheNewDissipativePart) 
   c.coupling.riemann_limiter = 3;
   auto surface = flat_plate<2>(12 * dx, 4 * dx, 0.5 * dx);
   auto band = fluid_layers<2>(12 * dx, 4, dx);
-  CouplingStep<2> step(c, properties(surface.position.size(), mass_behind));
-  for (double p : step.dissipative_load(0, 1e-3, surface, band).reference_pressure) EXPECT_EQ(p, 0) << "nothing carried yet";
-  step.interface_force(pressure_field<2>(band, [](const Vector<2>&) { return 1000.0; }));
-  const auto carried = step.surface_load();
+  Coupler<2> coupler(c, properties(surface.position.size(), mass_behind));
+  for (double p : coupler.first_exchange(0, 1e-3, surface, band).reference_pressure) EXPECT_EQ(p, 0) << "nothing carried yet";
+  coupler.last_exchange(pressure_field<2>(band, [](const Vector<2>&) { return 1000.0; }));
+  const auto carried = coupler.surface_load();
 
   for (auto& u : band.velocity) u = {0.0, -0.4};
   // In between the surface has moved and stretched.
   for (auto& n : surface.normal) n = Vector<2>(Vector<2>(0.1, n[1])).normalized();
   for (auto& a : surface.area) a *= 1.1;
-  const auto load = step.dissipative_load(1e-3, 1e-3, surface, band);
-  const auto& dissipative = step.surface_load();
+  const auto load = coupler.first_exchange(1e-3, 1e-3, surface, band);
+  const auto& dissipative = coupler.surface_load();
   double largest = 0;
   for (std::size_t k = 0; k < surface.position.size(); ++k) {
     const double old_pressure = -carried.force[k].dot(surface.normal[k]) / surface.area[k];
@@ -101,11 +101,11 @@ TEST(RobinReferencePressure, IsTheLastLoadOfEveryScheme) {
     c.coupling.scheme = scheme;
     const auto surface = flat_plate<2>(12 * dx, 4 * dx, 0.5 * dx);
     const auto band = fluid_layers<2>(12 * dx, 4, dx);
-    CouplingStep<2> step(c, properties(surface.position.size(), mass_behind));
-    step.dissipative_load(0, 1e-3, surface, band);
-    step.interface_force(pressure_field<2>(band, [](const Vector<2>& x) { return 1000 - 2e4 * x[1]; }));
-    const auto carried = step.surface_load();
-    const auto load = step.dissipative_load(1e-3, 1e-3, surface, band);
+    Coupler<2> coupler(c, properties(surface.position.size(), mass_behind));
+    coupler.first_exchange(0, 1e-3, surface, band);
+    coupler.last_exchange(pressure_field<2>(band, [](const Vector<2>& x) { return 1000 - 2e4 * x[1]; }));
+    const auto carried = coupler.surface_load();
+    const auto load = coupler.first_exchange(1e-3, 1e-3, surface, band);
     for (std::size_t k = 0; k < surface.position.size(); ++k)
       EXPECT_NEAR(load.reference_pressure[k] * share(load, k), carried.force[k].norm() / surface.area[k], 1e-9) << k;
   }
@@ -137,11 +137,11 @@ TEST(RobinReferencePressure, LeavesABodyAloneThatCarriesAUniformPressure) {
     disordered_corner(surface, band);
     Case c = scene(2, dx);
     c.coupling.scheme = scheme;
-    CouplingStep<2> step(c, properties(surface.position.size(), mass_behind));
-    step.dissipative_load(0, 1e-3, surface, band);
-    step.interface_force(pressure_field<2>(band, [](const Vector<2>&) { return 1000.0; }));
-    const auto carried = step.surface_load();
-    const auto load = step.dissipative_load(1e-3, 1e-3, surface, band);
+    Coupler<2> coupler(c, properties(surface.position.size(), mass_behind));
+    coupler.first_exchange(0, 1e-3, surface, band);
+    coupler.last_exchange(pressure_field<2>(band, [](const Vector<2>&) { return 1000.0; }));
+    const auto carried = coupler.surface_load();
+    const auto load = coupler.first_exchange(1e-3, 1e-3, surface, band);
     double least = 1, most = 1;
     for (std::size_t k = 0; k < surface.position.size(); ++k) {
       if (carried.force[k].norm() < surface.area[k]) continue;  // at the end of the kernel, or dry
@@ -172,11 +172,11 @@ TEST(RobinReferencePressure, MakesNoEnergyWhereBothSidesAgree) {
   for (double differences : {0.0, 0.03, 0.3}) {
     std::uniform_real_distribution<double> uniform(1000 * (1 - differences), 1000 * (1 + differences));
     const auto pressure = pressure_field<2>(band, [&](const Vector<2>&) { return uniform(random); });
-    CouplingStep<2> step(scene(2, dx), properties(surface.position.size(), mass_behind));
-    step.dissipative_load(0, 1e-3, surface, band);
-    step.interface_force(pressure);
-    const auto carried = step.surface_load();
-    const auto load = step.dissipative_load(1e-3, 1e-3, surface, band);
+    Coupler<2> coupler(scene(2, dx), properties(surface.position.size(), mass_behind));
+    coupler.first_exchange(0, 1e-3, surface, band);
+    coupler.last_exchange(pressure);
+    const auto carried = coupler.surface_load();
+    const auto load = coupler.first_exchange(1e-3, 1e-3, surface, band);
     std::vector<double> taken(surface.position.size(), 0), size = taken;
     for (const auto& pair : pairs.pairs()) {
       const double b = -pair.b.dot(surface.normal[pair.point]) / load.robin_mass[pair.point], p = pressure.pressure[pair.particle];
@@ -199,10 +199,10 @@ Vector<2> after_contact(double height, const Vector<2>& velocity, const Vector<2
   add_particle<2>(band, {0.0025, height}, dx, velocity);
   Case c = scene(2, dx);
   c.coupling.algorithm = CouplingAlgorithm::cm2;
-  CouplingStep<2> step(c, properties(surface.position.size(), section_mass));
-  step.dissipative_load(0, 1e-3, surface, band);
-  const auto force = step.interface_force(pressure_field<2>(band, [&](const Vector<2>&) { return pressure; }));
-  if (audit) *audit = step.audit();
+  Coupler<2> coupler(c, properties(surface.position.size(), section_mass));
+  coupler.first_exchange(0, 1e-3, surface, band);
+  const auto force = coupler.last_exchange(pressure_field<2>(band, [&](const Vector<2>&) { return pressure; }));
+  if (audit) *audit = coupler.audit();
   return velocity + 1e-3 / band.mass[0] * force.force[0];
 }
 
@@ -245,19 +245,19 @@ TEST(Contact, OfALightFaceIsAsHeldOrAsFreeAsTheTrialsShow) {
     InterfaceParticles<2> band;
     add_particle<2>(band, {0.0025, 0.2 * dx}, dx, {0.0, -1.5});
     const InterfacePressure<2> pressure = pressure_field<2>(band, [](const Vector<2>&) { return 0.0; });
-    CouplingStep<2> step(c, properties(surface.position.size(), behind));
-    step.dissipative_load(0, window, surface, band);
+    Coupler<2> coupler(c, properties(surface.position.size(), behind));
+    coupler.first_exchange(0, window, surface, band);
     std::vector<Vector<2>> velocity = surface.velocity;
-    while (const SurfaceLoad<2>* trial = step.next_trial(pressure)) {
+    while (const SurfaceLoad<2>* trial = coupler.next_load(pressure)) {
       for (std::size_t k = 0; !held && k < velocity.size(); ++k)
         velocity[k] = surface.velocity[k] + window / (behind * area) * trial->force[k];
-      step.dissipative_load(velocity);
+      coupler.repeat_exchange(velocity);
     }
-    EXPECT_TRUE(step.trials().converged());
-    const double after = -1.5 + window / mass * step.interface_force(pressure).force[0][1];
+    EXPECT_TRUE(coupler.state().fixed_point.converged());
+    const double after = -1.5 + window / mass * coupler.last_exchange(pressure).force[0][1];
     const double shared = held ? -0.5 : (mass * -1.5 + behind * area * -0.5) / (mass + behind * area);
-    EXPECT_NEAR(after, shared, 1e-6) << (held ? "held" : "free") << " after " << step.trials().trials() << " trials";
-    EXPECT_NEAR(step.audit().contact_dissipation, 0.5 * mass * (after + 1.5) * (shared + 1.5), 1e-6);
+    EXPECT_NEAR(after, shared, 1e-6) << (held ? "held" : "free") << " after " << coupler.state().fixed_point.trials() << " trials";
+    EXPECT_NEAR(coupler.audit().contact_dissipation, 0.5 * mass * (after + 1.5) * (shared + 1.5), 1e-6);
   }
 }
 
@@ -270,22 +270,22 @@ TEST(TotalLoad, IsTheSumOverTheBodyAsked) {
   for (std::size_t k = 0; k < p.body.size(); ++k) p.body[k] = surface.position[k][0] > 0.03 ? 1 : 0;
   Case c = scene(2, dx);
   c.structure->bodies.push_back(c.structure->bodies[0]);
-  CouplingStep<2> step(c, p);
-  step.dissipative_load(0, 1e-3, surface, band);
-  step.interface_force(pressure_field<2>(band, [](const Vector<2>& x) { return 1000 + 1e4 * x[0]; }));
-  for (std::size_t k = 0; k < p.body.size(); ++k) expected[p.body[k]] += step.surface_load().force[k];
-  EXPECT_EQ(step.total_load(0), expected[0]);
-  EXPECT_EQ(step.total_load(1), expected[1]);
+  Coupler<2> coupler(c, p);
+  coupler.first_exchange(0, 1e-3, surface, band);
+  coupler.last_exchange(pressure_field<2>(band, [](const Vector<2>& x) { return 1000 + 1e4 * x[0]; }));
+  for (std::size_t k = 0; k < p.body.size(); ++k) expected[p.body[k]] += coupler.surface_load().force[k];
+  EXPECT_EQ(coupler.total_load(0), expected[0]);
+  EXPECT_EQ(coupler.total_load(1), expected[1]);
   EXPECT_NE(expected[0], expected[1]);
 }
 
-TEST(CouplingStep, NamesTheSurfacePointWhoseLoadIsNotFinite) {
+TEST(Coupler, NamesTheSurfacePointWhoseLoadIsNotFinite) {
   auto surface = flat_plate<2>(12 * dx, 4 * dx, 0.5 * dx);
   const auto band = fluid_layers<2>(12 * dx, 4, dx);
-  CouplingStep<2> step(scene(2, dx), properties(surface.position.size()));
-  step.dissipative_load(0.25, 1e-3, surface, band);
+  Coupler<2> coupler(scene(2, dx), properties(surface.position.size()));
+  coupler.first_exchange(0.25, 1e-3, surface, band);
   try {
-    step.interface_force(pressure_field<2>(band, [](const Vector<2>&) { return std::nan(""); }));
+    coupler.last_exchange(pressure_field<2>(band, [](const Vector<2>&) { return std::nan(""); }));
     FAIL() << "accepted a pressure that is not a number";
   } catch (const std::exception& error) {
     EXPECT_NE(std::string(error.what()).find("t = 0.25 s"), std::string::npos) << error.what();

@@ -38,14 +38,14 @@ FaceLoad load(InterfaceScheme scheme, double disorder, Function&& pressure) {
   c.coupling.scheme = scheme;
   const auto surface = flat_plate<D>(half, 4 * dx, 0.5 * dx);
   const auto band = water<D>(half, disorder);
-  CouplingStep<D> step(c, properties(surface.position.size()));
-  step.dissipative_load(0, 1e-3, surface, band);
-  step.interface_force(pressure_field<D>(band, pressure));
-  EXPECT_LT(step.audit().force_error, 1e-13);
-  FaceLoad result{-mean_traction<D>(surface, step.surface_load(), inner, 1)[1], 0};
+  Coupler<D> coupler(c, properties(surface.position.size()));
+  coupler.first_exchange(0, 1e-3, surface, band);
+  coupler.last_exchange(pressure_field<D>(band, pressure));
+  EXPECT_LT(coupler.audit().force_error, 1e-13);
+  FaceLoad result{-mean_traction<D>(surface, coupler.surface_load(), inner, 1)[1], 0};
   for (std::size_t k = 0; k < surface.position.size(); ++k)
     if (surface.normal[k][1] > 0 && (surface.position[k].array().abs() < inner).all())
-      result.spread = std::max(result.spread, std::abs(-step.surface_load().force[k][1] / surface.area[k] - result.mean));
+      result.spread = std::max(result.spread, std::abs(-coupler.surface_load().force[k][1] / surface.area[k] - result.mean));
   return result;
 }
 
@@ -99,14 +99,14 @@ double share_of_pressure(InterfaceScheme scheme, double x) {
     if (at[0] < 0) add_particle<2>(band, at, dx);
   Case c = scene(2, dx);
   c.coupling.scheme = scheme;
-  CouplingStep<2> step(c, properties(surface.position.size()));
-  step.dissipative_load(0, 1e-3, surface, band);
-  step.interface_force(pressure_field<2>(band, [](const Vector<2>&) { return 1000.0; }));
+  Coupler<2> coupler(c, properties(surface.position.size()));
+  coupler.first_exchange(0, 1e-3, surface, band);
+  coupler.last_exchange(pressure_field<2>(band, [](const Vector<2>&) { return 1000.0; }));
   const auto distance = [&](std::size_t k) { return (surface.position[k] - Vector<2>(x, 0)).norm(); };
   std::size_t nearest = 0;
   for (std::size_t k = 0; k < surface.position.size(); ++k)
     if (distance(k) < distance(nearest)) nearest = k;
-  return -step.surface_load().force[nearest][1] / (1000 * surface.area[nearest]);
+  return -coupler.surface_load().force[nearest][1] / (1000 * surface.area[nearest]);
 }
 
 // Where the water ends the load fades over the support of the kernel, twice as fast where a wet share says what is wet.
@@ -135,13 +135,13 @@ TEST(SchemeReaction, GivesEveryParticleBackWhatItHasContributed) {
     const std::size_t chosen = 24 + 12;
     Case c = scene(2, dx);
     c.coupling.scheme = scheme;
-    CouplingStep<2> step(c, properties(surface.position.size()));
-    step.dissipative_load(0, 1e-3, surface, band);
-    const auto even = step.interface_force(pressure_field<2>(band, [](const Vector<2>&) { return common; }));
-    step.dissipative_load(1e-3, 1e-3, surface, band);
+    Coupler<2> coupler(c, properties(surface.position.size()));
+    coupler.first_exchange(0, 1e-3, surface, band);
+    const auto even = coupler.last_exchange(pressure_field<2>(band, [](const Vector<2>&) { return common; }));
+    coupler.first_exchange(1e-3, 1e-3, surface, band);
     auto pressure = pressure_field<2>(band, [](const Vector<2>&) { return common; });
     pressure.pressure[chosen] *= 2;
-    const auto uneven = step.interface_force(pressure);
+    const auto uneven = coupler.last_exchange(pressure);
     for (std::size_t i = 0; i < band.id.size(); ++i)
       EXPECT_NEAR(uneven.force[i][1], (i == chosen ? 2 : 1) * even.force[i][1], 1e-12 * std::abs(even.force[i][1]) + 1e-15) << i;
     EXPECT_GT(even.force[chosen][1], 0.05 * common * dx);

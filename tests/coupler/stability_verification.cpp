@@ -45,11 +45,11 @@ TEST(Stability, SealedWaterRoundABodyThatDoesNotYieldIsFound) {
   const Case c = case_of({1, 4, 1e7, 2, CouplingAlgorithm::cm0, 1, true});
   fluid::Fluid<2> fluid(c);
   structure::Structure<2> structure(c);
-  CouplingStep<2> step(c, structure.surface_properties());
+  Coupler<2> coupler(c, structure.surface_properties());
   fluid.begin_window(0, to_ticks(1e-3));
   const Surface<2> surface = structure.surface();
   const InterfaceParticles<2> band = fluid.see_surface(surface);
-  fluid.solve_pressure(step.dissipative_load(0, 1e-3, surface, band));
+  fluid.solve_pressure(coupler.first_exchange(0, 1e-3, surface, band));
   EXPECT_TRUE(fluid.sealed().any);
 }
 

@@ -55,7 +55,7 @@ Slice run(int width, double until) {
   fluid::Fluid<D> fluid(c);
   structure::Structure<D> structure(c);
   structure::CoupledStructure<D> coupled(structure, c.coupling.algorithm);
-  CouplingStep<D> step(c, structure.surface_properties());
+  Coupler<D> coupler(c, structure.surface_properties());
   // The points of the upper face in the middle of the length.
   const auto start = structure.surface();
   std::vector<std::size_t> middle;
@@ -66,15 +66,15 @@ Slice run(int width, double until) {
   const double weight = 1000 * 9.81 * depth * length * wide;
   const Ticks duration = to_ticks(window);
   for (Ticks now = 0; now < to_ticks(until); now += duration) {
-    run_window<D>(fluid, coupled, step, now, duration);
+    run_window<D>(fluid, coupled, coupler, now, duration);
     const auto surface = structure.surface();
     double sum = 0;
     for (std::size_t k : middle) sum += surface.position[k][1];
     slice.deflection.push_back(sum / static_cast<double>(middle.size()));
-    const Vector<D> load = step.total_load(0);
+    const Vector<D> load = coupler.total_load(0);
     slice.load.push_back(-load[1] / weight);
     if constexpr (D == 3) slice.across = std::max(slice.across, std::abs(load[2]) / weight);
-    slice.imbalance = std::max(slice.imbalance, step.audit().force_error);
+    slice.imbalance = std::max(slice.imbalance, coupler.audit().force_error);
   }
   return slice;
 }

@@ -37,13 +37,13 @@ std::vector<double> loads(InterfaceScheme scheme, bool images, double& unbalance
   Corner corner(images);
   Case c = scene(2, dx);
   c.coupling.scheme = scheme;
-  CouplingStep<2> step(c, properties(corner.surface.position.size()));
-  step.dissipative_load(0, 1e-3, corner.surface, corner.band);
-  step.interface_force(pressure_field<2>(corner.band, [](const Vector<2>&) { return 1000.0; }));
-  unbalanced = step.audit().force_error;
+  Coupler<2> coupler(c, properties(corner.surface.position.size()));
+  coupler.first_exchange(0, 1e-3, corner.surface, corner.band);
+  coupler.last_exchange(pressure_field<2>(corner.band, [](const Vector<2>&) { return 1000.0; }));
+  unbalanced = coupler.audit().force_error;
   std::vector<double> load;
   for (std::size_t k = 0; k < corner.surface.position.size(); ++k)
-    load.push_back(-step.surface_load().force[k].dot(corner.surface.normal[k]) / (1000 * corner.surface.area[k]));
+    load.push_back(-coupler.surface_load().force[k].dot(corner.surface.normal[k]) / (1000 * corner.surface.area[k]));
   return load;
 }
 

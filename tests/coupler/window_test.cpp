@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scenes.hpp"
+#include "fixtures/interface_scenes.hpp"
 
 namespace tern::coupler {
 namespace {
@@ -45,8 +45,8 @@ struct BothSides {
 };
 
 std::vector<std::string> calls_of_one_window(BothSides sides) {
-  CouplingStep<2> step(scene(2, 0.1), properties(1, 1e3));
-  run_window<2>(sides, sides, step, 0, to_ticks(1e-3));
+  Coupler<2> coupler(scene(2, 0.1), properties(1, 1e3));
+  run_window<2>(sides, sides, coupler, 0, to_ticks(1e-3));
   return sides.calls;
 }
 

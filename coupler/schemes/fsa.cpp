@@ -1,12 +1,17 @@
-#include "coupler/schemes/face_pressure.hpp"
+// "fsa", the acceleration of the structure by the pressure gradient (seed paper eq. 5). Over the section behind a point the pressure
+// falls from P_k at the face to 0 behind it; there the acceleration -(1/rho_S) grad p adds up to the load -s_k A_k P_k n_k, whatever
+// the thickness. The particles' pressures q_i are carried to the face by the corrected gradient G of eq. 5 over the fluid, and P_k is
+// the pressure with which they explain each other in the mean:
+//   sum V_i grad w_ki (q_i - P_k) = [sum V_i grad w_ki d_i^T] G,   sum B_ik (q_i - P_k - G . d_i) = 0,   d_i = x_i - x_k.
+// This is exact for linear pressures. The weight of the fluid has been carried before, so that G is what the pressure gradient differs
+// from rho g. Every particle gets back what it has contributed, so that momentum is exact. As published, eq. 5 has no reaction: the
+// fluid's pressure gradient at the structure is a sum of its own.
 
-#include <algorithm>
+#include "coupler/schemes/scheme.hpp"
+#include "coupler/schemes/wet_share.hpp"
 
 namespace tern::coupler {
 namespace {
-
-/// Share of a face that is wet, from the share of its kernel that fluid fills: as for walls (fluid/boundary/boundary.cpp).
-double wet_share(double filled) { return std::clamp(2 * filled - 0.5, 0.0, 1.0); }
 
 /// Of the matrix that gives the gradient; 0.1 on the half space of a lattice. Below, the particles do not determine a
 /// gradient: too few of them, or all in one layer.
@@ -32,20 +37,17 @@ Vector<D> corrected_gradient(const FaceSums<D>& sums) {
   return inverse * (sums.product - sums.pressure / sums.area * sums.gradient);
 }
 
-}  // namespace
-
 template <int D>
-void integrate_over_faces(const Kernel<D>& kernel, std::span<const InterfacePair<D>> pairs, const Surface<D>& surface,
-                          const InterfaceParticles<D>& band, InterfaceScheme scheme, std::vector<double>& carried) {
+void pair_pressures(const PairView<D>& view, std::vector<double>& carried) {
+  const auto& [kernel, pairs, surface, particles] = view;
   std::vector<FaceSums<D>> sums(surface.position.size());
   for (std::size_t m = 0; m < pairs.size(); ++m) {
     FaceSums<D>& at = sums[pairs[m].point];
     const double b = -pairs[m].b.dot(surface.normal[pairs[m].point]), q = carried[m];
     at.area += b;
     at.pressure += b * q;
-    if (scheme != InterfaceScheme::fsa) continue;
     const Vector<D>& d = pairs[m].offset;
-    const Vector<D> gradient = band.volume[pairs[m].particle] * kernel.gradient_weight(d.norm()) * d;
+    const Vector<D> gradient = particles.volume[pairs[m].particle] * kernel.gradient_weight(d.norm()) * d;
     at.offset += b * d;
     at.gradient += gradient;
     at.product += gradient * q;
@@ -57,26 +59,20 @@ void integrate_over_faces(const Kernel<D>& kernel, std::span<const InterfacePair
     const double filled = sums[k].area / surface.area[k];
     if (wet_share(filled) == 0) continue;
     share[k] = wet_share(filled) / filled;
-    if (scheme == InterfaceScheme::fsa) gradient[k] = corrected_gradient<D>(sums[k]);
+    gradient[k] = corrected_gradient<D>(sums[k]);
   }
   for (std::size_t m = 0; m < pairs.size(); ++m)
     carried[m] = share[pairs[m].point] * (carried[m] - gradient[pairs[m].point].dot(pairs[m].offset));
 }
 
+}  // namespace
+
 template <int D>
-std::vector<double> uniform_load(std::span<const InterfacePair<D>> pairs, const Surface<D>& surface, InterfaceScheme scheme) {
-  std::vector<double> filled(surface.position.size(), 0);
-  for (const auto& pair : pairs) filled[pair.point] -= pair.b.dot(surface.normal[pair.point]) / surface.area[pair.point];
-  if (scheme != InterfaceScheme::riemann)
-    for (double& f : filled) f = wet_share(f);
-  return filled;
+Scheme<D> fsa() {
+  return {InterfaceScheme::fsa, wet_share, pair_pressures<D>, nullptr};
 }
 
-template std::vector<double> uniform_load<2>(std::span<const InterfacePair<2>>, const Surface<2>&, InterfaceScheme);
-template std::vector<double> uniform_load<3>(std::span<const InterfacePair<3>>, const Surface<3>&, InterfaceScheme);
-template void integrate_over_faces<2>(const Kernel<2>&, std::span<const InterfacePair<2>>, const Surface<2>&, const InterfaceParticles<2>&,
-                                      InterfaceScheme, std::vector<double>&);
-template void integrate_over_faces<3>(const Kernel<3>&, std::span<const InterfacePair<3>>, const Surface<3>&, const InterfaceParticles<3>&,
-                                      InterfaceScheme, std::vector<double>&);
+template Scheme<2> fsa<2>();
+template Scheme<3> fsa<3>();
 
 }  // namespace tern::coupler

@@ -1,0 +1,100 @@
+#include "coupler/process/remote_participants.hpp"
+
+#include <utility>
+
+#include "proto/wire/convert.hpp"
+
+namespace tern::coupler {
+
+using proto::from_wire, proto::Kind, proto::to_wire;
+
+template <int D>
+void RemoteParticipants<D>::begin_window(Ticks begin, Ticks duration) {
+  wire::Message order;
+  order.mutable_begin_window()->set_begin_ticks(begin);
+  order.mutable_begin_window()->set_duration_ticks(duration);
+  order.mutable_begin_window()->set_write_frame(write_frame_);
+  channel_.send(wire::FLUID, order);
+  channel_.send(wire::STRUCTURE, std::move(order));
+}
+
+template <int D>
+Surface<D> RemoteParticipants<D>::predict_surface(Ticks, Ticks) {
+  const wire::Message message = channel_.receive(wire::STRUCTURE, {Kind::kSurface});
+  energies_ = at_begin_(message.surface().account());
+  return from_wire<D>(message.surface());
+}
+
+template <int D>
+std::optional<FluidExtent<D>> RemoteParticipants<D>::extent() const {
+  if (!window_done_.has_extent()) return std::nullopt;
+  return from_wire<D>(window_done_.extent());
+}
+
+template <int D>
+void RemoteParticipants<D>::pass_window() {
+  wire::Message message;
+  message.mutable_surface();
+  channel_.send(wire::FLUID, std::move(message));
+}
+
+template <int D>
+InterfaceParticles<D> RemoteParticipants<D>::see_surface(const Surface<D>& surface) {
+  wire::Message message;
+  *message.mutable_surface() = to_wire<D>(surface);
+  channel_.send(wire::FLUID, std::move(message));
+  return from_wire<D>(channel_.receive(wire::FLUID, {Kind::kBand}).band());
+}
+
+template <int D>
+InterfacePressure<D> RemoteParticipants<D>::solve_pressure(const InterfaceCondition<D>& condition) {
+  wire::Message message;
+  *message.mutable_dissipative_load() = to_wire<D>(condition);
+  channel_.send(wire::FLUID, std::move(message));
+  return from_wire<D>(channel_.receive(wire::FLUID, {Kind::kBandPressure}).band_pressure());
+}
+
+template <int D>
+std::vector<Vector<D>> RemoteParticipants<D>::respond(const SurfaceLoad<D>& load) {
+  wire::Message message;
+  *message.mutable_surface_load() = to_wire<D>(load);
+  message.mutable_surface_load()->set_trial(true);
+  channel_.send(wire::STRUCTURE, std::move(message));
+  return from_wire<D>(channel_.receive(wire::STRUCTURE, {Kind::kSurfaceVelocity}).surface_velocity());
+}
+
+template <int D>
+void RemoteParticipants<D>::end_window(const InterfaceForce<D>& force) {
+  wire::Message message;
+  *message.mutable_band_force() = to_wire<D>(force);
+  channel_.send(wire::FLUID, std::move(message));
+}
+
+template <int D>
+void RemoteParticipants<D>::apply(const SurfaceLoad<D>& load) {
+  wire::Message message;
+  *message.mutable_surface_load() = to_wire<D>(load);
+  channel_.send(wire::STRUCTURE, std::move(message));
+}
+
+template <int D>
+const wire::WindowDone& RemoteParticipants<D>::receive_window_done() {
+  window_done_ = channel_.receive(wire::FLUID, {Kind::kWindowDone}).window_done();
+  return window_done_;
+}
+
+template <int D>
+wire::Account RemoteParticipants<D>::finish(bool interrupted) {
+  for (wire::Role role : {wire::FLUID, wire::STRUCTURE}) {
+    wire::Message message;
+    message.mutable_finish()->set_interrupted(interrupted);
+    channel_.send(role, std::move(message));
+  }
+  channel_.receive(wire::FLUID, {Kind::kFinished});
+  return channel_.receive(wire::STRUCTURE, {Kind::kFinished}).finished().account();
+}
+
+template class RemoteParticipants<2>;
+template class RemoteParticipants<3>;
+
+}  // namespace tern::coupler

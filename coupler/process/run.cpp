@@ -1,0 +1,125 @@
+#include "coupler/process/run.hpp"
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+#include "base/interrupt.hpp"
+#include "base/log.hpp"
+#include "base/timing.hpp"
+#include "coupler/process/accounts.hpp"
+#include "coupler/process/remote_participants.hpp"
+#include "coupler/process/totals.hpp"
+#include "proto/wire/convert.hpp"
+#include "run/progress.hpp"
+
+namespace tern::coupler {
+namespace {
+
+/// Reports the added-mass ratio. Throws BadInput where explicit coupling cannot work, unless that was asked for.
+template <int D>
+void refuse_predicted_instability(const CommandLine& command, const Case& scene, const SurfaceProperties& properties, RunReport& report) {
+  const AddedMass added = predict_added_mass<D>(scene, properties);
+  report.set_measure("added_mass_ratio_predicted", added.ratio);
+  log_info("Predicted added-mass ratio: " + describe(added) + ".");
+  if (scene.coupling.algorithm != CouplingAlgorithm::cm0 || added.ratio <= explicit_limit || command.allow_unstable) return;
+  throw BadInput(
+      fmt::format("The explicit coupling CM0 is predicted to be unstable, whatever the step: {}, above {}. Use "
+                  "coupling.algorithm = \"CM2\", or --allow-unstable to see it.",
+                  describe(added), explicit_limit));
+}
+
+template <int D>
+Coupler<D> make_coupler(const Case& scene, const SurfaceProperties& properties) {
+  Coupler<D> coupler(scene, properties);
+  if (scene.coupling.algorithm == CouplingAlgorithm::automatic)
+    log_info(coupler.setup().algorithm.iterates ? "Coupling by CM3: a body is light." : "Coupling by CM2: no body is light.");
+  return coupler;
+}
+
+void report_evaluations(const Evaluations& evaluations, long gauges, RunReport& report) {
+  report.set_evaluations("pressure", evaluations.pressure);
+  report.set_evaluations("riemann_dissipation", evaluations.riemann_dissipation);
+  report.set_evaluations("vem", evaluations.vem);
+  report.set_evaluations("gauges", gauges);
+  report.set_evaluations("repeated_trials", evaluations.repeated_trials);
+  report.set_count("windows_without_exchange", evaluations.windows_without_exchange);
+}
+
+void report_traffic(const proto::CouplerChannel& channel, RunReport& report) {
+  report.timing("wait") = channel.wait_seconds();
+  report.timing("exchange") = channel.exchange_seconds();
+  report.set_count("bytes_sent", static_cast<long>(channel.bytes_sent()));
+  report.set_count("bytes_received", static_cast<long>(channel.bytes_received()));
+}
+
+}  // namespace
+
+template <int D>
+void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& channel, RunReport& report) {
+  if (command.record) channel.record(command.out + "/interface.record");
+  const auto hello = channel.accept({wire::FLUID, wire::STRUCTURE}, scene.hash, D);
+  const SurfaceProperties properties = proto::from_wire(hello.at(wire::STRUCTURE).surface());
+  check_accounts(scene, hello.at(wire::FLUID).account(), hello.at(wire::STRUCTURE).account());
+  refuse_predicted_instability<D>(command, scene, properties, report);
+  Coupler<D> coupler = make_coupler<D>(scene, properties);
+  Accounts<D> accounts(command.out, scene);
+  Progress progress(scene.end_time, command.quiet);
+  channel.welcome(static_cast<std::uint32_t>(properties.body.size()));
+
+  Totals totals;
+  StepControl control;
+  const Ticks end = to_ticks(scene.end_time);
+  const FrameSchedule schedule(scene.output.frame_interval, end);
+  double& compute_s = report.timing("compute");
+  double& output_s = report.timing("output");
+  Ticks now = 0;
+  wire::Account fluid_account = hello.at(wire::FLUID).account();
+  double proposed = hello.at(wire::FLUID).proposed_step_s();
+  std::string limit = hello.at(wire::FLUID).limit();
+
+  // The structure reports its state at the begin of a window, the fluid at the end of the one before: the same instant.
+  const auto record = [&](const wire::Account& structure_account) {
+    ScopedTimer timer(output_s);
+    accounts.record(now, fluid_account, structure_account, coupler, totals);
+    return accounts.energies(now, fluid_account, structure_account, coupler.setup().fluid_weight.pressure > 0);
+  };
+  RemoteParticipants<D> participants(channel, record);
+  const auto report_now = [&] {
+    report.set_time(seconds(now), totals.windows);
+    totals.report(report, coupler.setup().algorithm.iterates);
+    report_evaluations(coupler.state().evaluations, accounts.evaluated_gauges(), report);
+    report_traffic(channel, report);
+    report.update();
+  };
+
+  while (now < end && !interrupted()) {
+    const Stopwatch watch;
+    const Ticks target = schedule.next(now);
+    const Ticks duration = control.next(proposed, now, target);
+    channel.set_step(static_cast<std::uint64_t>(totals.windows + 1), seconds(now));
+    participants.write_frame_at_end(now + duration == target);
+    const double waited = channel.wait_seconds() + channel.exchange_seconds();
+    coupler.run_window(participants, now, duration);
+    const wire::WindowDone& done = participants.receive_window_done();
+    compute_s += watch.seconds() - (channel.wait_seconds() + channel.exchange_seconds() - waited);
+    totals.add(coupler.audit(), coupler.state().fixed_point, seconds(duration));
+    now += duration;
+    accounts.recorder().step(now, duration, limit, static_cast<int>(done.iterations()), watch.seconds());
+    progress.step(seconds(now), totals.windows, seconds(duration), limit, static_cast<int>(done.iterations()));
+    fluid_account = done.account();
+    proposed = done.proposed_step_s();
+    limit = done.limit();
+    report_now();
+  }
+
+  if (const auto energies = record(participants.finish(interrupted()))) coupler.watch(seconds(now), *energies);
+  accounts.recorder().flush();
+  report_now();
+  progress.finish(interrupted() ? "interrupted" : "done");
+  if (interrupted()) throw Interrupted("The run was interrupted; results up to here are kept.");
+}
+
+template void run<2>(const CommandLine&, const Case&, proto::CouplerChannel&, RunReport&);
+template void run<3>(const CommandLine&, const Case&, proto::CouplerChannel&, RunReport&);
+
+}  // namespace tern::coupler

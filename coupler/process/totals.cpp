@@ -1,0 +1,45 @@
+#include "coupler/process/totals.hpp"
+
+#include <algorithm>
+
+namespace tern::coupler {
+
+void Totals::add(const WindowAudit& audit, const FixedPoint& fixed_point, double duration) {
+  ++windows;
+  work_on_fluid += audit.work_on_fluid;
+  riemann += audit.riemann_dissipation;
+  mitigation += audit.mitigation_dissipation;
+  contact += audit.contact_dissipation;
+  contacts += audit.contacts;
+  wet_windows += audit.pairs > 0;
+  iterations += fixed_point.trials();
+  most_iterations = std::max(most_iterations, fixed_point.trials());
+  open_windows += !fixed_point.converged();
+  largest_force_error = std::max(largest_force_error, audit.force_error);
+  largest_moment_error = std::max(largest_moment_error, audit.moment_error);
+  impulse_sum += audit.force_sum * duration;
+  impulse_size += audit.force_size * duration;
+}
+
+std::vector<std::string> Totals::columns() {
+  return {"interface_work_on_fluid_J", "riemann_dissipation_J", "vem_dissipation_J", "contact_dissipation_J", "interface_staggering_J"};
+}
+
+std::vector<double> Totals::energies(double work_on_structure) const {
+  return {work_on_fluid, riemann, mitigation, contact, work_on_structure + work_on_fluid};
+}
+
+void Totals::report(RunReport& report, bool iterates) const {
+  report.set_measure("momentum_audit_max", largest_force_error);
+  // Of the impulses exchanged, the part that the two sides did not receive alike.
+  report.set_measure("momentum_audit_mean", impulse_size > 0 ? impulse_sum / impulse_size : 0);
+  report.set_measure("moment_audit_max", largest_moment_error);
+  report.set_count("contacts", contacts);
+  report.set_count("wet_windows", wet_windows);
+  if (!iterates) return;
+  report.set_measure("coupling_trials_mean", windows ? static_cast<double>(iterations) / static_cast<double>(windows) : 0);
+  report.set_count("coupling_trials_max", most_iterations);
+  report.set_count("coupling_windows_open", open_windows);
+}
+
+}  // namespace tern::coupler

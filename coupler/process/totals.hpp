@@ -1,0 +1,32 @@
+#pragma once
+// Sums over a run of what the windows did.
+
+#include <string>
+#include <vector>
+
+#include "coupler/acceleration/fixed_point.hpp"
+#include "coupler/audit.hpp"
+#include "run/run_report.hpp"
+
+namespace tern::coupler {
+
+struct Totals {
+  double work_on_fluid = 0, riemann = 0, mitigation = 0, contact = 0;
+  double largest_force_error = 0, largest_moment_error = 0;
+  double impulse_sum = 0, impulse_size = 0;
+  long windows = 0, contacts = 0, wet_windows = 0, iterations = 0, open_windows = 0;
+  int most_iterations = 0;
+
+  /// A window of this length [s].
+  void add(const WindowAudit& audit, const FixedPoint& fixed_point, double duration);
+
+  /// Columns of energy.csv. The last is the work on both sides together: what the interface made or took because the fluid has seen
+  /// another motion of the surface than the one that came about.
+  static std::vector<std::string> columns();
+  std::vector<double> energies(double work_on_structure) const;
+
+  /// `iterates`: whether windows are repeated.
+  void report(RunReport& report, bool iterates) const;
+};
+
+}  // namespace tern::coupler

@@ -1,0 +1,33 @@
+// "pi", the surface integral of the pressure (Antoci, Gallati & Sibilla 2007; Hwang et al. 2014). The load is -s_k A_k P_k n_k,
+//   P_k = sum_i B_ik q_i / sum_i B_ik,   B_ik = -b_ik . n_k,
+// with q_i the pressure of particle i, carried to the face by the weight of the fluid between. Every particle gets back what it has
+// contributed, so that momentum is exact.
+
+#include "coupler/schemes/scheme.hpp"
+#include "coupler/schemes/wet_share.hpp"
+
+namespace tern::coupler {
+namespace {
+
+template <int D>
+void pair_pressures(const PairView<D>& view, std::vector<double>& carried) {
+  std::vector<double> share(view.surface.position.size(), 0);
+  for (const auto& pair : view.pairs) share[pair.point] += -pair.b.dot(view.surface.normal[pair.point]);
+  for (std::size_t k = 0; k < share.size(); ++k) {
+    const double filled = share[k] / view.surface.area[k], wet = wet_share(filled);
+    share[k] = wet == 0 ? 0 : wet / filled;
+  }
+  for (std::size_t m = 0; m < view.pairs.size(); ++m) carried[m] = share[view.pairs[m].point] * carried[m];
+}
+
+}  // namespace
+
+template <int D>
+Scheme<D> pressure_integration() {
+  return {InterfaceScheme::pi, wet_share, pair_pressures<D>, nullptr};
+}
+
+template Scheme<2> pressure_integration<2>();
+template Scheme<3> pressure_integration<3>();
+
+}  // namespace tern::coupler

@@ -1,0 +1,34 @@
+#include "base/error.hpp"
+#include "coupler/schemes/scheme.hpp"
+
+namespace tern::coupler {
+
+template <int D>
+Scheme<D> fsa();
+template <int D>
+Scheme<D> pressure_integration();
+template <int D>
+Scheme<D> riemann();
+
+template <int D>
+const Scheme<D>& scheme_of(InterfaceScheme name) {
+  static const Scheme<D> schemes[] = {fsa<D>(), pressure_integration<D>(), riemann<D>()};
+  for (const Scheme<D>& scheme : schemes)
+    if (scheme.name == name) return scheme;
+  throw BadInput("The coupler does not know the interface scheme of the case (coupler/schemes/registry.cpp).");
+}
+
+template <int D>
+std::vector<double> uniform_load(const Scheme<D>& scheme, std::span<const InterfacePair<D>> pairs, const Surface<D>& surface) {
+  std::vector<double> filled(surface.position.size(), 0);
+  for (const auto& pair : pairs) filled[pair.point] -= pair.b.dot(surface.normal[pair.point]) / surface.area[pair.point];
+  for (double& f : filled) f = scheme.load_share(f);
+  return filled;
+}
+
+template const Scheme<2>& scheme_of<2>(InterfaceScheme);
+template const Scheme<3>& scheme_of<3>(InterfaceScheme);
+template std::vector<double> uniform_load<2>(const Scheme<2>&, std::span<const InterfacePair<2>>, const Surface<2>&);
+template std::vector<double> uniform_load<3>(const Scheme<3>&, std::span<const InterfacePair<3>>, const Surface<3>&);
+
+}  // namespace tern::coupler

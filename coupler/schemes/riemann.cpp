@@ -1,0 +1,47 @@
+// "riemann", pairs with dissipation (seed paper eq. 6): the pressure of a pair is that of its particle, and before the pressure solve
+// the dissipative part of a Riemann problem between both sides (riemann.hpp) acts on them.
+
+#include "coupler/schemes/riemann.hpp"
+
+#include "coupler/schemes/scheme.hpp"
+#include "coupler/state.hpp"
+#include "coupler/workspace.hpp"
+
+namespace tern::coupler {
+namespace {
+
+/// As much as the pairs fill of the half space before a point.
+double load_share(double filled) { return filled; }
+
+template <int D>
+void add_dissipation(const Setup<D>& setup, Workspace<D>& window, Evaluations& evaluations) {
+  if (!(setup.coupling.riemann_limiter > 0)) return;
+  const auto& pairs = window.pairs.pairs();
+  double fastest = 0;
+  for (const auto& u : window.particles.velocity) fastest = std::max(fastest, u.norm());
+  for (const auto& pair : pairs) fastest = std::max(fastest, window.surface.velocity[pair.point].norm());
+  const double sound_speed = 10 * fastest;
+  if (sound_speed == 0) return;
+  evaluations.riemann_dissipation += static_cast<long>(pairs.size());
+  for (const auto& pair : pairs) {
+    const Vector<D>& n = window.surface.normal[pair.point];
+    const double approach = (window.surface.velocity[pair.point] - window.particles.velocity[pair.particle]).dot(n);
+    const double mean_density = 0.5 * (setup.density + setup.body_density[setup.properties.body[pair.point]]);
+    const double pressure = riemann_pressure(setup.coupling.riemann_limiter, mean_density, sound_speed, approach);
+    if (pressure == 0) continue;
+    add_pair_force(pair, Vector<D>(pressure * pair.b), window.load, window.condition.force);
+    window.audit.riemann_dissipation += pressure * -pair.b.dot(n) * approach * window.duration;
+  }
+}
+
+}  // namespace
+
+template <int D>
+Scheme<D> riemann() {
+  return {InterfaceScheme::riemann, load_share, nullptr, add_dissipation<D>};
+}
+
+template Scheme<2> riemann<2>();
+template Scheme<3> riemann<3>();
+
+}  // namespace tern::coupler

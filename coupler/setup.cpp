@@ -1,0 +1,68 @@
+#include "coupler/setup.hpp"
+
+#include "coupler/schemes/scheme.hpp"
+
+namespace tern::coupler {
+namespace {
+
+constexpr Algorithm algorithms[] = {
+    {CouplingAlgorithm::cm0, false, false,
+     "explicit staggering is unstable for a body that is light for its fluid, or that vibrates faster than the windows "
+     "resolve, use coupling.algorithm = \"CM2\" or \"CM3\""},
+    {CouplingAlgorithm::cm2, true, false, "the body is too light for one pass, use coupling.algorithm = \"CM3\""},
+    {CouplingAlgorithm::cm3, true, true,
+     "the windows are too long for a body as light as this, use a smaller fluid.numerics.gravity_courant and courant, or a "
+     "heavier or thicker body"},
+};
+
+/// Mass behind a face, over that of a layer of fluid particles, up to which one pass is not enough.
+constexpr double lightest_of_one_pass = 0.5 * (1 + 1e-9);  // a plate of just this mass is one of them, whatever its rounding
+/// Robin mass of a light surface when windows are repeated, in layers of fluid particles; from 2 to 12 the iterations are as many.
+/// Few motions of a light body answer with its mass, all others are held by its stiffness. A mass like the fluid's own lies between the
+/// two; the iterations find out what it gets wrong.
+constexpr double robin_layers = 5;
+
+bool any_body_is_light(const Case& scene, const SurfaceProperties& properties) {
+  for (std::size_t b = 0; b < scene.structure->bodies.size(); ++b)
+    if (const double mass = section_mass(properties, b);
+        mass > 0 && mass <= lightest_of_one_pass * scene.fluid->density * scene.fluid->spacing)
+      return true;
+  return false;
+}
+
+Algorithm choose_algorithm(const Case& scene, const SurfaceProperties& properties) {
+  CouplingAlgorithm name = scene.coupling.algorithm;
+  if (name == CouplingAlgorithm::automatic) name = any_body_is_light(scene, properties) ? CouplingAlgorithm::cm3 : CouplingAlgorithm::cm2;
+  for (const Algorithm& algorithm : algorithms)
+    if (algorithm.name == name) return algorithm;
+  return algorithms[0];
+}
+
+}  // namespace
+
+template <int D>
+Setup<D>::Setup(const Case& scene, const SurfaceProperties& of_surface)
+    : coupling(scene.coupling),
+      algorithm(choose_algorithm(scene, of_surface)),
+      scheme(scheme_of<D>(scene.coupling.scheme)),
+      density(scene.fluid->density),
+      spacing(scene.fluid->spacing),
+      smoothing_length(scene.fluid->numerics.smoothing_length_ratio * scene.fluid->spacing),
+      contact_distance(scene.fluid->numerics.contact_distance * scene.fluid->spacing),
+      courant(scene.fluid->numerics.courant),
+      robin_mass_factor(algorithm.iterates ? 1 : coupling.robin_mass_factor),
+      least_robin_mass(algorithm.iterates ? robin_layers * density * spacing : 0),
+      gravity(scene.gravity),
+      properties(of_surface),
+      kernel(smoothing_length),
+      fluid_weight(weight_of_fluid<D>(scene)) {
+  for (const StructureBody& body : scene.structure->bodies) {
+    body_density.push_back(body.density);
+    body_name.push_back(body.name);
+  }
+}
+
+template struct Setup<2>;
+template struct Setup<3>;
+
+}  // namespace tern::coupler

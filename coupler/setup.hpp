@@ -1,0 +1,42 @@
+#pragma once
+// What the coupler knows before the first window and what never changes after.
+
+#include <string>
+#include <vector>
+
+#include "coupler/stability/added_mass.hpp"
+#include "proto/interface.hpp"
+#include "scene/case_file.hpp"
+#include "sph/kernel.hpp"
+
+namespace tern::coupler {
+
+template <int D>
+struct Scheme;
+
+/// In what the coupling algorithms differ.
+struct Algorithm {
+  CouplingAlgorithm name;
+  bool yields;         ///< the pressure equation knows how the surface answers a pressure (Robin condition)
+  bool iterates;       ///< a window is repeated until fluid and structure agree on the load
+  const char* remedy;  ///< what to change when the coupling diverges
+};
+
+template <int D>
+struct Setup {
+  Setup(const Case& scene, const SurfaceProperties& properties);
+
+  CouplingCase coupling;
+  Algorithm algorithm;
+  const Scheme<D>& scheme;
+  double density, spacing, smoothing_length, contact_distance, courant;  ///< of the fluid
+  double robin_mass_factor, least_robin_mass;  ///< m_p = max(factor m_s, least), m_s the mass behind a face [kg/m^2]
+  std::vector<double> body_density;
+  std::vector<std::string> body_name;
+  VectorExpression gravity;
+  SurfaceProperties properties;
+  Kernel<D> kernel;
+  FluidWeight fluid_weight;
+};
+
+}  // namespace tern::coupler

@@ -1,0 +1,72 @@
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+#include "coupler/acceleration/flat.hpp"
+#include "coupler/stability/observations.hpp"
+#include "coupler/workspace.hpp"
+
+namespace tern::coupler {
+namespace {
+
+/// Amplitude of an alternating load from which it counts, by how far it moves a layer of fluid particles in a window, over their
+/// spacing.
+constexpr double least_alternation = 1e-3;
+
+/// The load on one body, and where.
+template <int D>
+struct BodyLoad {
+  SurfaceLoad<D> load;
+  std::vector<std::size_t> point;
+  double area = 0;  ///< root of the sum of squares [m^(D-1)]
+};
+
+template <int D>
+BodyLoad<D> load_on(std::size_t body, const SurfaceProperties& properties, const Workspace<D>& window) {
+  BodyLoad<D> own;
+  double area = 0;
+  for (std::size_t k = 0; k < window.load.force.size(); ++k) {
+    if (properties.body[k] != body) continue;
+    own.load.force.push_back(window.load.force[k]);
+    own.point.push_back(k);
+    area += window.surface.area[k] * window.surface.area[k];
+  }
+  own.area = std::sqrt(area);
+  return own;
+}
+
+/// Place of the largest kink, in words.
+template <int D>
+std::string worst_place(const LoadAlternation& alternation, const std::vector<std::size_t>& point, const Surface<D>& surface) {
+  std::size_t worst = 0;
+  const auto size = [&](std::size_t m) { return alternation.kink().template segment<D>(D * static_cast<Eigen::Index>(m)).norm(); };
+  for (std::size_t m = 1; m < point.size(); ++m)
+    if (size(m) > size(worst)) worst = m;
+  std::string place;
+  for (int c = 0; c < D; ++c) place += fmt::format("{}{:.5g}", c ? ", " : "", surface.position[point[worst]][c]);
+  return place;
+}
+
+}  // namespace
+
+template <int D>
+void watch_load(const Setup<D>& setup, const Workspace<D>& window, Observations& seen) {
+  const double unit = least_alternation * setup.density * setup.spacing * setup.spacing / (window.duration * window.duration);  // Pa
+  for (std::size_t b = 0; b < seen.alternation.size(); ++b) {
+    const BodyLoad<D> own = load_on(b, setup.properties, window);
+    LoadAlternation& alternation = seen.alternation[b];
+    if (!alternation.add(flat(own.load), unit * own.area)) continue;
+    throw NumericalFailure(fmt::format(
+        "The load on body '{}' turns round from window to window at t = {:.6g} s: by {:.3g} {} (norm over its surface points) "
+        "about a mean of {:.3g}, most near ({}) m, and without dying out; the limit is the mean, or a tenth of it when it grows by half "
+        "every {} windows. The coupling makes this load: {}.",
+        setup.body_name[b], window.begin + window.duration, alternation.amplitude(), D == 2 ? "N/m" : "N", alternation.mean(),
+        worst_place(alternation, own.point, window.surface), LoadAlternation::reversals, setup.algorithm.remedy));
+  }
+}
+
+template void watch_load<2>(const Setup<2>&, const Workspace<2>&, Observations&);
+template void watch_load<3>(const Setup<3>&, const Workspace<3>&, Observations&);
+
+}  // namespace tern::coupler

@@ -1,0 +1,32 @@
+#pragma once
+// Everything from which the coupler goes on: with the State of another coupler at a window's end it goes on with the same bits.
+
+#include <vector>
+
+#include "coupler/acceleration/fixed_point.hpp"
+#include "coupler/setup.hpp"
+#include "coupler/stability/observations.hpp"
+#include "proto/interface.hpp"
+
+namespace tern::coupler {
+
+/// How often each term was evaluated since the start, in pairs of a particle and a surface point (iterations). What a case
+/// leaves out counts nothing.
+struct Evaluations {
+  long pressure = 0, riemann_dissipation = 0, vem = 0, repeated_trials = 0, windows_without_exchange = 0;
+};
+
+template <int D>
+struct State {
+  explicit State(const Setup<D>& setup)
+      : fixed_point(setup.coupling.acceleration, setup.coupling.tolerance), observations(setup.body_name.size()) {}
+
+  SurfaceLoad<D> load;                ///< on the structure in the last window; empty before the first
+  SurfaceLoad<D> contact;             ///< the contacts in it; empty where windows are not repeated
+  std::vector<double> area_at_start;  ///< of every surface point [m^(D-1)]
+  FixedPoint fixed_point;             ///< what the iterations of the last windows have shown of the answer to a load
+  Observations observations;          ///< what has been seen by those who watch for divergence
+  Evaluations evaluations;
+};
+
+}  // namespace tern::coupler

@@ -1,0 +1,157 @@
+// The coupling of one window (seed paper section II.C; docs/THEORY.md, section 3), read from top to bottom.
+
+#include "coupler/window.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "coupler/acceleration/coupling_iteration.hpp"
+#include "coupler/interface_condition.hpp"
+#include "coupler/interface_force.hpp"
+#include "coupler/schemes/scheme.hpp"
+#include "coupler/schemes/velocity_divergence_mitigation.hpp"
+
+namespace tern::coupler {
+
+template <int D>
+void Coupler<D>::run_window(Participants<D>& participants, Ticks begin, Ticks duration) {
+  // Opening: the fluid finds its neighbours while the structure predicts where its surface will be.
+  participants.begin_window(begin, duration);
+  const Surface<D> surface = participants.predict_surface(begin, duration);
+  if (const auto energies = participants.energies()) watch_energy(setup_, seconds(begin), *energies, state_.observations);
+  if (const auto extent = participants.extent(); extent && out_of_reach(*extent, surface, duration)) {
+    pass_window(seconds(begin), seconds(duration), surface);
+    participants.pass_window();
+    participants.apply(surface_load());
+    return;
+  }
+
+  // First exchange: the fluid solves its pressure beside the predicted surface.
+  InterfacePressure<D> pressure =
+      participants.solve_pressure(first_exchange(seconds(begin), seconds(duration), surface, participants.see_surface(surface)));
+
+  // Coupling iterations: both sides again, until the load that the fluid answers is the load that the structure has moved under.
+  while (const SurfaceLoad<D>* load = next_load(pressure))
+    pressure = participants.solve_pressure(repeat_exchange(participants.respond(*load)));
+
+  // Last exchange: the forces of both sides. The fluid is told first, for it computes longer.
+  participants.end_window(last_exchange(pressure));
+  participants.apply(surface_load());
+}
+
+template <int D>
+bool out_of_reach(const FluidExtent<D>& fluid, const Surface<D>& surface, Ticks duration) {
+  const double reach = fluid.reach + 0.5 * seconds(duration) * fluid.largest_speed;  // the pressure is solved halfway
+  return std::none_of(surface.position.begin(), surface.position.end(),
+                      [&](const Vector<D>& x) { return (x - x.cwiseMax(fluid.low).cwiseMin(fluid.high)).squaredNorm() <= reach * reach; });
+}
+
+template <int D>
+void Coupler<D>::pass_window(double begin, double duration, const Surface<D>& surface) {
+  window_.begin = begin;
+  window_.duration = state_.observations.duration = duration;
+  window_.audit = {};
+  window_.stretch = stretch_of(surface, state_.area_at_start);
+  begin_iterations(setup_, window_, state_);
+  window_.load.force.assign(surface.position.size(), Vector<D>::Zero());
+  state_.load = window_.load;
+  state_.contact.force.clear();
+  for (LoadAlternation& alternation : state_.observations.alternation) alternation = {};
+  ++state_.evaluations.windows_without_exchange;
+}
+
+namespace {
+
+/// What is known before the pressure solve: explicit forces on both sides, and how the surface yields.
+template <int D>
+void set_condition(const Setup<D>& setup, Workspace<D>& window, Evaluations& evaluations) {
+  window.load.force.assign(window.surface.position.size(), Vector<D>::Zero());
+  window.condition.force.assign(window.particles.id.size(), Vector<D>::Zero());
+  window.audit = {};
+  if (setup.scheme.add_explicit_forces) setup.scheme.add_explicit_forces(setup, window, evaluations);
+  add_velocity_divergence_mitigation(setup, window, evaluations);
+  set_robin_condition(setup, window);
+  window.audit.particles = static_cast<int>(window.particles.id.size());
+  window.audit.pairs = static_cast<int>(window.pairs.all_pairs().size());
+}
+
+/// What the fluid answers the present iteration with, on top of the explicit forces: pressure and contacts.
+template <int D>
+void answer(const Setup<D>& setup, const InterfacePressure<D>& pressure, Workspace<D>& window, Evaluations& evaluations) {
+  window.particle_force.force.assign(window.particles.id.size(), Vector<D>::Zero());
+  add_pressure(setup, pressure, window, evaluations);
+  settle_contacts(setup, pressure, window);
+}
+
+}  // namespace
+
+template <int D>
+const InterfaceCondition<D>& Coupler<D>::first_exchange(double begin, double duration, const Surface<D>& surface,
+                                                        InterfaceParticles<D> particles) {
+  window_.begin = begin;
+  window_.duration = duration;
+  window_.surface = surface;
+  window_.particles = std::move(particles);
+  window_.stretch = stretch_of(surface, state_.area_at_start);
+  window_.pairs.find(window_.particles, surface);
+  window_.share = uniform_load<D>(setup_.scheme, window_.pairs.all_pairs(), surface);
+
+  // The structure makes its first iteration under the load of the last window.
+  window_.assumed_load = state_.load;
+  window_.assumed_load.force.resize(surface.position.size(), Vector<D>::Zero());
+  window_.assumed_contact = state_.contact;
+  window_.assumed_contact.force.resize(surface.position.size(), Vector<D>::Zero());
+  begin_iterations(setup_, window_, state_);
+
+  window_.condition.surface_velocity.clear();
+  window_.condition.repeats = setup_.algorithm.iterates;
+  set_condition(setup_, window_, state_.evaluations);
+  return window_.condition;
+}
+
+template <int D>
+const SurfaceLoad<D>* Coupler<D>::next_load(const InterfacePressure<D>& pressure) {
+  if (!setup_.algorithm.iterates) return nullptr;
+  const SurfaceLoad<D> explicit_part = window_.load;
+  const WindowAudit audit = window_.audit;
+  answer(setup_, pressure, window_, state_.evaluations);
+  const SurfaceLoad<D> load = std::exchange(window_.load, explicit_part);
+  window_.audit = audit;
+  return assume_next_load(load, window_.contact, state_, window_) ? &window_.assumed_load : nullptr;
+}
+
+template <int D>
+const InterfaceCondition<D>& Coupler<D>::repeat_exchange(std::vector<Vector<D>> surface_velocity) {
+  window_.surface.velocity = window_.condition.surface_velocity = std::move(surface_velocity);
+  set_condition(setup_, window_, state_.evaluations);
+  return window_.condition;
+}
+
+template <int D>
+const InterfaceForce<D>& Coupler<D>::last_exchange(const InterfacePressure<D>& pressure) {
+  answer(setup_, pressure, window_, state_.evaluations);
+  audit_balance(window_);
+  watch_load(setup_, window_, state_.observations);
+
+  state_.load = window_.load;
+  state_.contact = window_.contact;
+  state_.observations.duration = window_.duration;
+  state_.observations.surface_area = 0;
+  for (double area : window_.surface.area) state_.observations.surface_area += area;
+  return window_.particle_force;
+}
+
+template <int D>
+Vector<D> Coupler<D>::total_load(std::uint32_t body) const {
+  Vector<D> sum = Vector<D>::Zero();
+  for (std::size_t k = 0; k < state_.load.force.size(); ++k)
+    if (setup_.properties.body[k] == body) sum += state_.load.force[k];
+  return sum;
+}
+
+template class Coupler<2>;
+template class Coupler<3>;
+template bool out_of_reach<2>(const FluidExtent<2>&, const Surface<2>&, Ticks);
+template bool out_of_reach<3>(const FluidExtent<3>&, const Surface<3>&, Ticks);
+
+}  // namespace tern::coupler

@@ -1,0 +1,40 @@
+#pragma once
+// One window while it lasts. Nothing here outlives it (state.hpp).
+
+#include <vector>
+
+#include "coupler/audit.hpp"
+#include "coupler/schemes/interface_pairs.hpp"
+#include "coupler/setup.hpp"
+#include "proto/interface.hpp"
+
+namespace tern::coupler {
+
+template <int D>
+struct Workspace {
+  explicit Workspace(const Setup<D>& setup) : pairs(setup.smoothing_length, setup.spacing) {}
+
+  double begin = 0, duration = 0;    ///< [s]
+  Surface<D> surface;                ///< velocities: of the present iteration
+  InterfaceParticles<D> particles;   ///< at their predicted positions
+  InterfacePairs<D> pairs;           ///< who sees whom
+  std::vector<double> stretch;       ///< of every surface point: its area over that at the start
+  std::vector<double> share;         ///< load of each point under a uniform pressure p, over p A
+  SurfaceLoad<D> assumed_load;       ///< under which the structure has made the present iteration
+  SurfaceLoad<D> assumed_contact;    ///< the contacts in it
+  InterfaceCondition<D> condition;   ///< what the fluid is told before its pressure solve
+  std::vector<double> carried;       ///< pressure of every pair; times b_ik its force [Pa]
+  InterfaceForce<D> particle_force;  ///< of pressure and contacts on the interface particles
+  SurfaceLoad<D> load;               ///< everything that the fluid answers the present iteration with
+  SurfaceLoad<D> contact;            ///< the contacts in it; only where windows are repeated
+  WindowAudit audit;
+};
+
+/// Puts +f on a surface point and -f on an interface particle.
+template <int D>
+void add_pair_force(const InterfacePair<D>& pair, const Vector<D>& force, SurfaceLoad<D>& load, std::vector<Vector<D>>& on_particles) {
+  load.force[pair.point] += force;
+  on_particles[pair.particle] -= force;
+}
+
+}  // namespace tern::coupler
