@@ -1,6 +1,6 @@
 #pragma once
 // The case file: one TOML file per scene, read by all three processes. Absent table = absent model.
-// docs/PARAMETERS.md is generated from the table in parameter_table.cpp that also validates.
+// The keys, their defaults and the members they fill stand in scene/keys/, from which docs/PARAMETERS.md is generated as well.
 
 #include <array>
 #include <cmath>
@@ -40,26 +40,28 @@ struct FluidBody {
   VectorExpression velocity;  ///< initial velocity [m/s] in x, y, z
 };
 
+/// Without a default of its own: default_fluid_numerics() has those of the rows in scene/keys/fluid.cpp.
 struct FluidNumerics {
-  double smoothing_length_ratio = 1.5;  ///< h/dx
-  GradientForm gradient = GradientForm::blend;
-  double blend_theta = 0.5;          ///< weight of the self-regularising part of the blended gradient
-  double density_relaxation = 0.02;  ///< gamma of the density source
-  double shifting = 0.5;             ///< coefficient of the particle shifting; 0 = off
-  double noise_damping = 0.2;        ///< chi of the damping of particle-scale velocity noise; 0 = off
-  double courant = 0.15;             ///< dx/|u|max fraction
-  double gravity_courant = 0.1;      ///< sqrt(dx/|g|) fraction
-  double viscous_courant = 0.125;    ///< h^2/nu fraction
-  double contact_distance = 0.25;    ///< in dx; closer than this no particle approaches a face
-  double pressure_tolerance = 1e-6;  ///< relative residual of the pressure solve
+  double smoothing_length_ratio;  ///< h/dx
+  GradientForm gradient;
+  double blend_theta;         ///< weight of the self-regularising part of the blended gradient
+  double density_relaxation;  ///< gamma of the density source
+  double shifting;            ///< coefficient of the particle shifting; 0 = off
+  double noise_damping;       ///< chi of the damping of particle-scale velocity noise; 0 = off
+  double courant;             ///< dx/|u|max fraction
+  double gravity_courant;     ///< sqrt(dx/|g|) fraction
+  double viscous_courant;     ///< h^2/nu fraction
+  double contact_distance;    ///< in dx; closer than this no particle approaches a face
+  double pressure_tolerance;  ///< relative residual of the pressure solve
 };
+FluidNumerics default_fluid_numerics();
 
 struct FluidCase {
   double density = 0;               ///< [kg/m^3]
   double spacing = 0;               ///< dx [m]
   std::optional<double> viscosity;  ///< dynamic [Pa s]; absent = inviscid, not evaluated
   std::vector<FluidBody> bodies;
-  FluidNumerics numerics;
+  FluidNumerics numerics = default_fluid_numerics();
 };
 
 struct StructureBody {
@@ -105,30 +107,32 @@ struct LoadCase {
 };
 
 struct StructureNumerics {
-  double smoothing_length_ratio = 1.1;  ///< h0/dx_s
-  double riemann_diffusion = 1.0;       ///< chi of the complete-Riemann diffusion; 0 = off
-  double hourglass_penalty = 0;         ///< alpha of the zero-energy-mode penalty; 0 = off
-  double courant = 0.3;                 ///< dx_s/(c_p + |v|max) fraction
-  Integrator integrator = Integrator::explicit_steps;
+  double smoothing_length_ratio;  ///< h0/dx_s
+  double riemann_diffusion;       ///< chi of the complete-Riemann diffusion; 0 = off
+  double hourglass_penalty;       ///< alpha of the zero-energy-mode penalty; 0 = off
+  double courant;                 ///< dx_s/(c_p + |v|max) fraction
+  Integrator integrator;          ///< explicit where a case built in code does not say another
 };
+StructureNumerics default_structure_numerics();
 
 struct StructureCase {
   std::vector<StructureBody> bodies;
   std::vector<ClampCase> clamps;
   std::vector<LoadCase> loads;
-  StructureNumerics numerics;
+  StructureNumerics numerics = default_structure_numerics();
 };
 
 struct CouplingCase {
-  CouplingAlgorithm algorithm = CouplingAlgorithm::automatic;
-  InterfaceScheme scheme = InterfaceScheme::riemann;
-  double riemann_limiter = 3.0;           ///< eta in beta = min(eta max(du,0)/c0, 1)
+  CouplingAlgorithm algorithm;
+  InterfaceScheme scheme;
+  double riemann_limiter;                 ///< eta in beta = min(eta max(du,0)/c0, 1)
   std::optional<double> vem_coefficient;  ///< C of the velocity-divergence-error-mitigating term; absent = not evaluated
-  VemForm vem_form = VemForm::pairmax;
-  double robin_mass_factor = 1.0;  ///< m_p / m_s
-  Acceleration acceleration = Acceleration::iqn_ils;
-  double tolerance = 1e-4;  ///< relative residual of the load at which cm3 stops to repeat a window
+  VemForm vem_form;
+  double robin_mass_factor;  ///< m_p / m_s
+  Acceleration acceleration;
+  double tolerance;  ///< relative residual of the load at which cm3 stops to repeat a window
 };
+CouplingCase default_coupling();
 
 struct GaugeCase {
   enum class Kind {
@@ -153,9 +157,10 @@ struct GaugeCase {
 };
 
 struct OutputCase {
-  double frame_interval = 0;  ///< [s]; 0 = only the first and the last frame
-  double gauge_interval = 0;  ///< [s]; 0 = every step
+  double frame_interval;  ///< [s]; 0 = only the first and the last frame
+  double gauge_interval;  ///< [s]; 0 = every step
 };
+OutputCase default_output();
 
 struct Case {
   std::string path;  ///< of the file
@@ -173,9 +178,9 @@ struct Case {
   std::vector<WallCase> walls;
   std::optional<FluidCase> fluid;
   std::optional<StructureCase> structure;
-  CouplingCase coupling;
+  CouplingCase coupling = default_coupling();
   std::vector<GaugeCase> gauges;
-  OutputCase output;
+  OutputCase output = default_output();
   std::vector<std::string> warnings;  ///< sentences about what is allowed but doubtful; for the log
 };
 

@@ -1,5 +1,6 @@
 #pragma once
-// Every key of a case file: one table that validates, fills in the defaults and generates docs/PARAMETERS.md.
+// Every key of a case file as the validation and docs/PARAMETERS.md see it. The rows themselves, each with the member it fills,
+// stand in scene/keys/.
 
 #include <limits>
 #include <string>
@@ -52,10 +53,13 @@ struct TableDefinition {
   std::string path;  ///< "fluid.body"
   bool repeated;     ///< written [[path]]
   Presence presence;
-  std::string meaning;  ///< one sentence
+  std::string meaning;          ///< one sentence
+  std::vector<Parameter> keys;  ///< in the order of the document
 };
 
+/// In the order of the document; a table comes after the one that holds it.
 const std::vector<TableDefinition>& table_definitions();
+/// The keys of all tables.
 const std::vector<Parameter>& parameters();
 
 /// The effective settings: `document` with every default filled in. Throws BadInput on an unknown key, a missing,

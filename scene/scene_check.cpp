@@ -88,13 +88,8 @@ class SceneCheck {
 
   void set_default_domain() {
     if (settings_.find("domain")) {
-      for (int d = 0; d < D; ++d) {
-        scene_.domain_min[d] = settings_.at("domain").at("min").items[d].number;
-        scene_.domain_max[d] = settings_.at("domain").at("max").items[d].number;
-      }
       for (const Setting& direction : settings_.at("domain").at("periodic").items) {
         if (D == 2 && direction.text == "z") fail(direction.where, "there is no direction z in 2D that could be periodic; remove it.");
-        scene_.periodic[direction.text[0] - 'x'] = true;
       }
       return;
     }

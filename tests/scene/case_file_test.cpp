@@ -109,32 +109,82 @@ TEST_F(CaseFile, IsReadIntoTheCase) {
   EXPECT_EQ(c.domain_min[0], -0.5) << "half of the longest side of the walls";
 }
 
-// Seen to fail with courant of the fluid set to 0.2 in the table only.
-TEST_F(CaseFile, HasTheDefaultsOfTheStructs) {
-  const Case c = read(small_case);
-  const FluidNumerics f;
-  const FluidNumerics& g = c.fluid->numerics;
+// Seen to fail with the defaults of a table not taken: the numbers were whatever stood in memory.
+TEST_F(CaseFile, HasTheDefaultsOfACaseBuiltInCode) {
+  const Case c = read(small_case), built;
+  const FluidCase fluid;
+  const FluidNumerics &f = fluid.numerics, &g = c.fluid->numerics;
   EXPECT_EQ(g.smoothing_length_ratio, f.smoothing_length_ratio);
   EXPECT_EQ(g.gradient, f.gradient);
   EXPECT_EQ(g.blend_theta, f.blend_theta);
   EXPECT_EQ(g.density_relaxation, f.density_relaxation);
   EXPECT_EQ(g.shifting, f.shifting);
+  EXPECT_EQ(g.noise_damping, f.noise_damping);
   EXPECT_EQ(g.courant, f.courant);
+  EXPECT_EQ(g.courant, 0.15);
   EXPECT_EQ(g.gravity_courant, f.gravity_courant);
   EXPECT_EQ(g.viscous_courant, f.viscous_courant);
   EXPECT_EQ(g.contact_distance, f.contact_distance);
   EXPECT_EQ(g.pressure_tolerance, f.pressure_tolerance);
-  const StructureNumerics s;
-  const StructureNumerics& t = c.structure->numerics;
+  const StructureCase structure;
+  const StructureNumerics &s = structure.numerics, &t = c.structure->numerics;
   EXPECT_EQ(t.smoothing_length_ratio, s.smoothing_length_ratio);
   EXPECT_EQ(t.riemann_diffusion, s.riemann_diffusion);
   EXPECT_EQ(t.hourglass_penalty, s.hourglass_penalty);
   EXPECT_EQ(t.courant, s.courant);
-  const CouplingCase k;
-  EXPECT_EQ(c.coupling.algorithm, k.algorithm);
-  EXPECT_EQ(c.coupling.scheme, k.scheme);
-  EXPECT_EQ(c.coupling.riemann_limiter, k.riemann_limiter);
-  EXPECT_EQ(c.coupling.robin_mass_factor, k.robin_mass_factor);
+  EXPECT_EQ(t.integrator, Integrator::automatic) << "beside a fluid";
+  EXPECT_EQ(s.integrator, Integrator::explicit_steps);
+  EXPECT_EQ(c.coupling.algorithm, built.coupling.algorithm);
+  EXPECT_EQ(c.coupling.acceleration, built.coupling.acceleration);
+  EXPECT_EQ(c.coupling.tolerance, built.coupling.tolerance);
+  EXPECT_EQ(c.coupling.scheme, built.coupling.scheme);
+  EXPECT_EQ(c.coupling.vem_form, built.coupling.vem_form);
+  EXPECT_EQ(c.coupling.riemann_limiter, built.coupling.riemann_limiter);
+  EXPECT_EQ(c.coupling.robin_mass_factor, built.coupling.robin_mass_factor);
+  EXPECT_EQ(c.output.frame_interval, built.output.frame_interval);
+}
+
+// Each key of every table of numbers is set to another value by hand and found in its member. Seen to fail with two members of
+// the fluid's numerics exchanged in their rows.
+TEST_F(CaseFile, FillsTheMemberOfEachKey) {
+  const Case c = read(small_case, {{{"fluid.numerics.smoothing_length_ratio", "1.6"},
+                                    {"fluid.numerics.gradient", "sum"},
+                                    {"fluid.numerics.blend_theta", "0.41"},
+                                    {"fluid.numerics.density_relaxation", "0.03"},
+                                    {"fluid.numerics.shifting", "0.7"},
+                                    {"fluid.numerics.noise_damping", "0.31"},
+                                    {"fluid.numerics.courant", "0.16"},
+                                    {"fluid.numerics.gravity_courant", "0.17"},
+                                    {"fluid.numerics.viscous_courant", "0.11"},
+                                    {"fluid.numerics.contact_distance", "0.26"},
+                                    {"fluid.numerics.pressure_tolerance", "1e-5"},
+                                    {"structure.numerics.smoothing_length_ratio", "1.3"},
+                                    {"structure.numerics.riemann_diffusion", "0.8"},
+                                    {"structure.numerics.hourglass_penalty", "0.05"},
+                                    {"structure.numerics.courant", "0.25"},
+                                    {"structure.numerics.integrator", "implicit"},
+                                    {"coupling.tolerance", "1e-3"},
+                                    {"coupling.riemann_limiter", "2.5"},
+                                    {"coupling.robin_mass_factor", "0.9"},
+                                    {"coupling.vem.coefficient", "2"},
+                                    {"coupling.vem.form", "sum"},
+                                    {"output.frame_interval", "0.2"},
+                                    {"output.gauge_interval", "0.3"}},
+                                   ""});
+  const FluidNumerics& f = c.fluid->numerics;
+  EXPECT_EQ(f.gradient, GradientForm::sum);
+  const std::vector<double> of_fluid{f.smoothing_length_ratio, f.blend_theta,       f.density_relaxation, f.shifting,
+                                     f.noise_damping,          f.courant,           f.gravity_courant,    f.viscous_courant,
+                                     f.contact_distance,       f.pressure_tolerance};
+  EXPECT_EQ(of_fluid, (std::vector<double>{1.6, 0.41, 0.03, 0.7, 0.31, 0.16, 0.17, 0.11, 0.26, 1e-5}));
+  const StructureNumerics& s = c.structure->numerics;
+  EXPECT_EQ((std::vector<double>{s.smoothing_length_ratio, s.riemann_diffusion, s.hourglass_penalty, s.courant}),
+            (std::vector<double>{1.3, 0.8, 0.05, 0.25}));
+  EXPECT_EQ(s.integrator, Integrator::implicit_steps);
+  EXPECT_EQ((std::vector<double>{c.coupling.tolerance, c.coupling.riemann_limiter, c.coupling.robin_mass_factor,
+                                 c.coupling.vem_coefficient.value(), c.output.frame_interval, c.output.gauge_interval}),
+            (std::vector<double>{1e-3, 2.5, 0.9, 2, 0.2, 0.3}));
+  EXPECT_EQ(c.coupling.vem_form, VemForm::sum);
 }
 
 // Seen to fail with the list of valid keys of the parent table searched.

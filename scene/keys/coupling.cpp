@@ -1,0 +1,82 @@
+// [coupling] and [coupling.vem]
+
+#include "scene/keys/row.hpp"
+#include "scene/keys/tables.hpp"
+
+namespace tern {
+namespace {
+
+using Presence = TableDefinition::Presence;
+
+const Rows<CouplingCase>& coupling_rows() {
+  // clang-format off
+  static const Rows<CouplingCase> rows = {
+      {"algorithm",
+       one_of(&CouplingCase::algorithm, {{"auto", CouplingAlgorithm::automatic},
+                                         {"CM0", CouplingAlgorithm::cm0},
+                                         {"CM2", CouplingAlgorithm::cm2},
+                                         {"CM3", CouplingAlgorithm::cm3}}),
+       "", "\"auto\"", any,
+       "CM2: predict, project, correct; CM3: the same, repeated until both sides agree, for bodies of any lightness; CM0: explicit "
+       "staggering, unstable where the fluid's added mass exceeds the mass of the structure; auto: CM3 where the mass behind a face is "
+       "at most that of half a layer of fluid particles, else CM2."},
+      {"acceleration", one_of(&CouplingCase::acceleration, {{"iqn-ils", Acceleration::iqn_ils}, {"aitken", Acceleration::aitken}}), "",
+       "\"iqn-ils\"", any,
+       "How CM3 finds its next trial: quasi-Newton from the trials before, of this and earlier windows; or one factor."},
+      {"tolerance", &CouplingCase::tolerance, "-", "1e-4", between(0, 1),
+       "Change of the load from one trial of CM3 to the next, over the load, at which the window is done."},
+      {"scheme",
+       one_of(&CouplingCase::scheme, {{"fsa", InterfaceScheme::fsa}, {"pi", InterfaceScheme::pi}, {"riemann", InterfaceScheme::riemann}}),
+       "", "\"riemann\"", any,
+       "How the fluid's pressure becomes a load (docs/SCHEMES.md). riemann: particle by particle, with Riemann dissipation; pi: the mean"
+       " pressure at a face times its area; fsa: the same with the corrected pressure gradient of the fluid."},
+      {"riemann_limiter", &CouplingCase::riemann_limiter, "-", "3.0", not_negative,
+       "Limiter eta of the Riemann dissipation, beta = min(eta max(du, 0)/c0, 1); 0 = none. Of scheme riemann only."},
+      {"robin_mass_factor", &CouplingCase::robin_mass_factor, "-", "1.0", between(0, 2),
+       "Mass with which the interface yields in the pressure solve over the mass behind it, m_p/m_s; a light body needs less than 4/3."},
+  };
+  // clang-format on
+  return rows;
+}
+
+const Rows<CouplingCase>& vem_rows() {
+  // clang-format off
+  static const Rows<CouplingCase> rows = {
+      {"coefficient", &CouplingCase::vem_coefficient, "-", required, above_to(0, 10),
+       "Coefficient C; 1 is advised, 5 over-predicts impact loads."},
+      {"form", one_of(&CouplingCase::vem_form, {{"seed", VemForm::seed}, {"sum", VemForm::sum}, {"pairmax", VemForm::pairmax}}),
+       "", "\"pairmax\"", any,
+       "pairmax: pushes apart where the fluid converges; sum: pulls together too where it diverges; seed: each side switches by itself "
+       "as published, which does not conserve momentum."},
+  };
+  // clang-format on
+  return rows;
+}
+
+}  // namespace
+
+std::vector<TableDefinition> coupling_tables() {
+  return {{"coupling", false, Presence::filled, "What happens between fluid and structure; only in a case that has both.",
+           parameters_of(coupling_rows())},
+          {"coupling.vem", false, Presence::optional,
+           "The velocity-divergence-error-mitigating term at the interface; absent = not evaluated.", parameters_of(vem_rows())}};
+}
+
+CouplingCase read_coupling(const Setting& table) {
+  CouplingCase coupling = default_coupling();
+  fill(coupling, coupling_rows(), table);
+  if (const Setting* vem = table.find("vem")) fill(coupling, vem_rows(), *vem);
+  return coupling;
+}
+
+CouplingCase default_coupling() {
+  static const CouplingCase coupling = [] {
+    CouplingCase all{};
+    fill_defaults(all, coupling_rows());
+    fill_defaults(all, vem_rows());
+    return all;
+  }();
+  return coupling;
+}
+
+}  // namespace tern

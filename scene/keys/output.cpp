@@ -1,0 +1,39 @@
+// [output]
+
+#include "scene/keys/row.hpp"
+#include "scene/keys/tables.hpp"
+
+namespace tern {
+namespace {
+
+using Presence = TableDefinition::Presence;
+
+const Rows<OutputCase>& output_rows() {
+  // clang-format off
+  static const Rows<OutputCase> rows = {
+      {"frame_interval", &OutputCase::frame_interval, "s", "0", not_negative,
+       "Time between frames of the particle fields; 0 = the first and the last only."},
+      {"gauge_interval", &OutputCase::gauge_interval, "s", "0", not_negative, "Time between rows of gauges.csv; 0 = every step."},
+  };
+  // clang-format on
+  return rows;
+}
+
+}  // namespace
+
+std::vector<TableDefinition> output_tables() {
+  return {{"output", false, Presence::filled, "What a run writes, and how often.", parameters_of(output_rows())}};
+}
+
+OutputCase read_output(const Setting& table) { return filled(output_rows(), table); }
+
+OutputCase default_output() {
+  static const OutputCase output = [] {
+    OutputCase all{};
+    fill_defaults(all, output_rows());
+    return all;
+  }();
+  return output;
+}
+
+}  // namespace tern

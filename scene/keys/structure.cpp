@@ -1,0 +1,104 @@
+// [structure], [[structure.body]] and [structure.numerics]
+
+#include <fmt/format.h>
+#include "base/error.hpp"
+#include "scene/keys/row.hpp"
+#include "scene/keys/tables.hpp"
+
+namespace tern {
+namespace {
+
+using Presence = TableDefinition::Presence;
+
+const Rows<StructureBody>& body_rows() {
+  // clang-format off
+  static const Rows<StructureBody> rows = {
+      {"name", &StructureBody::name, "", required, any, "Name of the body in gauges and messages; unique."},
+      {"shape", &StructureBody::shape, "", required, any, "The undeformed body."},
+      {"spacing", &StructureBody::spacing, "m", required, positive,
+       "Particle spacing dx_s; at least 2 and better 4 particles across the thinnest part."},
+      {"density", &StructureBody::density, "kg/m^3", required, positive, "Density of the undeformed body."},
+      {"young_modulus", &StructureBody::young_modulus, "Pa", required, positive, "Young's modulus E."},
+      {"poisson_ratio", &StructureBody::poisson_ratio, "-", required, between(-1, 0.5), "Poisson's ratio nu."},
+      {"clamp", &StructureBody::clamps, "", "[]", any,
+       "Particles inside any of these shapes are fixed; one layer of them is enough. The outermost ones are moved onto the face of the "
+       "region."},
+      {"material",
+       one_of(&StructureBody::law, {{"neo_hookean", MaterialLaw::neo_hookean}, {"st_venant_kirchhoff", MaterialLaw::st_venant_kirchhoff}}),
+       "", "\"neo_hookean\"", any,
+       "Law of the material: compressible neo-Hookean, or St Venant-Kirchhoff (which gives way under strong compression)."},
+      {"plane", one_of(&StructureBody::plane_stress, {{"strain", false}, {"stress", true}}), "", absent, any,
+       "2D only: no strain (absent, strain) or no stress across the plane."},
+      {"mass_damping", &StructureBody::mass_damping, "1/s", absent, positive,
+       "Damping force over momentum: Rayleigh damping in proportion to the mass; for static answers about twice the lowest angular "
+       "frequency. Absent = none."},
+      {"velocity", &StructureBody::velocity, "m/s", absent, any, "Initial velocity, expressions in x, y, z; absent = at rest."},
+  };
+  // clang-format on
+  return rows;
+}
+
+const Rows<StructureNumerics>& numerics_rows() {
+  // clang-format off
+  static const Rows<StructureNumerics> rows = {
+      {"smoothing_length_ratio", &StructureNumerics::smoothing_length_ratio, "-", "1.1", from_to(1.0, 2.5),
+       "Smoothing length over particle spacing, h0/dx_s."},
+      {"riemann_diffusion", &StructureNumerics::riemann_diffusion, "-", "1.0", from_to(0, 2),
+       "Coefficient chi of the complete-Riemann diffusion; 0 = off."},
+      {"hourglass_penalty", &StructureNumerics::hourglass_penalty, "-", "0", from_to(0, 1),
+       "Coefficient alpha of the penalty on zero-energy modes; 0 = off: the energy of the strain gradient holds them already."},
+      {"courant", &StructureNumerics::courant, "-", "0.3", above_to(0, 0.6), "Sub-step as a fraction of dx_s/(c_p + |v|max)."},
+      {"integrator",
+       one_of(&StructureNumerics::integrator,
+              {{"explicit", Integrator::explicit_steps}, {"implicit", Integrator::implicit_steps}, {"auto", Integrator::automatic}}),
+       "", absent, any,
+       "Explicit sub-steps with diffusion; implicit steps of at most 100 sub-steps, without it; auto: whichever is cheaper, by a count "
+       "of what the implicit steps take. Absent = auto beside a fluid, whose steps are what the motion needs; explicit alone, where "
+       "nothing but the sub-steps resolves a wave."},
+  };
+  // clang-format on
+  return rows;
+}
+
+}  // namespace
+
+std::vector<TableDefinition> structure_tables() {
+  return {{"structure", false, Presence::optional, "The elastic bodies; absent = no structure.", {}},
+          {"structure.body", true, Presence::required, "An elastic body.", parameters_of(body_rows())},
+          clamp_table(),
+          load_table(),
+          {"structure.numerics", false, Presence::filled, "Numerical options of the structure.", parameters_of(numerics_rows())}};
+}
+
+StructureCase read_structure(const Setting& table, int dimension, bool coupled, const std::filesystem::path& folder) {
+  StructureCase structure;
+  for (const Setting& item : table.at("body").items) {
+    const StructureBody body = filled(body_rows(), item);
+    if (const Setting* plane = item.find("plane"); plane && dimension == 3) {
+      throw BadInput(
+          fmt::format("{}: the body '{}' is in plane {}, which has no meaning in 3D; remove it.", plane->where, body.name, plane->text));
+    }
+    structure.bodies.push_back(body);
+  }
+  if (const Setting* clamps = table.find("clamp"))
+    for (const Setting& clamp : clamps->items) structure.clamps.push_back(read_clamp(clamp, dimension, folder));
+  for (const ClampCase& clamp : structure.clamps)
+    for (StructureBody& body : structure.bodies)
+      if (body.name == clamp.body) body.clamps.push_back(clamp.region);
+  if (const Setting* loads = table.find("load"))
+    for (const Setting& load : loads->items) structure.loads.push_back(read_load(load));
+  if (coupled) structure.numerics.integrator = Integrator::automatic;  // unless the case says another
+  fill(structure.numerics, numerics_rows(), table.at("numerics"));
+  return structure;
+}
+
+StructureNumerics default_structure_numerics() {
+  static const StructureNumerics numerics = [] {
+    StructureNumerics all{};
+    fill_defaults(all, numerics_rows());
+    return all;
+  }();
+  return numerics;
+}
+
+}  // namespace tern
