@@ -17,7 +17,8 @@ struct SoloStep {
   int iterations;
 };
 
-/// advance(now, target) makes one step from `now` on, at most to `target`, where the next frame is due. Throws Interrupted, with all results written, and what the solver throws.
+/// advance(now, target) makes one step from `now` on, at most to `target`, where the next frame is due. Throws Interrupted, with
+/// all results written, and what the solver throws.
 template <class Side, class Advance>
 void run_alone(const CommandLine& command, const Case& scene, RunReport& report, Side side, std::vector<std::string> gauge_columns,
                std::vector<std::string> energy_columns, Advance&& advance) {

@@ -37,8 +37,9 @@ void set_wall_sums(const Constants<D>& constants, const std::vector<Vector<D>>& 
 
 namespace {
 
-/// Beside a corner: takes the cones behind back-facing faces from what is hidden from particle i at x, sets what the interface does not bear
-/// of its sums, and turns `across` into what the faces put on a particle where quantities vary linearly, -2 sum_k A_k w~ n_k (x_k - x_i)^T:
+/// Beside a corner: takes the cones behind back-facing faces from what is hidden from particle i at x, and sets what the interface does
+/// not bear of its sums. Turns `across` into what the faces put on a particle where quantities vary linearly,
+/// -2 sum_k A_k w~ n_k (x_k - x_i)^T:
 /// there is no one normal across which the fluid is mirrored.
 template <int D>
 void close_round_corner(const Constants<D>& constants, const Vector<D>& x, const Vector<D>& gravity, const Faces<D>& faces,

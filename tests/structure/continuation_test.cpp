@@ -195,6 +195,9 @@ TEST(Continuation, NeedsEveryFieldOfTheState) {
   const std::vector<std::pair<Case, Windows>> scenes = {{strip<2>(Integrator::explicit_steps), {1e-4, 3, 2}},
                                                         {strip<2>(Integrator::implicit_steps), {1e-4, 12, 3}},
                                                         {shaken(Integrator::implicit_steps), {1e-4, 3, 2}},
+                                                        // More iterations than a new factor needs.
+                                                        {shaken(Integrator::implicit_steps), {5e-4, 6, 2}},
+                                                        {shaken(Integrator::implicit_steps), {1e-3, 11, 2}},
                                                         {free_strip(), {1e-3, 3, 1}},
                                                         {rare, rare_implicit_windows(rare)},
                                                         {rare, {rare_implicit_windows(rare).window_s, 50, 2}}};

@@ -65,10 +65,10 @@ void check_law(const Law& law, std::mt19937& random) {
   EXPECT_LT((stress_at<D, Lanes>(law, f) - p).norm(), 1e-12 * largest) << law.name;
   // Small strain.
   Matrix<D> h = Matrix<D>::Zero();
-  for (int a = 0; a < D; ++a) h.col(a) = random_vector<D>(random, 1e-6);
+  for (int a = 0; a < D; ++a) h.col(a) = random_vector<D>(random, 1e-5);  // differences of 1 keep five digits of an energy
   const Matrix<D> e = 0.5 * (h + h.transpose()), hooke = law.template strain_stress<D>(e);
-  EXPECT_LT((stress_at<D>(law, identity + h) - hooke).norm(), 2e-5 * hooke.norm()) << law.name;
-  EXPECT_NEAR(law.template energy_density<D>(h, identity + h), law.template strain_energy<D>(e), 1e-4 * law.template strain_energy<D>(e));
+  EXPECT_LT((stress_at<D>(law, identity + h) - hooke).norm(), 2e-4 * hooke.norm()) << law.name;
+  EXPECT_NEAR(law.template energy_density<D>(h, identity + h), law.template strain_energy<D>(e), 2e-4 * law.template strain_energy<D>(e));
   EXPECT_NEAR(law.modulus_at(1), law.plane_lambda + 2 * law.mu, 1e-9 * largest) << law.name;
 }
 
@@ -92,7 +92,8 @@ TEST(Material, KnowsTheStressAcrossThePlane) {
   for_each_material([&]<class Law>() {
     for (const bool plane_stress : {false, true}) {
       const Law law(parameters(plane_stress)), in_space(parameters());
-      const Matrix<2> f = random_deformation<2>(random);
+      // Half of it: in plane stress St Venant-Kirchhoff has no thickness left where tr E reaches (1 - nu)/(2 nu).
+      const Matrix<2> f = 0.5 * (Matrix<2>::Identity() + random_deformation<2>(random));
       const OutOfPlane across = law.template out_of_plane<2>(f - Matrix<2>::Identity(), f.determinant());
       Matrix<3> full = Matrix<3>::Identity();
       full.topLeftCorner<2, 2>() = f;
