@@ -171,7 +171,7 @@ Continuation with_surface() {
 
 class StateOfFluid : public ::testing::TestWithParam<std::function<Continuation()>> {};
 
-// Seen to fail: with particle_class, wall_velocity, fills_enclosure or enclosed.pushed left out of the copy, each in the scenes
+// Seen to fail: with particle_class, wall_velocity or enclosed.pushed left out of the copy, each in the scenes
 // named in the test below.
 TEST_P(StateOfFluid, IsAllThatAFreshFluidNeedsToGoOnWithTheSameBits) {
   const Continuation c = GetParam()();
@@ -191,10 +191,9 @@ TEST(StateOfFluid, HasNoPartThatCouldBeLeftOut) {
   const auto fields_differ = [](const Continuation& c, const std::function<void(State<2>&)>& leave_out) {
     return !differences_after_ten_windows<2>(c, true, leave_out).empty();
   };
-  EXPECT_TRUE(fields_differ(falling_column(), [](State<2>& s) { s.particle_class.assign(s.size(), {}); }));
+  EXPECT_TRUE(fields_differ(fast_drop(), [](State<2>& s) { s.particle_class.assign(s.size(), {}); }));
   EXPECT_TRUE(fields_differ(falling_column(), [](State<2>& s) { s.pressure.assign(s.size(), 0); }));
   EXPECT_TRUE(fields_differ(moving_walls(), [](State<2>& s) { s.wall_velocity.assign(s.wall_velocity.size(), Vector<2>::Zero()); }));
-  EXPECT_TRUE(fields_differ(enclosed(), [](State<2>& s) { s.fills_enclosure = false; }));
   EXPECT_NE(differences_after_ten_windows<2>(piston(), false, [](State<2>& s) { s.enclosed.pushed.clear(); }), "");
 }
 
@@ -204,7 +203,7 @@ TEST(StateOfFluid, IsCopiedWhereItMatters) {
     differences_after_ten_windows<2>(
         c, true, [](State<2>&) {}, at_the_copy);
   };
-  look(falling_column(), [](const State<2>& s) {
+  look(fast_drop(), [](const State<2>& s) {
     EXPECT_TRUE(std::any_of(s.particle_class.begin(), s.particle_class.end(), [](ParticleClass own) { return own.spray(); }));
   });
   look(enclosed(), [](const State<2>& s) { EXPECT_TRUE(s.fills_enclosure); });
@@ -214,13 +213,15 @@ TEST(StateOfFluid, IsCopiedWhereItMatters) {
 
 // The count of windows goes on where it was: the fresh fluid stops in the same window.
 TEST(StateOfFluid, StopsACollapsedRunInTheSameWindow) {
-  Fluid<2> fluid(fast_drop().scene);
+  const Case pool = scene(2, 0.01, {box({0, 0, 0}, {0.1, 0.1, 0})}, {tank({0, 0, 0}, {0.1, 0.1, 0})});
+  Fluid<2> fluid(pool);
   State<2> state = fluid.state();
-  state.velocity.back() = {0, 150};
+  state.position.back() = {0.05, 10};
+  state.velocity.back() = {0, 150 * std::sqrt(gravity * 0.1)};
   fluid.set_state(std::move(state));
   for (int n = 0; n < 6; ++n) advance(fluid, false);
   ASSERT_EQ(fluid.state().windows_of_collapse, 6);
-  Fluid<2> fresh(fast_drop().scene);
+  Fluid<2> fresh(pool);
   fresh.set_state(fluid.state());
   for (int n = 0; n < 3; ++n) advance(fresh, false);
   EXPECT_THROW(advance(fresh, false), NumericalFailure);

@@ -19,7 +19,7 @@ from fake_build import ROOT
 from real_run import RealRunTest, find_damage
 
 CASE = ROOT / "cases" / "conformance"
-FOREIGN = ROOT / "proto" / "python" / "participants" / "rigid_spring.py"
+FOREIGN = ROOT / "python" / "tern" / "participant" / "solvers" / "rigid_spring.py"
 PROGRAMS = {"fluid": "tern-fluid", "structure": "tern-structure", "coupler": "tern-coupler", "foreign": FOREIGN.name}
 ROLES = {"foreign": "structure"}  # of whom the others speak, where it is not the name
 AT_ONCE = 6  # runs side by side: most of them wait
