@@ -22,7 +22,8 @@ NUMERICS = ("fluid", "structure", "coupler")
 NEEDS = {
     "base": (),
     "sph": ("base",),
-    "scene": ("base",),
+    "material": ("base",),  # the laws alone: the case file takes their names from them
+    "scene": ("base", "material"),
     "run": ("base", "scene"),
     "interface": ("base",),
     "wire": ("interface", "scene"),

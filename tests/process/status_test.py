@@ -36,7 +36,7 @@ class StatusTest(RealRunTest):
 
     # Seen to fail: with the role looked for in the command line of the process.
     def test_a_foreign_participant_lives_as_well(self):
-        foreign = ROOT / "proto" / "python" / "participants" / "rigid_spring.py"
+        foreign = ROOT / "python" / "tern" / "participant" / "solvers" / "rigid_spring.py"
         process = self.start("--quiet", "--structure", f"{foreign} --stiffness 1e6", case=ROOT / "cases" / "conformance")
         self.assertTrue(wait_until(lambda: re.search(r"structure +process \d+ +running", self.status(self.out)[1]), 20),
                         self.status(self.out)[1])
