@@ -15,7 +15,7 @@ ALLOWED = {
     "paths": {"errors"},
     "expression": {"errors"},
     "results": {"errors"},
-    "participant": {"errors", "paths", "expression"},
+    "participant": {"errors", "paths", "expression", "results"},
     "launch": {"errors", "paths", "results", "participant"},
     "verify": {"errors", "expression", "results", "launch"},
     "plot": {"errors", "results"},
@@ -23,10 +23,11 @@ ALLOWED = {
     "extremes": {"errors", "paths", "results", "launch"},
     "report": {"errors", "paths", "results", "verify", "plot"},
     "command_line": EVERYTHING,
+    "api": EVERYTHING,
     "": EVERYTHING,          # tern/__init__.py
     "__main__": {"command_line"},
 }
-PLAIN = {"errors", "paths", "expression", "results", "launch", "verify", "command_line", "__main__", ""}
+PLAIN = {"errors", "paths", "expression", "results", "launch", "verify", "api", "command_line", "__main__", ""}
 
 
 def name_of(path):
