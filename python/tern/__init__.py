@@ -8,7 +8,7 @@
     run.frames[-1].fluid["pressure"]                                          # array [Pa], a value per particle
     rows = tern.study("hydrostatic_tank", ["fluid.spacing"], budget=5)        # as ./tern study
 
-help(tern.run), help(tern.Run) and help(tern.study) say the rest; docs/tern.ipynb shows it. `./tern python SCRIPT.py` finds this package,
+help(tern.run), help(tern.Run) and help(tern.study) say the rest; docs/tern.ipynb shows it. `./tern python my_script.py` finds this package,
 as does any Python with python/ of the clone on its PYTHONPATH. A fluid or a structure in Python begins with tern.participant.
 
 The package has layers. A part imports what stands above it in this list, and of that only what is named:
@@ -24,9 +24,9 @@ The package has layers. A part imports what stands above it in this list, and of
     report                      errors, paths, results, verify, plot
     api, command_line, this module   everything
 
-A run needs the standard library only: errors, paths, expression, results, launch, verify, api and command_line import numpy, h5py, matplotlib
-and zmq where arrays, frames, pictures or messages are asked for, never when they are imported themselves. tests/python/layers_test.py
-holds all of this.
+A run needs the standard library only: errors, paths, expression, results, launch, verify, api and command_line import numpy, h5py,
+matplotlib and zmq where arrays, frames, pictures or messages are asked for, never when they are imported themselves.
+tests/python/layers_test.py holds all of this.
 """
 
 import importlib

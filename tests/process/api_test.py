@@ -54,7 +54,11 @@ class ApiTest(RealRunTest):
     # Seen to fail: with signal handlers set in any thread (ValueError).
     def test_runs_may_be_started_in_threads(self):
         found = {}
-        threads = [threading.Thread(target=lambda n=n: found.update({n: tern.run(SCENE, out=self.path / f"run{n}", until=0.01)})) for n in range(2)]
+
+        def start(n):
+            found[n] = tern.run(SCENE, out=self.path / f"run{n}", until=0.01)
+
+        threads = [threading.Thread(target=start, args=(n,)) for n in range(2)]
         for thread in threads:
             thread.start()
         for thread in threads:

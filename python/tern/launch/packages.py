@@ -91,7 +91,8 @@ def _install(absent):
                                   f"run apt-get install {names}, then start tern again.")
     print(f"tern: installing {len(absent)} missing Debian packages with {' '.join(sudo + ['apt-get'])}: {names}",
           file=sys.stderr, flush=True)
-    quiet = [*sudo, "env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "-qq", "-o", "Dpkg::Use-Pty=0", "-o", f"DPkg::Lock::Timeout={APT_WAITS_S}"]
+    quiet = [*sudo, "env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "-qq", "-o", "Dpkg::Use-Pty=0",
+             "-o", f"DPkg::Lock::Timeout={APT_WAITS_S}"]
     for step in (["update"], ["install", "-y", "--no-install-recommends", *absent]):
         answer = _apt([*quiet, *step])
         if answer.returncode != 0:
