@@ -29,6 +29,7 @@ def run(case, set=None, out=None, *, preset=None, until=None, threads=None, dead
     quiet      False: say where the results go and how far the run is
     fluid, structure   a command in place of tern-fluid or tern-structure (docs/PARTICIPANTS.md)
     record     keep all messages, to play one side back
+    build      "release", "debug", "asan" or "tsan"
     allow_unstable     run the explicit coupling although the added mass predicts that it is unstable
 
     Raises tern.RunFailed (a tern.Error) with exit code and first cause when the run ends early, tern.Error for a case or an option

@@ -6,6 +6,7 @@ import os
 import re
 import threading
 import unittest
+from unittest import mock
 
 import numpy as np
 from fake_build import ROOT, FakeBuild
@@ -19,7 +20,7 @@ NOTEBOOK = ROOT / "docs" / "tern.ipynb"
 class ApiTest(RealRunTest):
     def setUp(self):
         super().setUp()
-        os.environ["TERN_BUILD"] = str(self.build)
+        self.enterContext(mock.patch.dict(os.environ, {"TERN_BUILD": str(self.build)}))
 
     # Seen to fail: with the settings left out of the command.
     def test_a_run_is_that_of_the_command_line(self):
@@ -42,10 +43,7 @@ class ApiTest(RealRunTest):
             tern.run(SCENE, {"fluid.spacng": 1}, self.out)
         self.assertEqual(caught.exception.exit_code, 2)
         self.assertFalse(self.out.exists())
-        with FakeBuild() as fake:
-            os.environ["TERN_BUILD"] = str(fake.path / "build")
-            os.environ["FAKE_FLUID"] = "report 3 It burst."
-            self.addCleanup(os.environ.pop, "FAKE_FLUID")
+        with FakeBuild() as fake, mock.patch.dict(os.environ, {"TERN_BUILD": str(fake.path / "build"), "FAKE_FLUID": "report 3 It burst."}):
             with self.assertRaises(tern.RunFailed) as caught:
                 tern.run(fake.path / "pond", out=self.out)
         failure = caught.exception
@@ -69,7 +67,7 @@ class ApiTest(RealRunTest):
 class NotebookTest(RealRunTest):
     # Seen to fail: with a gauge, a field or an option in it that does not exist.
     def test_every_cell_runs(self):
-        os.environ |= {"TERN_BUILD": str(self.build), "MPLBACKEND": "Agg"}
+        self.enterContext(mock.patch.dict(os.environ, {"TERN_BUILD": str(self.build), "MPLBACKEND": "Agg"}))
         before = os.getcwd()
         os.chdir(self.path)
         self.addCleanup(os.chdir, before)
