@@ -25,6 +25,14 @@ class Error(Exception):
         self.exit_code = exit_code
 
 
+class RunFailed(Error):
+    """A run that ended early. `first_cause`: one sentence; `role`: the process it happened to; `directory`: the results up to there."""
+
+    def __init__(self, exit_code, first_cause, role, directory):
+        super().__init__(exit_code, f"{first_cause} (exit code {exit_code}; what was computed is in {directory})")
+        self.first_cause, self.role, self.directory = first_cause, role, directory
+
+
 class UnreadableRun(Error):
     """The directory does not hold what was asked of it; one sentence."""
 

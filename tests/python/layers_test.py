@@ -15,7 +15,7 @@ ALLOWED = {
     "paths": {"errors"},
     "expression": {"errors"},
     "results": {"errors"},
-    "participant": {"errors", "paths", "expression"},
+    "participant": {"errors", "paths", "expression", "results"},
     "launch": {"errors", "paths", "results", "participant"},
     "verify": {"errors", "expression", "results", "launch"},
     "plot": {"errors", "results"},
@@ -23,10 +23,11 @@ ALLOWED = {
     "extremes": {"errors", "paths", "results", "launch"},
     "report": {"errors", "paths", "results", "verify", "plot"},
     "command_line": EVERYTHING,
+    "api": EVERYTHING,
     "": EVERYTHING,          # tern/__init__.py
     "__main__": {"command_line"},
 }
-PLAIN = {"errors", "paths", "expression", "results", "launch", "verify", "command_line", "__main__", ""}
+PLAIN = {"errors", "paths", "expression", "results", "launch", "verify", "api", "command_line", "__main__", ""}
 
 
 def name_of(path):
@@ -107,11 +108,11 @@ class LayersTest(unittest.TestCase):
 
     # Seen to fail: with such a line in bench/soak.py.
     def test_nobody_makes_a_search_path_by_hand(self):
+        by_hand = re.compile(r"\bsys\s*\.\s*path\b|\bfrom sys import\b.*\bpath\b")
         for folder in ("python", "tests", "bench", "cases"):
             for path in (ROOT / folder).rglob("*.py"):
-                self.assertIsNone(re.search(r"\bsys\s*\.\s*path\b(?!\.)", path.read_text(encoding="utf-8"))
-                                  if path != Path(__file__).resolve()
-                                  else None, f"{path} changes the search path: PYTHONPATH is set by who starts it (docs/ARCHITECTURE.md)")
+                if path != Path(__file__).resolve() and by_hand.search(path.read_text(encoding="utf-8")):
+                    self.fail(f"{path} changes the search path: PYTHONPATH is set by who starts it (docs/ARCHITECTURE.md)")
 
     # Seen to fail: with a row of ALLOWED changed.
     def test_the_docstring_says_the_same(self):

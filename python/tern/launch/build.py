@@ -9,12 +9,14 @@ import os
 import re
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 from tern import paths
 from tern.errors import BAD_INPUT, INPUT_OUTPUT, Error
 from tern.launch import packages
 
+PROGRESS_INTERVAL_S = 10.0  # where standard error is no terminal
 EXECUTABLES = ("tern-case", "tern-fluid", "tern-structure", "tern-coupler")
 PRESETS = ("release", "debug", "asan", "tsan")
 FUZZERS = ("fuzz-message", "fuzz-case")  # of the preset fuzz
@@ -61,21 +63,28 @@ def digest(directory):
 
 
 def _quietly(command, activity):
-    """Runs `command` in the clone; shows [done/all] while it works and its whole output only if it fails."""
+    """Runs `command` in the clone; shows how many of its steps are done, and its whole output only if it fails.
+
+    On a terminal one line counts them, elsewhere a line says so every few seconds.
+    """
     terminal = sys.stderr.isatty()
-    announced = False
+    announced = None  # when, in monotonic seconds
     output = []
     with subprocess.Popen(command, cwd=paths.source(), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, text=True, errors="replace") as process:
         for line in process.stdout:
             output.append(line)
-            progress = re.match(r"\[(\d+/\d+)\]", line)
-            if progress and terminal:
-                sys.stderr.write(f"\rtern: {activity} {progress.group(1)} \x1b[K")
+            progress = re.match(r"\[(\d+)/(\d+)\]", line)
+            if progress is None:
+                continue
+            said = f"tern: {activity}, {progress.group(1)} of {progress.group(2)}"
+            if terminal:
+                sys.stderr.write(f"\r{said} \x1b[K")
                 sys.stderr.flush()
-            elif progress and not announced:
-                print(f"tern: {activity}, {progress.group(1).split('/')[1]} steps", file=sys.stderr, flush=True)
-            announced = announced or bool(progress)
+                announced = True
+            elif announced is None or time.monotonic() - announced >= PROGRESS_INTERVAL_S:
+                print(said, file=sys.stderr, flush=True)
+                announced = time.monotonic()
     if terminal and announced:
         sys.stderr.write("\r\x1b[K")
     if process.returncode != 0:

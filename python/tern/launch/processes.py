@@ -6,6 +6,7 @@ import shutil
 import signal
 import subprocess
 import tempfile
+import threading
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -43,14 +44,19 @@ class Process:
 
 
 class Interrupts:
-    """Counts SIGINT, SIGTERM and SIGHUP while a run lasts, and wakes the supervisor through a pipe."""
+    """Counts SIGINT, SIGTERM and SIGHUP while a run lasts, and wakes the supervisor through a pipe.
+
+    Signals go to the main thread: a run that a script has started in another one is not interrupted by them.
+    """
 
     def __enter__(self):
         self.count = 0
         self.read_end, self.write_end = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
-        self._wakeup = signal.set_wakeup_fd(self.write_end, warn_on_full_buffer=False)
-        self._before = {number: signal.signal(number, self._handle)
-                        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+        self._before = {}
+        if threading.current_thread() is threading.main_thread():
+            self._wakeup = signal.set_wakeup_fd(self.write_end, warn_on_full_buffer=False)
+            self._before = {number: signal.signal(number, self._handle)
+                            for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
         return self
 
     def _handle(self, _number, _frame):
@@ -59,7 +65,8 @@ class Interrupts:
     def __exit__(self, *_):
         for number, handler in self._before.items():
             signal.signal(number, handler)
-        signal.set_wakeup_fd(self._wakeup)
+        if self._before:
+            signal.set_wakeup_fd(self._wakeup)
         os.close(self.read_end)
         os.close(self.write_end)
 

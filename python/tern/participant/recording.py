@@ -1,11 +1,10 @@
 """interface.record of a run (./tern run CASE --record): the messages of one side, to be played back in another run."""
 
-import csv
-import json
 from pathlib import Path
 
 from tern.participant.schema import wire
 from tern.participant.side import bad_input
+from tern.results import report, series
 
 # What the motion of a side depends on; the rest of the case may differ from that of the record.
 _OWN_TABLES = {"fluid": ("dimension", "gravity", "domain", "wall", "fluid", "gauge"),
@@ -45,8 +44,7 @@ class Recording:
         if not self._path.is_file():
             raise bad_input(f"{directory} has no interface.record; make one with ./tern run CASE --record.")
         self._refuse_another_case(Path(directory))
-        with open(Path(directory) / "steps.csv", encoding="utf-8", newline="") as file:
-            self._ends = [float(row["t_s"]) for row in csv.DictReader(file) if row["t_s"]]
+        self._ends = [end for end, _ in series.read(Path(directory) / "steps.csv", "t_s")]
         sender = {"fluid": wire.FLUID, "structure": wire.STRUCTURE}[run.role]
         self._messages = (message for message in messages(self._path) if message.sender == sender)
         self._next = next(self._messages, None)
@@ -54,7 +52,7 @@ class Recording:
         self.hello.case_hash = run.case.hash
 
     def _refuse_another_case(self, directory):
-        recorded = json.loads((directory / "run.json").read_text(encoding="utf-8"))["settings"]
+        recorded = report.read(directory)["settings"]
         for table in _OWN_TABLES[self._run.role]:
             old, new = (_flat(settings.get(table, {}), table) for settings in (recorded, self._run.case.settings))
             for key in {**old, **new}:

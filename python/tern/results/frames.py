@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+INDEX = "connectivity"  # for ParaView; no field
 DIGITS = 9  # of times [s] that are the same: participants may write them differently
 
 
@@ -28,7 +29,7 @@ class Fields(Mapping):
     def __iter__(self):
         import h5py
         with self._open() as file:
-            return iter([name for name, data in file[self._group].items() if isinstance(data, h5py.Dataset)])
+            return iter([name for name, data in file[self._group].items() if isinstance(data, h5py.Dataset) and name != INDEX])
 
     def __len__(self):
         return len(list(iter(self)))

@@ -1,6 +1,7 @@
 """./tern study: sweeps the parameters of a case, resumes what was begun, and answers which settings to take."""
 
 import shlex
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, INTERRUPTED, PEER_LOST, Error, UnreadableRun
@@ -39,27 +40,39 @@ def parse_time(text):
     return value
 
 
+@dataclass
+class Request:
+    """What ./tern study is asked for; the defaults are those of its options."""
+
+    case: str
+    parameters: list = field(default_factory=list)  # names, also several in one, "courant,preset"; none: all the scene has
+    levels: int = 2
+    budget: float | None = None  # min
+    until: float | None = None   # s
+    set: list = field(default_factory=list)  # KEY=VALUE
+    out: str | None = None
+    keep: bool = False
+
+
 class Study:
     """One case and the directory its points are in."""
 
-    def __init__(self, arguments):
-        self.wish = {"error": parse_error(arguments.error) if arguments.error else None,
-                     "time_s": parse_time(arguments.time) if arguments.time else None}
-        self.chosen = parameters.select([name for part in arguments.parameters or [] for name in part.split(",") if name])
-        self.budget_s = sweep.check_budget(arguments.budget)
-        self.path = cases.find(arguments.case)
+    def __init__(self, request):
+        self.chosen = parameters.select([name for part in request.parameters for name in part.split(",") if name])
+        self.budget_s = sweep.check_budget(request.budget)
+        self.path = cases.find(request.case)
         self.build = build.ensure("release")
-        self.base_options = [part for setting in arguments.set for part in ("--set", setting)]
+        self.base_options = [part for setting in request.set for part in ("--set", setting)]
         self.case = cases.read(self.build, self.path, self.base_options)
-        self.name = arguments.case
+        self.name = request.case
         self.settings = self.case["settings"]
-        self.criterion = accuracy.read(self.path.parent, self.case["end_time"], arguments.until)
-        self.out = Path(arguments.out) if arguments.out else Path("runs") / f"study-{self.case['name']}"
+        self.criterion = accuracy.read(self.path.parent, self.case["end_time"], request.until)
+        self.out = Path(request.out) if request.out else Path("runs") / f"study-{self.case['name']}"
         self.out.mkdir(parents=True, exist_ok=True)
         self.csv = self.out / "cost_accuracy.csv"
-        self.version, self.keep_versions = build.version(self.build), arguments.keep
+        self.version, self.keep_versions = build.version(self.build), request.keep
         self.scene_parameters = [parameter for parameter in parameters.PARAMETERS if parameters.applies(parameter, self.settings)]
-        wanted = parameters.points(self.settings, self.chosen, arguments.levels)
+        wanted = parameters.points(self.settings, self.chosen, request.levels)
         self.wanted = [parameters.STANDARD, *wanted, parameters.STANDARD_AGAIN]
         found = rows.read(self.csv)
         own = {(row.point, row.options): self._judged(row) for row in found if self._belongs(row)}
@@ -134,6 +147,13 @@ class Study:
                 row.distance_to_finest = coarser.distance_to_finest if coarser else None
         rows.write(self.csv, [*self.others, *self.rows], self.columns())
 
+    def write(self, left_out):
+        """The table, study.md and trade.png of what has been measured."""
+        self.fill_distances()
+        (self.out / "study.md").write_text(report.text(self.case["name"], self.rows, left_out, self.criterion.left_out), encoding="utf-8")
+        from tern.studies import picture  # matplotlib takes its time: not before there is something to show
+        picture.draw(self.case["name"], self.rows, self.out / "trade.png")
+
     def _table(self, row):
         """The curves of a row, if what is in its directory is its run: another end or version may have come after it."""
         directory = self.out / "points" / row.point
@@ -153,15 +173,14 @@ def _left_out_sentence(left_out):
 
 def study(arguments):
     """Runs the study (or only answers from it); returns the exit code."""
-    one = Study(arguments)
-    asked = any(value is not None for value in one.wish.values())
+    wish = {"error": parse_error(arguments.error) if arguments.error else None,
+            "time_s": parse_time(arguments.time) if arguments.time else None}
+    one = Study(Request(**{name: getattr(arguments, name) for name in Request.__dataclass_fields__}))
+    asked = any(value is not None for value in wish.values())
     left_out, interrupted = ([], False) if asked and front.measured(one.rows) else one.run()
-    one.fill_distances()
-    (one.out / "study.md").write_text(report.text(one.case["name"], one.rows, left_out, one.criterion.left_out), encoding="utf-8")
-    from tern.studies import picture
-    picture.draw(one.case["name"], one.rows, one.out / "trade.png")
+    one.write(left_out)
     if asked:
-        print(report.answer(one.name, one.rows, **one.wish, base_options=shlex.join(one.base_options)))
+        print(report.answer(one.name, one.rows, **wish, base_options=shlex.join(one.base_options)))
     if left_out:
         print(_left_out_sentence(left_out))
     if one.others:

@@ -4,38 +4,40 @@ Vector fields enter with their magnitude. The expression is in x, y, z [m] of th
 limit the particles to a box; `scale` divides the result.
 """
 
-from tern.expression import compile_expression
 from tern.errors import ReductionError
+from tern.expression import compile_expression
+from tern.results import frames
 
 NORMS = ("l2", "max", "mean")
 REQUIRED = {"process", "field", "norm", "expression"}
 OPTIONAL = {"at", "from", "to", "min", "max", "scale"}
 
 
-def _frames(file, quantity):
-    """[(time, group)] of the frames asked for: at a time, at the "end", or all between `from` and `to`."""
-    frames = sorted(((float(group.attrs["time_s"]), group) for name, group in file.items() if name.startswith("frame_")),
-                    key=lambda frame: frame[0])
-    if not frames:
-        raise ReductionError(f"{file.filename} holds no frame")
+def _frames(path, quantity):
+    """The frames asked for: at a time, at the "end", or all between `from` and `to`."""
+    found = frames.read(path)
+    if not found:
+        raise ReductionError(f"{path} holds no frame")
     if "at" not in quantity:
         start, end = quantity.get("from", 0.0), quantity.get("to", float("inf"))
-        part = [frame for frame in frames if start - 1e-9 <= frame[0] <= end + 1e-9]
+        part = [frame for frame in found if start - 1e-9 <= frame.time <= end + 1e-9]
         if not part:
             raise ReductionError(f"there is no frame between t = {start:g} s and t = {end:g} s")
         return part
     if quantity["at"] == "end":
-        return [frames[-1]]
-    nearest = min(frames, key=lambda frame: abs(frame[0] - quantity["at"]))
-    if abs(nearest[0] - quantity["at"]) > 1e-3:
+        return [found[-1]]
+    nearest = frames.nearest(found, quantity["at"])
+    if abs(nearest.time - quantity["at"]) > 1e-3:
         raise ReductionError(f"there is no frame within 1 ms of t = {quantity['at']:g} s; the nearest is at "
-                             f"{nearest[0]:g} s (set output.frame_interval)")
+                             f"{nearest.time:g} s (set output.frame_interval)")
     return [nearest]
 
 
-def _norm(time, group, quantity, numpy):
-    position = numpy.asarray(group["position"], dtype=float)
-    values = numpy.asarray(group[quantity["field"]], dtype=float)
+def _norm(frame, quantity):
+    import numpy
+    time = frame.time
+    position = numpy.asarray(frame["position"], dtype=float)
+    values = numpy.asarray(frame[quantity["field"]], dtype=float)
     if values.ndim == 2:
         values = numpy.linalg.norm(values, axis=1)
     inside = numpy.ones(len(position), dtype=bool)
@@ -60,13 +62,10 @@ def _norm(time, group, quantity, numpy):
 
 def reduce(run, quantity):
     """The norm asked for; over several frames, the one of largest magnitude."""
-    import h5py  # only fields need them: the launcher itself runs without
-    import numpy
     path = run / f"{quantity['process']}.h5"
     if not path.is_file():
         raise ReductionError(f"{path} does not exist")
-    with h5py.File(path, "r") as file:
-        frames = _frames(file, quantity)
-        if quantity["field"] not in frames[0][1]:
-            raise ReductionError(f"{path} has no field {quantity['field']}; it has {', '.join(frames[0][1])}")
-        return max((_norm(time, group, quantity, numpy) for time, group in frames), key=abs)
+    chosen = _frames(path, quantity)
+    if quantity["field"] not in chosen[0]:
+        raise ReductionError(f"{path} has no field {quantity['field']}; it has {', '.join(chosen[0])}")
+    return max((_norm(frame, quantity) for frame in chosen), key=abs)
