@@ -156,7 +156,6 @@ std::string differences_after_continuation(const Case& c, const Windows& run, co
 
 constexpr Windows forty_sub_steps{1e-4, 12, 12};
 
-// Seen to fail: with the displacement at which the factor was made replaced by the present one.
 TEST(Continuation, OfAStructureHasTheSameBitsWithEveryIntegrator) {
   for (const Integrator integrator : {Integrator::explicit_steps, Integrator::implicit_steps, Integrator::automatic}) {
     EXPECT_EQ(differences_after_continuation<2>(strip<2>(integrator), forty_sub_steps), "") << static_cast<int>(integrator);
@@ -166,7 +165,6 @@ TEST(Continuation, OfAStructureHasTheSameBitsWithEveryIntegrator) {
   EXPECT_EQ(differences_after_continuation<2>(free_strip(), forty_sub_steps), "");
 }
 
-// As above.
 TEST(Continuation, OfAStructureHasTheSameBitsForEveryMaterial) {
   for (const std::string& material : material_keys())
     for (const bool plane_stress : {false, true})
@@ -217,7 +215,6 @@ TEST(Continuation, RefusesTheStateOfAnotherScene) {
   EXPECT_THROW(other.set_state(one.state()), BadInput);
 }
 
-// Seen to fail: without the surface, whose velocities are those that the fluid was given.
 TEST(Continuation, OfACoupledStructureHasTheSameBits) {
   for (const CouplingAlgorithm algorithm : {CouplingAlgorithm::cm0, CouplingAlgorithm::cm2, CouplingAlgorithm::cm3}) {
     const Case c = strip<2>(Integrator::automatic);
