@@ -9,6 +9,7 @@
 #include "coupler/process/accounts.hpp"
 #include "coupler/process/remote_participants.hpp"
 #include "coupler/process/totals.hpp"
+#include "proto/participant/participant.hpp"
 #include "proto/wire/convert.hpp"
 #include "run/progress.hpp"
 
@@ -43,13 +44,6 @@ void report_evaluations(const Evaluations& evaluations, long gauges, RunReport& 
   report.set_evaluations("gauges", gauges);
   report.set_evaluations("repeated_trials", evaluations.repeated_trials);
   report.set_count("windows_without_exchange", evaluations.windows_without_exchange);
-}
-
-void report_traffic(const proto::CouplerChannel& channel, RunReport& report) {
-  report.timing("wait") = channel.wait_seconds();
-  report.timing("exchange") = channel.exchange_seconds();
-  report.set_count("bytes_sent", static_cast<long>(channel.bytes_sent()));
-  report.set_count("bytes_received", static_cast<long>(channel.bytes_received()));
 }
 
 }  // namespace
@@ -88,7 +82,7 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
     report.set_time(seconds(now), totals.windows);
     totals.report(report, coupler.setup().algorithm.iterates);
     report_evaluations(coupler.state().evaluations, accounts.evaluated_gauges(), report);
-    report_traffic(channel, report);
+    proto::report_traffic(channel, report);
     report.update();
   };
 

@@ -8,7 +8,7 @@
 // fluid's pressure gradient at the structure is a sum of its own.
 
 #include "coupler/schemes/scheme.hpp"
-#include "coupler/schemes/wet_share.hpp"
+#include "sph/wet_share.hpp"
 
 namespace tern::coupler {
 namespace {

@@ -4,7 +4,7 @@
 // contributed, so that momentum is exact.
 
 #include "coupler/schemes/scheme.hpp"
-#include "coupler/schemes/wet_share.hpp"
+#include "sph/wet_share.hpp"
 
 namespace tern::coupler {
 namespace {

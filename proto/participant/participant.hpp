@@ -119,8 +119,9 @@ void take_part_as_fluid(ParticipantChannel& channel, Solver& solver) {
   }
 }
 
-/// Time and traffic of the channel, for the report.
-inline void report_traffic(const ParticipantChannel& channel, RunReport& report) {
+/// Time and traffic of a participant's or the coupler's channel, for the report.
+template <class Channel>
+void report_traffic(const Channel& channel, RunReport& report) {
   report.timing("wait") = channel.wait_seconds();
   report.timing("exchange") = channel.exchange_seconds();
   report.set_count("bytes_sent", static_cast<long>(channel.bytes_sent()));

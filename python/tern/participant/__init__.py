@@ -12,7 +12,7 @@ _PLACES = {
     "fluid_side": ("Band", "run_fluid"),
     "side": ("Case", "Run", "bad_input", "finite", "run_participant"),
     "channel": ("Participant", "RunEnded"),
-    "recording": ("Recording",),
+    "recording": ("Recording", "play_back"),
     "schema": ("wire",),
 }
 _HOMES = {name: module for module, names in _PLACES.items() for name in names}

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from tern.participant.schema import wire
-from tern.participant.side import bad_input
+from tern.participant.side import bad_input, run_participant
 from tern.results import report, series
 
 # What the motion of a side depends on; the rest of the case may differ from that of the record.
@@ -84,6 +84,21 @@ class Recording:
         self._next = next(self._messages, None)
         return body
 
+    def take_or(self, kind, otherwise):
+        """The body of the next message if it is of this kind, else `otherwise`."""
+        return self.take(kind) if self.is_next(kind) else otherwise
+
+    def pass_over(self, kind):
+        """Leaves out what is next of this kind."""
+        while self.is_next(kind):
+            self.take(kind)
+
     def _at_end(self):
         raise bad_input(f"{self._path} ends with window {self._run.report.steps}; end this run there, with --until "
                         f"{self._run.report.time_s:.9g}, or make a longer record.")
+
+
+def play_back(role, obey):
+    """Takes part as `role`, fluid or structure, by obey(run); the record is that of the run named by --from. Returns the exit code."""
+    return run_participant(role, obey, lambda parser: parser.add_argument(
+        "--from", dest="record", metavar="RUN", required=True, help="directory of a run with --record"))

@@ -10,7 +10,7 @@ the window is played again; where for fewer, the rest is passed over.
 
 import sys
 
-from tern.participant import Recording, run_participant, wire
+from tern.participant import Recording, play_back, wire
 
 
 def obey(run):
@@ -22,15 +22,14 @@ def obey(run):
         run.receive("surface")
         # A window that was passed over without a surface has no band. It is not offered to pass it over again: another structure
         # may be nearer.
-        run.send(band=record.take("band") if record.is_next("band") else wire.Band())
+        run.send(band=record.take_or("band", wire.Band()))
         run.receive("dissipative_load")
-        pressure = record.take("band_pressure") if record.is_next("band_pressure") else wire.BandPressure()
+        pressure = record.take_or("band_pressure", wire.BandPressure())
         run.send(band_pressure=pressure)
         while run.receive("dissipative_load", "band_force").WhichOneof("body") == "dissipative_load":
-            pressure = record.take("band_pressure") if record.is_next("band_pressure") else pressure
+            pressure = record.take_or("band_pressure", pressure)
             run.send(band_pressure=pressure)
-        while record.is_next("band_pressure"):
-            record.take("band_pressure")
+        record.pass_over("band_pressure")
         done = record.take("window_done")
         done.ClearField("extent")
         run.send(window_done=done)
@@ -39,5 +38,4 @@ def obey(run):
     run.finish(order, account)
 
 
-sys.exit(run_participant("fluid", obey, lambda parser: parser.add_argument(
-    "--from", dest="record", metavar="RUN", required=True, help="directory of a run with --record")))
+sys.exit(play_back("fluid", obey))

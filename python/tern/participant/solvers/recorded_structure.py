@@ -10,7 +10,7 @@ the window are played again; where for fewer, the rest is passed over.
 
 import sys
 
-from tern.participant import Recording, run_participant, wire
+from tern.participant import Recording, play_back, wire
 
 
 def obey(run):
@@ -23,10 +23,9 @@ def obey(run):
         run.send(surface=surface)
         answer = wire.SurfaceVelocity(velocity=surface.velocity)
         while run.receive("surface_load").surface_load.trial:
-            answer = record.take("surface_velocity") if record.is_next("surface_velocity") else answer
+            answer = record.take_or("surface_velocity", answer)
             run.send(surface_velocity=answer)
-        while record.is_next("surface_velocity"):
-            record.take("surface_velocity")
+        record.pass_over("surface_velocity")
         # The state at the end of a window is reported with the next surface, or with the end of the run.
         for kind in ("surface", "finished"):
             account = record.peek(kind).account if record.is_next(kind) else account
@@ -34,5 +33,4 @@ def obey(run):
     run.finish(order, account)
 
 
-sys.exit(run_participant("structure", obey, lambda parser: parser.add_argument(
-    "--from", dest="record", metavar="RUN", required=True, help="directory of a run with --record")))
+sys.exit(play_back("structure", obey))
