@@ -62,7 +62,7 @@ def window(out, words):
         "window": per_window("coupler", lambda report: report["wall_s"]),
         "fluid computes": timed("fluid", "compute"),
         "structure computes": timed("structure", "compute"),
-        "trial of CM2": timed("structure", "compute.trial"),
+        "prediction": timed("structure", "compute.trial"),
         "coupler computes": timed("coupler", "compute"),
         "messages": messages,
         "coupler and messages": timed("coupler", "compute") + messages,

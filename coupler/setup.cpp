@@ -6,11 +6,11 @@ namespace tern::coupler {
 namespace {
 
 constexpr Algorithm algorithms[] = {
-    {CouplingAlgorithm::cm0, false, false,
+    {CouplingAlgorithm::explicit_staggering, false, false,
      "explicit staggering is unstable for a body that is light for its fluid, or that vibrates faster than the windows "
-     "resolve, use coupling.algorithm = \"CM2\" or \"CM3\""},
-    {CouplingAlgorithm::cm2, true, false, "the body is too light for one pass, use coupling.algorithm = \"CM3\""},
-    {CouplingAlgorithm::cm3, true, true,
+     "resolve, use coupling.algorithm = \"semi-implicit\" or \"implicit\""},
+    {CouplingAlgorithm::semi_implicit, true, false, "the body is too light for one pass, use coupling.algorithm = \"implicit\""},
+    {CouplingAlgorithm::implicit, true, true,
      "the windows are too long for a body as light as this, use a smaller fluid.numerics.gravity_courant and courant, or a "
      "heavier or thicker body"},
 };
@@ -32,7 +32,8 @@ bool any_body_is_light(const Case& scene, const SurfaceProperties& properties) {
 
 Algorithm choose_algorithm(const Case& scene, const SurfaceProperties& properties) {
   CouplingAlgorithm name = scene.coupling.algorithm;
-  if (name == CouplingAlgorithm::automatic) name = any_body_is_light(scene, properties) ? CouplingAlgorithm::cm3 : CouplingAlgorithm::cm2;
+  if (name == CouplingAlgorithm::automatic)
+    name = any_body_is_light(scene, properties) ? CouplingAlgorithm::implicit : CouplingAlgorithm::semi_implicit;
   for (const Algorithm& algorithm : algorithms)
     if (algorithm.name == name) return algorithm;
   return algorithms[0];

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -18,9 +19,9 @@
 namespace tern {
 
 enum class GradientForm { sum, blend };  ///< pairwise sum form, or corrected interior blended with it
-/// Explicit; predict-project-correct; the same, repeated until both sides agree; cm3 for light bodies, else cm2.
-enum class CouplingAlgorithm { cm0, cm2, cm3, automatic };
-enum class Acceleration { iqn_ils, aitken };  ///< of the repetitions of cm3
+/// Staggered; predict, project, correct; the same, repeated until both sides agree; implicit for light bodies, else semi-implicit.
+enum class CouplingAlgorithm { explicit_staggering, semi_implicit, implicit, automatic };
+enum class Acceleration { iqn_ils, aitken };  ///< of the coupling iterations of implicit
 enum class Integrator { explicit_steps, implicit_steps, automatic };
 enum class InterfaceScheme { fsa, pi, riemann };  ///< corrected gradient, surface integral of the pressure, pairs with dissipation
 enum class VemForm { seed, sum, pairmax };        ///< which of the two pressures of a pair pull
@@ -125,30 +126,25 @@ struct CouplingCase {
   VemForm vem_form;
   double robin_mass_factor;  ///< m_p / m_s
   Acceleration acceleration;
-  double tolerance;  ///< relative residual of the load at which cm3 stops to repeat a window
+  double tolerance;  ///< relative residual of the load at which coupling iterations end
 };
 CouplingCase default_coupling();
 
+/// A quantity written to gauges.csv. Which keys it has and what they mean is up to its kind (scene/gauges/).
 struct GaugeCase {
-  enum class Kind {
-    displacement,     ///< of the material point `at` of a body: D columns [m]
-    pressure,         ///< of the fluid at the point `at` [Pa]; undefined where there is no fluid
-    elevation,        ///< height of the free surface above x (and z) = `at` [m]
-    front,            ///< largest x reached by connected fluid [m]
-    interface_force,  ///< total force of the fluid on a body: D columns [N/m^(3-D)]
-    force,            ///< of the fluid on a rigid wall, and its moment about `at`: D [N/m^(3-D)] and 1 or 3 [N m/m^(3-D)] columns
-    wall_pressure,    ///< mean over a sensor of `diameter` at the point `at` of a wall [Pa]; 0 where it is dry
-    reaction,         ///< with which a clamp, or all clamps of a body, hold it, and the moment about `at`: columns as of force
-    flux              ///< volume that crosses the line (2D) or rectangle (3D) from `from` to `to` in a second [m^D/s]
-  };
-  Kind kind = Kind::pressure;
-  std::string name;
-  std::string body;                    ///< displacement, interface_force, reaction
-  std::string clamp;                   ///< reaction; empty = all clamps of the body
-  std::string wall;                    ///< force, wall_pressure
-  std::array<double, 3> at{};          ///< force, wall_pressure: a point of the wall at t = 0, which moves with it; reaction: fixed
-  double diameter = 0;                 ///< wall_pressure [m]
-  std::array<double, 3> from{}, to{};  ///< flux
+  std::string kind, name;
+  std::map<std::string, std::string> texts;  ///< by key, the same below
+  std::map<std::string, double> numbers;
+  std::map<std::string, std::array<double, 3>> points;
+
+  // Empty, 0 or the origin where the case leaves the key out.
+  std::string text(const std::string& key) const;
+  double number(const std::string& key) const;
+  std::array<double, 3> point(const std::string& key) const;
+  template <int D>
+  Vector<D> place(const std::string& key) const {
+    return Eigen::Map<const Vector<D>>(point(key).data());
+  }
 };
 
 struct OutputCase {

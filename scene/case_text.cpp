@@ -109,9 +109,9 @@ std::string algorithm_choice(const Case& scene, const Estimate& e) {
         "Behind a wet face of '{}' lie {:.3g} kg/m^2 ({:.3g} if the opposite one is wet as well), half a layer of fluid "
         "particles has {:.3g}: {}.\n",
         e.bodies[i].name, mass, 0.5 * mass, layer,
-        0.5 * mass > layer ? "CM2 is enough"
-        : mass <= layer    ? "it is light, so that windows are repeated (CM3)"
-                           : "windows are repeated (CM3) if both are wet");
+        0.5 * mass > layer ? "one pass is enough (semi-implicit)"
+        : mass <= layer    ? "it is light, so that windows are repeated (implicit)"
+                           : "windows are repeated (implicit) if both are wet");
   }
   return text;
 }
@@ -193,11 +193,12 @@ std::string explain_text(const Case& scene, const Costs& costs) {
   }());
   if (coupled) {
     text += fmt::format("* Their interaction through {}, {}, {}.\n",
-                        scene.coupling.algorithm == CouplingAlgorithm::cm0   ? "CM0 (explicit staggering)"
-                        : scene.coupling.algorithm == CouplingAlgorithm::cm2 ? "CM2 (predict, project, correct)"
-                        : scene.coupling.algorithm == CouplingAlgorithm::cm3
-                            ? "CM3 (predict, project, correct, repeated until both sides agree)"
-                            : "CM2 (predict, project, correct; repeated, CM3, if a body is light)",
+                        scene.coupling.algorithm == CouplingAlgorithm::explicit_staggering ? "the explicit coupling (staggered)"
+                        : scene.coupling.algorithm == CouplingAlgorithm::semi_implicit
+                            ? "the semi-implicit coupling (predict, project, correct)"
+                        : scene.coupling.algorithm == CouplingAlgorithm::implicit
+                            ? "the implicit coupling (predict, project, correct, repeated until both sides agree)"
+                            : "the semi-implicit coupling (predict, project, correct), or the implicit one (repeated) if a body is light",
                         scene.coupling.scheme == InterfaceScheme::riemann ? "Riemann pressure of every pair"
                         : scene.coupling.scheme == InterfaceScheme::pi    ? "surface integral of the mean pressure"
                                                                           : "corrected pressure gradient at the structure (FSA)",
@@ -219,9 +220,9 @@ std::string explain_text(const Case& scene, const Costs& costs) {
     text += fmt::format(
         "\nThe fluid that '{}' has to move weighs about {:.1f} times the body with one wet face and {:.1f} times with "
         "two.\n"
-        "Explicit staggering (CM0) is {}.\n",
+        "The explicit coupling is {}.\n",
         body.name, body.added_mass_ratio, 2 * body.added_mass_ratio,
-        body.added_mass_ratio > 1 ? "predicted to be unstable, whatever the step; CM2 is predicted to be stable"
+        body.added_mass_ratio > 1 ? "predicted to be unstable, whatever the step; the semi-implicit one is predicted to be stable"
                                   : "possibly stable here; above 1 it is not");
   }
   if (coupled && scene.coupling.algorithm == CouplingAlgorithm::automatic) text += algorithm_choice(scene, e);

@@ -142,7 +142,7 @@ Estimate estimate_in(const Case& scene, const Costs& costs) {
   const double paid_sub_steps = integrator == Integrator::explicit_steps   ? result.sub_steps
                                 : integrator == Integrator::implicit_steps ? implicit_window
                                                                            : std::min(result.sub_steps, implicit_window);
-  const double passes = !scene.fluid || scene.coupling.algorithm == CouplingAlgorithm::cm0 ? 1 : 2;
+  const double passes = !scene.fluid || scene.coupling.algorithm == CouplingAlgorithm::explicit_staggering ? 1 : 2;
   const auto particles = static_cast<double>(result.fluid_particles);
   result.coupler_cpu = scene.fluid && scene.structure ? costs.window * result.steps : 0;
   result.fluid_cpu = costs.fluid * (D == 3 ? 3 : 1) * particles * result.steps;

@@ -3,55 +3,19 @@
 #include <algorithm>
 
 namespace tern {
-namespace {
 
-constexpr const char* axis[] = {"x", "y", "z"};
-
-}  // namespace
-
-GaugeOwner owner(GaugeCase::Kind kind) {
-  switch (kind) {
-    case GaugeCase::Kind::displacement:
-    case GaugeCase::Kind::reaction: return GaugeOwner::structure;
-    case GaugeCase::Kind::interface_force: return GaugeOwner::coupler;
-    case GaugeCase::Kind::pressure:
-    case GaugeCase::Kind::elevation:
-    case GaugeCase::Kind::front:
-    case GaugeCase::Kind::force:
-    case GaugeCase::Kind::wall_pressure:
-    case GaugeCase::Kind::flux: break;
-  }
-  return GaugeOwner::fluid;
-}
+GaugeOwner owner(const GaugeCase& gauge) { return gauge_definition(gauge.kind).owner; }
 
 std::vector<std::string> gauge_columns(const GaugeCase& gauge, int dimension) {
   std::vector<std::string> columns;
-  switch (gauge.kind) {
-    case GaugeCase::Kind::displacement:
-      for (int c = 0; c < dimension; ++c) columns.push_back(gauge.name + ".u" + axis[c] + "_m");
-      break;
-    case GaugeCase::Kind::interface_force:
-      for (int c = 0; c < dimension; ++c) columns.push_back(gauge.name + ".F" + axis[c] + (dimension == 2 ? "_N_per_m" : "_N"));
-      break;
-    case GaugeCase::Kind::force:
-    case GaugeCase::Kind::reaction:
-      for (int c = 0; c < dimension; ++c) columns.push_back(gauge.name + ".F" + axis[c] + (dimension == 2 ? "_N_per_m" : "_N"));
-      if (dimension == 2) columns.push_back(gauge.name + ".Mz_Nm_per_m");
-      for (int c = 0; dimension == 3 && c < 3; ++c) columns.push_back(gauge.name + ".M" + axis[c] + "_Nm");
-      break;
-    case GaugeCase::Kind::pressure:
-    case GaugeCase::Kind::wall_pressure: columns.push_back(gauge.name + ".p_Pa"); break;
-    case GaugeCase::Kind::flux: columns.push_back(gauge.name + (dimension == 2 ? ".Q_m2_per_s" : ".Q_m3_per_s")); break;
-    case GaugeCase::Kind::elevation: columns.push_back(gauge.name + ".eta_m"); break;
-    case GaugeCase::Kind::front: columns.push_back(gauge.name + ".x_m"); break;
-  }
+  for (const std::string& column : gauge_definition(gauge.kind).columns(dimension)) columns.push_back(gauge.name + "." + column);
   return columns;
 }
 
 std::vector<std::string> gauge_columns(const Case& scene, GaugeOwner who) {
   std::vector<std::string> all;
   for (const GaugeCase& gauge : scene.gauges)
-    if (owner(gauge.kind) == who)
+    if (owner(gauge) == who)
       for (std::string& column : gauge_columns(gauge, scene.dimension)) all.push_back(std::move(column));
   return all;
 }

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "scene/case_file.hpp"
+#include "scene/gauges/gauge.hpp"
 
 namespace tern {
 
-enum class GaugeOwner { fluid, structure, coupler };
-
-GaugeOwner owner(GaugeCase::Kind kind);
+/// The process that evaluates a gauge.
+GaugeOwner owner(const GaugeCase& gauge);
 
 /// Names with units of the columns one gauge fills, in order.
 std::vector<std::string> gauge_columns(const GaugeCase& gauge, int dimension);

@@ -33,6 +33,13 @@ struct Range {
   bool highest_excluded = false;
 };
 
+inline constexpr Range any{};
+inline constexpr Range positive{0, std::numeric_limits<double>::infinity(), true, true};
+inline constexpr Range not_negative{0, std::numeric_limits<double>::infinity(), false, true};
+constexpr Range from_to(double lowest, double highest) { return {lowest, highest, false, false}; }
+constexpr Range above_to(double lowest, double highest) { return {lowest, highest, true, false}; }
+constexpr Range between(double lowest, double highest) { return {lowest, highest, true, true}; }
+
 struct Parameter {
   std::string table;  ///< "" for the top of the file
   std::string key;

@@ -38,7 +38,9 @@ void remove(Setting& table, const std::string& key) {
 const Renames& renames() {
   static const Renames list{
       {},
-      {},
+      {{"coupling.algorithm", "CM0", "explicit"},
+       {"coupling.algorithm", "CM2", "semi-implicit"},
+       {"coupling.algorithm", "CM3", "implicit"}},
   };
   return list;
 }

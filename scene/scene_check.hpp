@@ -13,6 +13,9 @@ namespace tern {
 /// are the effective settings the case was read from; they give the places for the sentences.
 void check_scene(Case& scene, const Setting& settings);
 
+/// Whether a wall leaves out this face, "y_max".
+bool is_open(const WallCase& wall, const std::string& face);
+
 /// Where fluid may start: the container with its open faces moved to infinity; nothing if there is no container.
 std::optional<Shape> fluid_region(const Case& scene);
 

@@ -79,7 +79,7 @@ Setting read_toml_value(const std::string& text, const std::string& where) {
     const toml::table parsed = toml::parse("value = " + text);
     if (parsed.size() == 1) return convert(*parsed.get("value"), where, false);
   } catch (const toml::parse_error&) {
-    // A bare word such as CM0 or an expression such as 2*t needs no quotes on the command line.
+    // A bare word such as aitken or an expression such as 2*t needs no quotes on the command line.
   }
   Setting setting;
   setting.type = Setting::Type::text;

@@ -41,12 +41,12 @@ class CoupledStructure {
   CoupledStructure(Structure<D>& structure, CouplingAlgorithm algorithm)
       : structure_(structure), algorithm_(algorithm), at_begin_(structure.surface()) {}
 
-  /// CM2, CM3: halfway to the trial state under the old load, with that state's velocity. CM0: the present surface moved on for
+  /// Halfway to the state predicted under the old load, with that state's velocity. Explicit coupling: the present surface moved on for
   /// half a window at its velocity.
   Surface<D> predict_surface(Ticks begin, Ticks duration) {
     begin_ = begin;
     duration_ = duration;
-    if (algorithm_ == CouplingAlgorithm::cm0) {
+    if (algorithm_ == CouplingAlgorithm::explicit_staggering) {
       Surface<D> surface = at_begin_;
       for (std::size_t k = 0; k < surface.position.size(); ++k) surface.position[k] += 0.5 * seconds(duration) * surface.velocity[k];
       return surface;
@@ -61,7 +61,7 @@ class CoupledStructure {
     return trial;
   }
 
-  /// CM3: velocities of the surface at the end of the window under this load.
+  /// Implicit coupling: velocities of the surface at the end of the window under this load.
   std::vector<Vector<D>> respond(const SurfaceLoad<D>& load) {
     structure_.advance(load);
     return velocity_at_end(structure_.surface().position);
@@ -69,10 +69,10 @@ class CoupledStructure {
 
   /// Brings the structure to the end of the window under this load.
   void apply(const SurfaceLoad<D>& load) {
-    if (algorithm_ == CouplingAlgorithm::cm0) structure_.trial(begin_, duration_);
+    if (algorithm_ == CouplingAlgorithm::explicit_staggering) structure_.trial(begin_, duration_);
     structure_.advance(load);
     Surface<D> end = structure_.surface();
-    if (algorithm_ != CouplingAlgorithm::cm0) end.velocity = velocity_at_end(end.position);
+    if (algorithm_ != CouplingAlgorithm::explicit_staggering) end.velocity = velocity_at_end(end.position);
     at_begin_ = std::move(end);
   }
 

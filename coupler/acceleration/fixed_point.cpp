@@ -48,10 +48,11 @@ bool FixedPoint::add(const Eigen::VectorXd& trial, const Eigen::VectorXd& answer
   const double size = answer.norm();
   ++trials_;
   if (!std::isfinite(size) || !std::isfinite(residual.norm()))
-    throw NumericalFailure(fmt::format(
-        "The load on the surface is not finite in trial {} of the window from t = {:.6g} s: the trials of CM3 have run away. Try a "
-        "smaller fluid.numerics.courant.",
-        trials_, begin_));
+    throw NumericalFailure(
+        fmt::format("The load on the surface is not finite in coupling iteration {} of the window from t = {:.6g} s: the coupling "
+                    "iterations have run away. Try a "
+                    "smaller fluid.numerics.courant.",
+                    trials_, begin_));
   if (trials_ == 1) {
     first_trial_ = trial;
   } else if (acceleration_ == Acceleration::aitken) {

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "base/error.hpp"
+#include "coupler/gauges/gauges.hpp"
 
 namespace tern::coupler {
 namespace {
@@ -52,14 +53,7 @@ double Accounts<D>::work_on_structure(const wire::Account& structure) const {
 template <int D>
 void Accounts<D>::record(Ticks now, const wire::Account& fluid, const wire::Account& structure, const Coupler<D>& coupler,
                          const Totals& totals) {
-  GaugeValues own;
-  for (const GaugeCase& gauge : scene_.gauges) {
-    if (owner(gauge.kind) != GaugeOwner::coupler) continue;
-    const auto& bodies = scene_.structure->bodies;
-    const auto body = std::find_if(bodies.begin(), bodies.end(), [&](const StructureBody& b) { return b.name == gauge.body; });
-    const Vector<D> load = coupler.total_load(static_cast<std::uint32_t>(body - bodies.begin()));
-    for (int c = 0; c < D; ++c) own.push_back(load[c]);
-  }
+  const GaugeValues own = gauge_values(coupler, scene_);
   evaluated_gauges_ += static_cast<long>(own.size());
   recorder_.account(now, joined(proto::gauge_values(fluid), proto::gauge_values(structure), own),
                     joined(proto::energies(fluid), proto::energies(structure), totals.energies(work_on_structure(structure))));

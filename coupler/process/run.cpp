@@ -22,10 +22,10 @@ void refuse_predicted_instability(const CommandLine& command, const Case& scene,
   const AddedMass added = predict_added_mass<D>(scene, properties);
   report.set_measure("added_mass_ratio_predicted", added.ratio);
   log_info("Predicted added-mass ratio: " + describe(added) + ".");
-  if (scene.coupling.algorithm != CouplingAlgorithm::cm0 || added.ratio <= explicit_limit || command.allow_unstable) return;
+  if (scene.coupling.algorithm != CouplingAlgorithm::explicit_staggering || added.ratio <= explicit_limit || command.allow_unstable) return;
   throw BadInput(
-      fmt::format("The explicit coupling CM0 is predicted to be unstable, whatever the step: {}, above {}. Use "
-                  "coupling.algorithm = \"CM2\", or --allow-unstable to see it.",
+      fmt::format("The explicit coupling is predicted to be unstable, whatever the step: {}, above {}. Use "
+                  "coupling.algorithm = \"semi-implicit\", or --allow-unstable to see it.",
                   describe(added), explicit_limit));
 }
 
@@ -33,7 +33,7 @@ template <int D>
 Coupler<D> make_coupler(const Case& scene, const SurfaceProperties& properties) {
   Coupler<D> coupler(scene, properties);
   if (scene.coupling.algorithm == CouplingAlgorithm::automatic)
-    log_info(coupler.setup().algorithm.iterates ? "Coupling by CM3: a body is light." : "Coupling by CM2: no body is light.");
+    log_info(coupler.setup().algorithm.iterates ? "Implicit coupling: a body is light." : "Semi-implicit coupling: no body is light.");
   return coupler;
 }
 

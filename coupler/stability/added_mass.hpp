@@ -1,6 +1,6 @@
 #pragma once
 // What decides whether explicit staggering can work, known before the first step (Causin, Gerbeau & Nobile 2005): the fluid
-// that has to move with the structure, m_a per area, over the mass behind the face, m_s. CM0 multiplies an error of the
+// that has to move with the structure, m_a per area, over the mass behind the face, m_s. It multiplies an error of the
 // interface velocity by -m_a/m_s per window, whatever its length.
 //   m_a = rho_F min(H, 1/k),   k = 1.875/L the wave number of the first bending mode of a cantilever of the body's free
 //                              length L,   H the least extent of the fluid at the start
@@ -14,7 +14,7 @@
 
 namespace tern::coupler {
 
-/// Above this, CM0 is taken as unstable: the onset is at 1 for a lumped mass, and the estimate of m_a is rough.
+/// Above this, explicit coupling is taken as unstable: the onset is at 1 for a lumped mass, and the estimate of m_a is rough.
 inline constexpr double explicit_limit = 0.8;
 
 struct AddedMass {

@@ -1,7 +1,7 @@
 // What the fluid cannot be doing: particles a thousand times as fast as the scene makes them, and steps a hundredth of what it
 // asks for, window after window: a run that crawls on like that never ends. Reference: the fall through the height of the fluid, its
 // velocity at the start, the fastest wall so far, the body at the first window. And the volume of the fluid beside bodies, which
-// nothing changes but a body whose surface moves otherwise than the fluid was told: light bodies under CM2 do, without a sound.
+// nothing changes but a body whose surface moves otherwise than the fluid was told: light bodies under the semi-implicit coupling do.
 
 #include "fluid/motion/speed_limit.hpp"
 
@@ -45,7 +45,7 @@ void check_speed(const Window& window, const Prediction<D>& prediction, const st
         "The speed of fluid particle {} at ({}) m is {:.4g} m/s at t = {:.6g} s, above the limit of {:.4g} m/s ({} the reference speed of "
         "the scene); pressure there {:.4g} Pa. The step has {}: use a smaller fluid.numerics.courant, or for a light structure the "
         "coupling "
-        "algorithm CM3.",
+        "algorithm implicit.",
         state.id[i], where, speed, window.begin + window.duration, (lasts ? collapsed : impossible) * reference,
         lasts ? "for ten windows a hundred times" : "a thousand times", state.pressure[i],
         lasts ? fmt::format("collapsed to {:.3g} s, which this speed asks for", window.duration) : "become unstable"));
@@ -58,7 +58,7 @@ void check_volume(const Window& window, double drift, State<D>& state) {
   if (state.windows_of_lost_volume < lasting) return;
   throw NumericalFailure(fmt::format(
       "The fluid has {} {:.1f} % of its volume by t = {:.6g} s, and more than {:g} % for ten windows. The surface of a body moves "
-      "otherwise than the fluid was told, or is too coarse to hold it: use coupling.algorithm = \"CM3\", or a smaller "
+      "otherwise than the fluid was told, or is too coarse to hold it: use coupling.algorithm = \"implicit\", or a smaller "
       "fluid.numerics.gravity_courant and courant.",
       drift < 0 ? "lost" : "gained", 100 * std::abs(drift), window.begin + window.duration, 100 * lost_volume));
 }

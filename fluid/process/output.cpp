@@ -4,41 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "fluid/gauges/probe.hpp"
-
 namespace tern::fluid {
-
-template <int D>
-GaugeValues gauge_values(const Fluid<D>& fluid, const Case& scene) {
-  using Kind = GaugeCase::Kind;
-  GaugeValues values;
-  std::optional<Probe<D>> probe;
-  for (const GaugeCase& gauge : scene.gauges) {
-    if (owner(gauge.kind) != GaugeOwner::fluid) continue;
-    if (gauge.kind == Kind::front) {
-      values.push_back(fluid.front());
-      continue;
-    }
-    if (!probe) probe.emplace(fluid);
-    Vector<D> at, from, to;
-    for (int c = 0; c < D; ++c) at[c] = gauge.at[c], from[c] = gauge.from[c], to[c] = gauge.to[c];
-    if (gauge.kind == Kind::elevation) values.push_back(probe->elevation(at));
-    if (gauge.kind == Kind::flux) values.push_back(probe->flux(from, to));
-    const bool of_pressure = gauge.kind == Kind::pressure || gauge.kind == Kind::wall_pressure || gauge.kind == Kind::force;
-    if (of_pressure && !fluid.has_pressure()) {
-      values.resize(values.size() + gauge_columns(gauge, D).size());
-      continue;
-    }
-    if (gauge.kind == Kind::pressure) values.push_back(probe->pressure(at));
-    if (gauge.kind == Kind::wall_pressure) values.push_back(probe->sensor(fluid.walls().find(gauge.wall), at, gauge.diameter));
-    if (gauge.kind == Kind::force) {
-      const WallForce<D> total = probe->force(fluid.walls().find(gauge.wall), at);
-      values.insert(values.end(), total.force.data(), total.force.data() + D);
-      values.insert(values.end(), total.moment.data() + (D == 2 ? 2 : 0), total.moment.data() + 3);
-    }
-  }
-  return values;
-}
 
 template <int D>
 std::vector<double> energy_values(const Fluid<D>& fluid) {
@@ -125,10 +91,9 @@ void Measures<D>::report(const Fluid<D>& fluid, RunReport& report) const {
   report.timing("compute.correction") = timing.correction;
 }
 
-#define TERN_INSTANTIATE(D)                                           \
-  template GaugeValues gauge_values<D>(const Fluid<D>&, const Case&); \
-  template std::vector<double> energy_values<D>(const Fluid<D>&);     \
-  template void write_frame<D>(const Fluid<D>&, FrameWriter&, long);  \
+#define TERN_INSTANTIATE(D)                                          \
+  template std::vector<double> energy_values<D>(const Fluid<D>&);    \
+  template void write_frame<D>(const Fluid<D>&, FrameWriter&, long); \
   template class Measures<D>;
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

@@ -1,15 +1,12 @@
 #pragma once
-// What the fluid process reports: gauges, energies, frames, measures.
+// What the fluid process reports: energies, frames, measures; its gauges are in fluid/gauges/.
 
 #include "fluid/fluid.hpp"
+#include "fluid/gauges/gauges.hpp"
 #include "run/frame_writer.hpp"
 #include "run/run_report.hpp"
-#include "scene/gauges.hpp"
 
 namespace tern::fluid {
-
-template <int D>
-GaugeValues gauge_values(const Fluid<D>& fluid, const Case& scene);
 
 template <int D>
 std::vector<double> energy_values(const Fluid<D>& fluid);

@@ -101,7 +101,7 @@ def parser():
     one.add_argument("--out", metavar="DIR", help="results directory (default runs/<case>; an earlier run is kept: -2, -3, ...)")
     one.add_argument("--force", action="store_true", help="replace the results of an earlier run in the directory")
     one.add_argument("--allow-unstable", action="store_true",
-                     help="run CM0 although the added mass predicts that it is unstable")
+                     help="run the explicit coupling although the added mass predicts that it is unstable")
     for role in ("fluid", "structure"):
         one.add_argument(f"--{role}", metavar="COMMAND", help=f"program to start in place of tern-{role}, with its options; it is "
                          "given those of tern-" + role + " in addition (docs/PARTICIPANTS.md)")

@@ -13,18 +13,18 @@ const Rows<CouplingCase>& coupling_rows() {
   static const Rows<CouplingCase> rows = {
       {"algorithm",
        one_of(&CouplingCase::algorithm, {{"auto", CouplingAlgorithm::automatic},
-                                         {"CM0", CouplingAlgorithm::cm0},
-                                         {"CM2", CouplingAlgorithm::cm2},
-                                         {"CM3", CouplingAlgorithm::cm3}}),
+                                         {"explicit", CouplingAlgorithm::explicit_staggering},
+                                         {"semi-implicit", CouplingAlgorithm::semi_implicit},
+                                         {"implicit", CouplingAlgorithm::implicit}}),
        "", "\"auto\"", any,
-       "CM2: predict, project, correct; CM3: the same, repeated until both sides agree, for bodies of any lightness; CM0: explicit "
-       "staggering, unstable where the fluid's added mass exceeds the mass of the structure; auto: CM3 where the mass behind a face is "
-       "at most that of half a layer of fluid particles, else CM2."},
+       "semi-implicit: predict, project, correct; implicit: the same, repeated until both sides agree, for bodies of any lightness; "
+       "explicit: staggered, unstable where the fluid's added mass exceeds the mass of the structure; auto: implicit where the mass behind a "
+       "face is at most that of half a layer of fluid particles, else semi-implicit."},
       {"acceleration", one_of(&CouplingCase::acceleration, {{"iqn-ils", Acceleration::iqn_ils}, {"aitken", Acceleration::aitken}}), "",
        "\"iqn-ils\"", any,
-       "How CM3 finds its next trial: quasi-Newton from the trials before, of this and earlier windows; or one factor."},
+       "How the implicit coupling finds its next load: quasi-Newton from the iterations of this and earlier windows; or one factor."},
       {"tolerance", &CouplingCase::tolerance, "-", "1e-4", between(0, 1),
-       "Change of the load from one trial of CM3 to the next, over the load, at which the window is done."},
+       "Change of the load in one coupling iteration of the implicit coupling, over the load, at which the window is done."},
       {"scheme",
        one_of(&CouplingCase::scheme, {{"fsa", InterfaceScheme::fsa}, {"pi", InterfaceScheme::pi}, {"riemann", InterfaceScheme::riemann}}),
        "", "\"riemann\"", any,

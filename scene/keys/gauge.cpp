@@ -1,9 +1,12 @@
-// [[gauge]]
+// [[gauge]]: its keys are those of the kinds of gauges (scene/gauges/).
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
-#include <map>
+
 #include "base/error.hpp"
+#include "scene/gauges/gauge.hpp"
 #include "scene/keys/row.hpp"
 #include "scene/keys/tables.hpp"
 
@@ -13,84 +16,95 @@ namespace {
 using Presence = TableDefinition::Presence;
 
 const Rows<GaugeCase>& gauge_rows() {
-  // clang-format off
-  static const Rows<GaugeCase> rows = {
-      {"kind",
-       one_of(&GaugeCase::kind, {{"displacement", GaugeCase::Kind::displacement},
-                                 {"pressure", GaugeCase::Kind::pressure},
-                                 {"elevation", GaugeCase::Kind::elevation},
-                                 {"front", GaugeCase::Kind::front},
-                                 {"interface_force", GaugeCase::Kind::interface_force},
-                                 {"force", GaugeCase::Kind::force},
-                                 {"wall_pressure", GaugeCase::Kind::wall_pressure},
-                                 {"reaction", GaugeCase::Kind::reaction},
-                                 {"flux", GaugeCase::Kind::flux}}),
-       "", required, any,
-       "displacement of a body's material point [m]; pressure of the fluid at a point [Pa]; elevation of the free surface at a place "
-       "[m]; front: largest x the connected fluid reaches [m]; interface_force on a body [N/m^(3-D)]; force on a rigid wall [N/m^(3-D)] "
-       "and its moment [N m/m^(3-D)]; wall_pressure: mean over a sensor on a rigid wall [Pa]; reaction: force [N/m^(3-D)] and moment [N "
-       "m/m^(3-D)] with which a clamp, or all clamps of a body, hold it; flux through a line or rectangle [m^D/s]."},
-      {"name", &GaugeCase::name, "", required, any, "Name of the column; unique."},
-      {"body", &GaugeCase::body, "", absent, any, "Elastic body; displacement, interface_force and reaction need it."},
-      {"clamp", &GaugeCase::clamp, "", absent, any, "A named clamp of the body, of a reaction; absent = all clamps of the body."},
-      {"at", &GaugeCase::at, "m", absent, any,
-       "Where: displacement (in the undeformed body), pressure, elevation (whose y entry is not used) and wall_pressure (on the wall at "
-       "t = 0) need it; force: the point of the moment, default the wall's pivot, else the origin. On a wall that moves, it moves along."
-       " Reaction: the point of the moment, fixed in space, default the origin."},
-      {"wall", &GaugeCase::wall, "", absent, any, "Rigid wall; force and wall_pressure need it."},
-      {"diameter", &GaugeCase::diameter, "m", absent, positive, "Of the sensor of a wall_pressure; absent = one spacing of the fluid."},
-      {"from", &GaugeCase::from, "m", absent, any,
-       "Flux: begin of the line, or one corner of the rectangle; seen from here, flow to the right counts as positive (3D: flow along "
-       "the positive axis)."},
-      {"to", &GaugeCase::to, "m", absent, any, "Flux: end of the line, or the opposite corner; in 3D both agree in one coordinate."},
-  };
-  // clang-format on
+  static const Rows<GaugeCase> rows = [] {
+    std::vector<std::string> kinds, meanings;
+    for (const GaugeDefinition& definition : gauge_definitions()) {
+      kinds.push_back(definition.kind);
+      meanings.push_back(definition.kind + ": " + definition.meaning);
+    }
+    return Rows<GaugeCase>{{"kind", one_of(&GaugeCase::kind, kinds), "", required, any, fmt::format("{}.", fmt::join(meanings, "; "))},
+                           {"name", &GaugeCase::name, "", required, any, "Name of the column; unique."}};
+  }();
   return rows;
 }
 
-struct GaugeKeys {
-  GaugeCase::Kind kind;
-  std::vector<std::string> required, optional;
-};
+// One parameter for each key of any kind; its meaning says what it is for each of them, kinds with the same meaning together.
+std::vector<Parameter> keys_of_kinds() {
+  std::vector<Parameter> all;
+  std::vector<std::vector<std::pair<std::string, std::vector<std::string>>>> meanings;  // of each key: what it is, and for which kinds
+  for (const GaugeDefinition& definition : gauge_definitions()) {
+    for (const GaugeKey& key : definition.keys) {
+      auto known = std::find_if(all.begin(), all.end(), [&](const Parameter& p) { return p.key == key.key; });
+      if (known == all.end()) {
+        const std::string unit = key.type == ParameterType::point ? "m" : key.unit;
+        known = all.insert(all.end(), {"gauge", key.key, key.type, unit, absent, key.range, {}, ""});
+        meanings.emplace_back();
+      }
+      auto& of_key = meanings[static_cast<std::size_t>(known - all.begin())];
+      const std::string meaning = key.meaning + (key.needed ? " (needed)" : "");
+      auto same = std::find_if(of_key.begin(), of_key.end(), [&](const auto& entry) { return entry.first == meaning; });
+      if (same == of_key.end()) same = of_key.insert(of_key.end(), {meaning, {}});
+      same->second.push_back(definition.kind);
+    }
+  }
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    std::vector<std::string> sentences;
+    for (const auto& [meaning, kinds] : meanings[k]) sentences.push_back(fmt::format("{}: {}.", fmt::join(kinds, ", "), meaning));
+    all[k].meaning = fmt::format("{}", fmt::join(sentences, " "));
+  }
+  return all;
+}
 
-const std::map<std::string, GaugeKeys>& gauge_keys() {
-  using Kind = GaugeCase::Kind;
-  static const std::map<std::string, GaugeKeys> keys = {
-      {"displacement", {Kind::displacement, {"body", "at"}, {}}},
-      {"pressure", {Kind::pressure, {"at"}, {}}},
-      {"elevation", {Kind::elevation, {"at"}, {}}},
-      {"front", {Kind::front, {}, {}}},
-      {"interface_force", {Kind::interface_force, {"body"}, {}}},
-      {"force", {Kind::force, {"wall"}, {"at"}}},
-      {"wall_pressure", {Kind::wall_pressure, {"wall", "at"}, {"diameter"}}},
-      {"reaction", {Kind::reaction, {"body"}, {"clamp", "at"}}},
-      {"flux", {Kind::flux, {"from", "to"}, {}}},
-  };
-  return keys;
+void fill_keys_of_kind(GaugeCase& gauge, const Setting& table) {
+  const GaugeDefinition& definition = gauge_definition(gauge.kind);
+  for (std::size_t k = 0; k < table.keys.size(); ++k) {
+    const std::string& key = table.keys[k];
+    const Setting& value = table.items[k];
+    if (key == "kind" || key == "name") continue;
+    if (std::none_of(definition.keys.begin(), definition.keys.end(), [&](const GaugeKey& known) { return known.key == key; })) {
+      throw BadInput(
+          fmt::format("{}: the gauge '{}' of kind {} has no use for the key '{}'; remove it.", value.where, gauge.name, gauge.kind, key));
+    }
+    if (value.type == Setting::Type::text) gauge.texts[key] = value.text;
+    if (value.type == Setting::Type::number) gauge.numbers[key] = value.number;
+    if (value.type == Setting::Type::list) read_value(gauge.points[key], value);
+  }
+  for (const GaugeKey& key : definition.keys) {
+    if (key.needed && !table.find(key.key)) {
+      throw BadInput(
+          fmt::format("{}: the gauge '{}' of kind {} needs the key '{}'; give it.", table.where, gauge.name, gauge.kind, key.key));
+    }
+  }
 }
 
 }  // namespace
 
 std::vector<TableDefinition> gauge_tables() {
-  return {{"gauge", true, Presence::optional, "A quantity written to gauges.csv.", parameters_of(gauge_rows())}};
+  std::vector<Parameter> keys = parameters_of(gauge_rows());
+  for (const Parameter& key : keys_of_kinds()) keys.push_back(key);
+  return {{"gauge", true, Presence::optional, "A quantity written to gauges.csv.", keys}};
 }
 
-GaugeCase read_gauge(const Setting& setting, const Case& scene) {
-  const std::string& kind = setting.at("kind").text;
-  const GaugeKeys& keys = gauge_keys().at(kind);
-  GaugeCase gauge;
-  for (const WallCase& wall : scene.walls)
-    if (const Setting* name = setting.find("wall"); name && wall.name == name->text && wall.motion) gauge.at = wall.motion->pivot;
-  fill(gauge, gauge_rows(), setting);
-  for (const std::string key : {"body", "clamp", "wall", "at", "diameter", "from", "to"}) {
-    const Setting* value = setting.find(key);
-    const bool needed = std::count(keys.required.begin(), keys.required.end(), key) > 0;
-    if (value ? needed || std::count(keys.optional.begin(), keys.optional.end(), key) > 0 : !needed) continue;
-    throw BadInput(fmt::format("{}: the gauge '{}' of kind {} {} '{}'; {} it.", value ? value->where : setting.where, gauge.name, kind,
-                               needed ? "needs the key" : "has no use for the key", key, needed ? "give" : "remove"));
-  }
-  if (gauge.kind == GaugeCase::Kind::wall_pressure && !setting.find("diameter")) gauge.diameter = scene.fluid ? scene.fluid->spacing : 0;
+GaugeCase read_gauge(const Setting& table, const Case& scene) {
+  GaugeCase gauge = filled(gauge_rows(), table);
+  fill_keys_of_kind(gauge, table);
+  if (const auto& complete = gauge_definition(gauge.kind).complete) complete(gauge, scene);
   return gauge;
+}
+
+std::string GaugeCase::text(const std::string& key) const {
+  const auto found = texts.find(key);
+  return found == texts.end() ? "" : found->second;
+}
+
+double GaugeCase::number(const std::string& key) const {
+  const auto found = numbers.find(key);
+  return found == numbers.end() ? 0 : found->second;
+}
+
+std::array<double, 3> GaugeCase::point(const std::string& key) const {
+  const auto found = points.find(key);
+  return found == points.end() ? std::array<double, 3>{} : found->second;
 }
 
 }  // namespace tern

@@ -97,13 +97,6 @@ using Rows = std::vector<Row<T>>;
 
 inline constexpr const char *required = "required", *absent = "absent";
 
-inline constexpr Range any{};
-inline constexpr Range positive{0, std::numeric_limits<double>::infinity(), true, true};
-inline constexpr Range not_negative{0, std::numeric_limits<double>::infinity(), false, true};
-constexpr Range from_to(double lowest, double highest) { return {lowest, highest, false, false}; }
-constexpr Range above_to(double lowest, double highest) { return {lowest, highest, true, false}; }
-constexpr Range between(double lowest, double highest) { return {lowest, highest, true, true}; }
-
 /// The rows as the validation and the document see them.
 template <class T>
 std::vector<Parameter> parameters_of(const Rows<T>& rows) {

@@ -16,6 +16,22 @@ namespace {
 
 using namespace tern;
 
+// Where pictures of a run show its gauges.
+nlohmann::json gauge_places(const Case& scene) {
+  nlohmann::json places = nlohmann::json::array();
+  for (const GaugeCase& gauge : scene.gauges) {
+    nlohmann::json shown = {{"name", gauge.name}};
+    switch (gauge_definition(gauge.kind).place) {
+      case GaugePlace::nowhere: continue;
+      case GaugePlace::point: shown["at"] = gauge.point("at"); break;
+      case GaugePlace::disc: shown["at"] = gauge.point("at"), shown["diameter"] = gauge.number("diameter"); break;
+      case GaugePlace::line: shown["from"] = gauge.point("from"), shown["to"] = gauge.point("to"); break;
+    }
+    places.push_back(std::move(shown));
+  }
+  return places;
+}
+
 std::string json_text(const Case& scene) {
   // What a participant has to report, in this order (docs/PROTOCOL.md, Account).
   nlohmann::json account = nlohmann::json::object();
@@ -33,6 +49,7 @@ std::string json_text(const Case& scene) {
                                {"has_fluid", scene.fluid.has_value()},
                                {"has_structure", scene.structure.has_value()},
                                {"settings", nlohmann::json::parse(scene.settings)},
+                               {"gauge_places", gauge_places(scene)},
                                {"preset_changes", scene.preset_changes},
                                {"expected_cpu_s", expected.fluid_cpu + expected.structure_cpu},
                                {"warnings", scene.warnings}};

@@ -5,34 +5,6 @@
 namespace tern::structure {
 
 template <int D>
-StructureGauges<D>::StructureGauges(const Case& scene, const Structure<D>& structure) {
-  for (const GaugeCase& gauge : scene.gauges) {
-    if (owner(gauge.kind) != GaugeOwner::structure) continue;
-    gauges_.push_back({gauge, {}});
-    if (gauge.kind == GaugeCase::Kind::displacement)
-      gauges_.back().point = structure.material_point(gauge.body, gauge.at);
-    else
-      structure.reaction(gauge.body, gauge.clamp, gauge.at);
-  }
-}
-
-template <int D>
-GaugeValues StructureGauges<D>::values(const Structure<D>& structure) const {
-  GaugeValues values;
-  for (const Gauge& gauge : gauges_) {
-    if (gauge.input.kind == GaugeCase::Kind::displacement) {
-      const Vector<D> d = structure.displacement(gauge.point);
-      for (int a = 0; a < D; ++a) values.push_back(d[a]);
-      continue;
-    }
-    const Reaction reaction = structure.reaction(gauge.input.body, gauge.input.clamp, gauge.input.at);
-    for (int a = 0; a < D; ++a) values.push_back(reaction.force[a]);
-    for (int a = D == 2 ? 2 : 0; a < 3; ++a) values.push_back(reaction.moment[a]);
-  }
-  return values;
-}
-
-template <int D>
 std::vector<double> energy_values(const Case& scene, const Structure<D>& structure) {
   const Energies e = structure.energies();
   std::vector<double> values{e.kinetic, e.strain, e.potential, e.diffusion, e.penalty, e.interface_work};
@@ -65,8 +37,6 @@ void write_frame(const Structure<D>& structure, FrameWriter& frames, long step) 
   frames.end();
 }
 
-template class StructureGauges<2>;
-template class StructureGauges<3>;
 template std::vector<double> energy_values<2>(const Case&, const Structure<2>&);
 template std::vector<double> energy_values<3>(const Case&, const Structure<3>&);
 template void write_frame<2>(const Structure<2>&, FrameWriter&, long);

@@ -1,30 +1,14 @@
 #pragma once
-// What the structure process reports: gauges, energies, frames, measures.
+// What the structure process reports: energies, frames, measures; its gauges are in structure/gauges/.
 
 #include <vector>
 
 #include "run/frame_writer.hpp"
 #include "run/run_report.hpp"
-#include "scene/gauges.hpp"
+#include "structure/gauges/gauges.hpp"
 #include "structure/structure.hpp"
 
 namespace tern::structure {
-
-/// The gauges of a scene that belong to the structure, their material points found once.
-template <int D>
-class StructureGauges {
- public:
-  /// Throws BadInput for a gauge outside its body or at a clamp that does not exist.
-  StructureGauges(const Case& scene, const Structure<D>& structure);
-  GaugeValues values(const Structure<D>& structure) const;
-
- private:
-  struct Gauge {
-    GaugeCase input;
-    MaterialPoint point;
-  };
-  std::vector<Gauge> gauges_;
-};
 
 /// In the order of structure_energy_columns(scene).
 template <int D>

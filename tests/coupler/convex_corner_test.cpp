@@ -133,7 +133,7 @@ TEST(ConvexCorner, HidesWhatItsFacesBound) {
 // alone (0.41 g), without the hydrostatic part of what is not borne (0.313 g).
 TEST(ConvexCorner, LeavesWaterAtRest) {
   Scene scene;
-  scene.c.coupling.algorithm = CouplingAlgorithm::cm0;
+  scene.c.coupling.algorithm = CouplingAlgorithm::explicit_staggering;
   Coupler<2> coupler(scene.c, scene.structure.surface_properties());
   const InterfacePressure<2> pressure = scene.fluid.solve_pressure(coupler.first_exchange(0, window, scene.surface, scene.band));
   scene.fluid.end_window(coupler.last_exchange(pressure));

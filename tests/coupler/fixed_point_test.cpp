@@ -1,4 +1,4 @@
-// The trials of CM3 on maps whose fixed point is known.
+// Coupling iterations on maps whose fixed point is known.
 
 #include "coupler/acceleration/fixed_point.hpp"
 

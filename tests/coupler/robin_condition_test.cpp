@@ -29,7 +29,7 @@ Surface<2> row(std::size_t n) {
 TEST(RobinMass, IsTheSectionOrHalfTheLayerAWaveReachesAndAtLeastAParticle) {
   for (double factor : {1.0, 0.5}) {
     Case c = scene(2, dx);
-    c.coupling.algorithm = CouplingAlgorithm::cm2;
+    c.coupling.algorithm = CouplingAlgorithm::semi_implicit;
     c.coupling.robin_mass_factor = factor;
     Coupler<2> coupler(c, five_points());
     const auto load = coupler.first_exchange(0, 1e-3, row(5), {});
@@ -43,7 +43,7 @@ TEST(RobinMass, IsTheSectionOrHalfTheLayerAWaveReachesAndAtLeastAParticle) {
 // Seen to fail: without the stretch.
 TEST(RobinMass, IsLessWhereTheFaceHasBeenStretched) {
   Case c = scene(2, dx);
-  c.coupling.algorithm = CouplingAlgorithm::cm2;
+  c.coupling.algorithm = CouplingAlgorithm::semi_implicit;
   Coupler<2> coupler(c, five_points());
   auto surface = row(5);
   const auto before = coupler.first_exchange(0, 1e-3, surface, {}).robin_mass;
@@ -52,10 +52,10 @@ TEST(RobinMass, IsLessWhereTheFaceHasBeenStretched) {
   for (int k = 0; k < 5; ++k) EXPECT_DOUBLE_EQ(after[k], before[k] / (k == 3 ? 2 : 1)) << k;
 }
 
-// Seen to fail: with the condition set for CM0 too.
+// Seen to fail: with the condition set for explicit coupling too.
 TEST(RobinMass, IsNotGivenToAnExplicitCoupling) {
   Case c = scene(2, dx);
-  c.coupling.algorithm = CouplingAlgorithm::cm0;
+  c.coupling.algorithm = CouplingAlgorithm::explicit_staggering;
   Coupler<2> coupler(c, five_points());
   const auto load = coupler.first_exchange(0, 1e-3, row(5), {});
   for (double mass : load.robin_mass) EXPECT_EQ(mass, 0) << "a point without mass does not yield";
@@ -198,7 +198,7 @@ Vector<2> after_contact(double height, const Vector<2>& velocity, const Vector<2
   InterfaceParticles<2> band;
   add_particle<2>(band, {0.0025, height}, dx, velocity);
   Case c = scene(2, dx);
-  c.coupling.algorithm = CouplingAlgorithm::cm2;
+  c.coupling.algorithm = CouplingAlgorithm::semi_implicit;
   Coupler<2> coupler(c, properties(surface.position.size(), section_mass));
   coupler.first_exchange(0, 1e-3, surface, band);
   const auto force = coupler.last_exchange(pressure_field<2>(band, [&](const Vector<2>&) { return pressure; }));
@@ -230,15 +230,15 @@ TEST(Contact, LeavesAParticleAndALightFaceTheirCommonVelocity) {
   EXPECT_NEAR(audit.contact_dissipation, 0.5 * mass * behind / (mass + behind), 1e-12);
 }
 
-// What a light face does under a contact, the trials of CM3 find out. Held by its stiffness it does not give way, though no mass
+// What a light face does under a contact, the coupling iterations find out. Held by its stiffness it does not give way, though no mass
 // is behind it: with that mass alone the particle goes on at 0.995 of its approach, and through. Free, with the mass of the
 // patch, it goes on with the particle, at the velocity that keeps the momentum of both.
-// Seen to fail: with the mass behind the face as in CM2; with no contacts in the answers to the trials; with the excess subtracted.
+// Seen to fail: with the mass behind the face as in one pass; with no contacts in the answers; with the excess subtracted.
 TEST(Contact, OfALightFaceIsAsHeldOrAsFreeAsTheTrialsShow) {
   constexpr double window = 1e-3, behind = 0.05, mass = 1000 * dx * dx, area = 0.5 * dx;
   for (const bool held : {true, false}) {
     Case c = scene(2, dx);
-    c.coupling.algorithm = CouplingAlgorithm::cm3;
+    c.coupling.algorithm = CouplingAlgorithm::implicit;
     c.coupling.tolerance = 1e-9;
     auto surface = flat_plate<2>(12 * dx, 4 * dx, area);
     for (auto& u : surface.velocity) u = {0.0, -0.5};

@@ -10,8 +10,8 @@ namespace {
 
 using Verdict = CoupledOutcome::Verdict;
 
-// Seen to fail: with CM2 for light bodies; with the velocity of the structure at the end of a window taken as it is; the last,
-// with changes of earlier windows that are new by 1e-3 made use of.
+// Seen to fail: with semi-implicit coupling for light bodies; with the velocity of the structure at the end of a window taken as it is;
+// the last, with changes of earlier windows that are new by 1e-3 made use of.
 TEST(Stability, IsBoundedByDefaultFromLightToHeavy) {
   for (const CoupledScene& s : {CoupledScene{0.01, 4, 1e7, 2},
                                 {0.01, 8, 1e5, 1},
@@ -29,7 +29,7 @@ TEST(Stability, IsBoundedByDefaultFromLightToHeavy) {
 }
 
 // Particles over the end of a light plate fell into it, one after the other, and later out of its sides.
-// Seen to fail: with contacts settled by the mass behind the face, as with CM2.
+// Seen to fail: with contacts settled by the mass behind the face, as in one pass.
 TEST(Stability, NoWaterFallsIntoTheEndOfALightPlate) {
   const CoupledScene s{0.01, 4, 1e7, 2};
   EXPECT_EQ(inside_plate(s, 0.06), 0);
@@ -42,7 +42,7 @@ TEST(Stability, ContactsOfALightPlateTakeNoMoreTrialsThanItsPressure) { EXPECT_L
 // A body that does not yield ties no level of the pressure either.
 // Seen to fail: with what the level does to particles in the equation of every sealed fluid, whether a body yields or not.
 TEST(Stability, SealedWaterRoundABodyThatDoesNotYieldIsFound) {
-  const Case c = case_of({1, 4, 1e7, 2, CouplingAlgorithm::cm0, 1, true});
+  const Case c = case_of({1, 4, 1e7, 2, CouplingAlgorithm::explicit_staggering, 1, true});
   fluid::Fluid<2> fluid(c);
   structure::Structure<2> structure(c);
   Coupler<2> coupler(c, structure.surface_properties());
@@ -61,9 +61,9 @@ TEST(Stability, TheLevelOfSealedWaterRoundALightPlateIsQuiet) {
   EXPECT_LT(outcome.unrest, 0.01);
 }
 
-// The negative control. Seen to fail: with the Robin condition set for CM0 too.
+// The negative control. Seen to fail: with the Robin condition set for explicit coupling too.
 TEST(Stability, IsLostByExplicitCouplingOfALightBody) {
-  EXPECT_NE(run({0.1, 4, 1e7, 1, CouplingAlgorithm::cm0}, 0.06).verdict, Verdict::bounded);
+  EXPECT_NE(run({0.1, 4, 1e7, 1, CouplingAlgorithm::explicit_staggering}, 0.06).verdict, Verdict::bounded);
 }
 
 }  // namespace

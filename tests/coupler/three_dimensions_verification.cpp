@@ -31,7 +31,7 @@ Slice run(int width, double until) {
   c.end_time = until;
   c.gravity = constant(0, -9.81);
   c.coupling.riemann_limiter = 3;
-  c.coupling.algorithm = CouplingAlgorithm::cm2;
+  c.coupling.algorithm = CouplingAlgorithm::semi_implicit;
   WallCase tank;
   tank.name = "tank";
   tank.container = true;

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "fixtures/fluid_scenes.hpp"
-#include "fluid/process/output.hpp"
+#include "fluid/gauges/gauges.hpp"
 
 namespace tern::fluid::testing {
 namespace {
@@ -176,17 +176,8 @@ TEST(GaugeValues, AreOnePerColumn) {
   Case c = scene(2, 0.05, {box({0, 0, 0}, {1, 0.5, 0})}, {tank({0, 0, 0}, {1, 1, 0})});
   c.walls[0].motion.emplace();
   c.walls[0].motion->displacement[1] = Expression("2*t");
-  for (const auto kind : {GaugeCase::Kind::force, GaugeCase::Kind::front, GaugeCase::Kind::wall_pressure, GaugeCase::Kind::flux,
-                          GaugeCase::Kind::elevation}) {
-    GaugeCase gauge;
-    gauge.kind = kind;
-    gauge.name = "g";
-    gauge.wall = "tank";
-    gauge.diameter = 0.05;
-    gauge.at = {0.5, 0, 0};
-    gauge.to = {0, 1, 0};
-    c.gauges.push_back(gauge);
-  }
+  for (const char* kind : {"force", "front", "wall_pressure", "flux", "elevation"})
+    c.gauges.push_back({kind, "g", {{"wall", "tank"}}, {{"diameter", 0.05}}, {{"at", {0.5, 0, 0}}, {"to", {0, 1, 0}}}});
   c.fluid->bodies[0].velocity[1] = Expression(2.0);
   Fluid<2> fluid(c);
   EXPECT_FALSE(gauge_values(fluid, c)[0].has_value()) << "before the first solve";

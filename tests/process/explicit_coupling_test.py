@@ -14,9 +14,9 @@ class ExplicitCouplingTest(RealRunTest):
 
     # Seen to fail with the limit at 80.
     def test_it_is_refused_with_the_figure_and_the_remedy(self):
-        code, _, errors = self.finish(self.start("--set", "coupling.algorithm=CM0", "--until", "0.02"))
+        code, _, errors = self.finish(self.start("--set", "coupling.algorithm=explicit", "--until", "0.02"))
         self.assertEqual(code, 2, errors)
-        for part in (f"m_a/m_s = {RATIO:.3g} for 'plate'", "0.8", "CM2", "--allow-unstable"):
+        for part in (f"m_a/m_s = {RATIO:.3g} for 'plate'", "0.8", "semi-implicit", "--allow-unstable"):
             self.assertIn(part, errors)
         contents = self.contents()
         self.assertEqual((contents["status"], contents["steps"]), ("bad input", 0))
@@ -24,7 +24,7 @@ class ExplicitCouplingTest(RealRunTest):
     # Seen to fail with the option not passed on to the coupler.
     def test_it_runs_when_asked_for_and_where_the_ratio_is_small(self):
         for words in (["--allow-unstable"], ["--set", "structure.body.plate.density=60000"]):
-            code, _, errors = self.finish(self.start("--set", "coupling.algorithm=CM0", "--until", "0.005", "--force", *words))
+            code, _, errors = self.finish(self.start("--set", "coupling.algorithm=explicit", "--until", "0.005", "--force", *words))
             self.assertEqual(code, 0, errors)
 
     # Seen to fail with the measure left out of the report.

@@ -21,11 +21,11 @@ from tern.extremes import bisection, families, page, run_cell, scenes, verdict
 from tern.extremes.table import Table
 
 EXPECTED = {
-    "density ratio 0.1, 4 across, E 1e+07 Pa, one face wet, CM0": ("stopped", "The interface has made"),
-    "density ratio 0.1, 4 across, E 1e+07 Pa, one face wet, CM3": ("bounded", ""),
-    "density ratio 0.01, 4 across, E 1e+09 Pa, both faces wet, CM3": ("bounded", ""),
-    "density ratio 0.01, 8 across, E 1e+09 Pa, both faces wet, CM0": ("stopped", "turns round from window to window"),
-    "density ratio 1, 4 across, E 1e+07 Pa, both faces wet, CM2": ("bounded", ""),
+    "density ratio 0.1, 4 across, E 1e+07 Pa, one face wet, explicit": ("stopped", "The interface has made"),
+    "density ratio 0.1, 4 across, E 1e+07 Pa, one face wet, implicit": ("bounded", ""),
+    "density ratio 0.01, 4 across, E 1e+09 Pa, both faces wet, implicit": ("bounded", ""),
+    "density ratio 0.01, 8 across, E 1e+09 Pa, both faces wet, explicit": ("stopped", "turns round from window to window"),
+    "density ratio 1, 4 across, E 1e+07 Pa, both faces wet, semi-implicit": ("bounded", ""),
     "plate under water, Poisson's ratio 0.49999": ("bounded", ""),
     "plate of 20 mm, 1 across, both faces wet": ("stopped", "needs at least 2"),
     "structure over fluid 0.25, 20 mm, both faces wet": ("bounded", ""),
@@ -40,7 +40,7 @@ EXPECTED = {
     "structure over fluid 4, four across, one face wet": ("bounded", ""),
     "light and loosely solved: density ratio 0.1, tolerance 1e-2": ("stopped", "do not agree on the load"),
     "standing plate in 3D, density ratio 1": ("bounded", ""),
-    "floor in 3D, density ratio 0.1, CM2": ("stopped", " J in the last 5 windows"),
+    "floor in 3D, density ratio 0.1, semi-implicit": ("stopped", " J in the last 5 windows"),
 }
 
 

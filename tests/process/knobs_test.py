@@ -217,18 +217,18 @@ class KnobsTest(unittest.TestCase):
     # Coupling.
 
     def test_coupling_algorithm(self):
-        """Only CM3 repeats its windows."""
-        default, other = self.pair("impact", COUPLING + "algorithm=CM3", COUPLING + "algorithm=CM2")
+        """Only the implicit coupling repeats its windows."""
+        default, other = self.pair("impact", COUPLING + "algorithm=implicit", COUPLING + "algorithm=semi-implicit")
         self.assertNotIn("coupling_trials_mean", default.figures)
         self.assertGreater(other.figures["coupling_trials_mean"], 1.5)
 
     def test_coupling_acceleration(self):
         """The quasi-Newton steps know more than one factor does: they take fewer trials."""
-        default, other = self.pair("impact", COUPLING + "acceleration=aitken", COUPLING + "algorithm=CM3")
+        default, other = self.pair("impact", COUPLING + "acceleration=aitken", COUPLING + "algorithm=implicit")
         self.assert_more(other.figures["coupling_trials_mean"], default.figures["coupling_trials_mean"], "trials")
 
     def test_coupling_tolerance(self):
-        default, other = self.pair("impact", COUPLING + "tolerance=1e-2", COUPLING + "algorithm=CM3")
+        default, other = self.pair("impact", COUPLING + "tolerance=1e-2", COUPLING + "algorithm=implicit")
         self.assert_more(default.figures["coupling_trials_mean"], other.figures["coupling_trials_mean"], "trials")
 
     def test_coupling_scheme(self):
@@ -264,8 +264,8 @@ class KnobsTest(unittest.TestCase):
         """The preset is the same, to the bit, as the settings it stands for."""
         until = "end_time=0.02"  # explicit staggering of this plate is stopped soon after
         _, other = self.pair("impact", "preset=paper", until)
-        spelt_out = self.run_scene("impact", until, COUPLING + "algorithm=CM0", COUPLING + "scheme=riemann", COUPLING + "vem.coefficient=5",
-                                   COUPLING + "vem.form=seed")
+        spelt_out = self.run_scene("impact", until, COUPLING + "algorithm=explicit", COUPLING + "scheme=riemann",
+                                   COUPLING + "vem.coefficient=5", COUPLING + "vem.form=seed")
         self.assertEqual(other.change(spelt_out), 0)
 
     def test_every_key_of_the_table_has_a_test_here(self):

@@ -8,6 +8,9 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import numpy as np
+from matplotlib import image
+
 import fake_build
 import made_up_run
 
@@ -43,6 +46,22 @@ class PlotTest(unittest.TestCase):
         for picture in pictures:
             content = (self.run_directory / "plots" / picture).read_bytes()
             self.assertTrue(content.startswith(b"\x89PNG") and len(content) > 5000, picture)
+
+    def test_gauges_are_shown_where_they_are(self):
+        # It fails with _draw_gauges() left out, and with lines left out of it.
+        self.write(tables=False)
+        places = [{"name": "sensor", "at": [0.3, 0.02, 0], "diameter": 0.02}, {"name": "gate", "from": [0.1, 0, 0], "to": [0.1, 0.1, 0]}]
+        red = []
+        for shown in ([], places[:1], places):
+            (self.run_directory / "run.json").write_text(json.dumps({
+                "case": "made_up", "case_path": str(self.run_directory / "case.toml"), "settings": {"dimension": 2},
+                "gauge_places": shown}))
+            code, _, errors = self.plot("--times", "0.09")
+            self.assertEqual((code, errors), (0, ""))
+            picture = image.imread(self.run_directory / "plots" / "field_0.100s.png")[..., :3]
+            red.append(int((np.abs(picture - np.array([214, 39, 40]) / 255).max(axis=-1) < 0.02).sum()))
+        self.assertLess(red[0] + 20, red[1])
+        self.assertLess(red[1] + 20, red[2])
 
     def test_either_side_alone_and_a_run_without_run_json_can_be_drawn(self):
         # Seen to fail: with limits_of() and foot() taking both sides for granted.

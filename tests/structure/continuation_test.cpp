@@ -216,7 +216,8 @@ TEST(Continuation, RefusesTheStateOfAnotherScene) {
 }
 
 TEST(Continuation, OfACoupledStructureHasTheSameBits) {
-  for (const CouplingAlgorithm algorithm : {CouplingAlgorithm::cm0, CouplingAlgorithm::cm2, CouplingAlgorithm::cm3}) {
+  for (const CouplingAlgorithm algorithm :
+       {CouplingAlgorithm::explicit_staggering, CouplingAlgorithm::semi_implicit, CouplingAlgorithm::implicit}) {
     const Case c = strip<2>(Integrator::automatic);
     Structure<2> a(c), b(c);
     CoupledStructure<2> whole(a, algorithm), continued(b, algorithm);
@@ -226,7 +227,7 @@ TEST(Continuation, OfACoupledStructureHasTheSameBits) {
       SurfaceLoad<2> load;
       for (std::size_t k = 0; k < surface.position.size(); ++k)
         load.force.push_back(surface.area[k] * (10 + std::sin(n) - surface.velocity[k][0]) * surface.normal[k]);
-      if (algorithm == CouplingAlgorithm::cm3) coupled.respond(load);
+      if (algorithm == CouplingAlgorithm::implicit) coupled.respond(load);
       for (auto& force : load.force) force *= 0.9;
       coupled.apply(load);
     };

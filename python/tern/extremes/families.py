@@ -6,7 +6,7 @@ from typing import Callable
 from tern.extremes import scenes
 from tern.extremes.cell import Cell
 
-ALGORITHMS = ("CM0", "CM2", "CM3")
+ALGORITHMS = ("explicit", "semi-implicit", "implicit")
 RATIOS, LAYERS, MODULI, FACES = (0.01, 0.1, 1, 10), (2, 4, 8), (1e5, 1e7, 1e9), (1, 2)
 LIVELY = (12.0, 0.05, 0.05)  # jets of an impact reach several times the speed they come from
 
@@ -20,15 +20,15 @@ def plate_name(ratio, layers, modulus, faces):
 
 
 def plates():
-    """Density ratio x thickness x E x wet faces under each algorithm; by default it is CM2 or CM3."""
+    """Density ratio x thickness x E x wet faces under each algorithm; by default it is semi-implicit or implicit."""
     for faces in FACES:
         for ratio in RATIOS:
             for layers in LAYERS:
                 for modulus in MODULI:
                     name = plate_name(ratio, layers, modulus, faces)
-                    for algorithm in ALGORITHMS:  # what CM0 does to a heavy plate grows slowly
+                    for algorithm in ALGORITHMS:  # what explicit coupling does to a heavy plate grows slowly
                         cell = scenes.plate("plates", f"{name}, {algorithm}", ratio=ratio, layers=layers, modulus=modulus, faces=faces,
-                                            allow_unstable=algorithm == "CM0", until=0.2 if algorithm == "CM0" else 0.1,
+                                            allow_unstable=algorithm == "explicit", until=0.2 if algorithm == "explicit" else 0.1,
                                             row=f"{ratio:g}, {layers} across",
                                             column=f"{modulus:.0e}, {faces} wet".replace("e+0", "e"))
                         yield _set(cell, f"coupling.algorithm={algorithm}")
@@ -167,7 +167,7 @@ def three_dimensions():
                               row=f"{place}, soft", column="0.1")
         yield scenes.plate_3d("three_dimensions", f"{place} in 3D, density ratio 0.1, 2 across", ratio=0.1, layers=2, faces=faces,
                               row=f"{place}, thin", column="0.1")
-        for ratio, algorithm in ((0.1, "CM2"), (1, "CM3")):
+        for ratio, algorithm in ((0.1, "semi-implicit"), (1, "implicit")):
             yield _set(scenes.plate_3d("three_dimensions", f"{place} in 3D, density ratio {ratio:g}, {algorithm}", ratio=ratio, faces=faces,
                                        row=f"{place}, {algorithm}", column=f"{ratio:g}"), f"coupling.algorithm={algorithm}")
     for ratio in RATIOS:
@@ -181,16 +181,17 @@ FAMILIES = {"plates": plates, "poisson": poisson, "thickness": thickness, "spaci
 
 # Seconds all together; one of each kind of outcome and of most families, and the worst of each that is bounded.
 QUICK = {
-    "density ratio 0.1, 4 across, E 1e+07 Pa, one face wet, CM0", "density ratio 0.1, 4 across, E 1e+07 Pa, one face wet, CM3",
-    "density ratio 0.01, 4 across, E 1e+09 Pa, both faces wet, CM3", "density ratio 0.01, 8 across, E 1e+09 Pa, both faces wet, CM0",
-    "density ratio 1, 4 across, E 1e+07 Pa, both faces wet, CM2",
+    "density ratio 0.1, 4 across, E 1e+07 Pa, one face wet, explicit", "density ratio 0.1, 4 across, E 1e+07 Pa, one face wet, implicit",
+    "density ratio 0.01, 4 across, E 1e+09 Pa, both faces wet, implicit",
+    "density ratio 0.01, 8 across, E 1e+09 Pa, both faces wet, explicit",
+    "density ratio 1, 4 across, E 1e+07 Pa, both faces wet, semi-implicit",
     "plate under water, Poisson's ratio 0.49999", "plate of 20 mm, 1 across, both faces wet",
     "structure over fluid 0.25, 20 mm, both faces wet",
     "column that breaks, courant 0.6", "plate, pressure solved to 1e-2", "full tank with a plate in it, density ratio 1",
     "drop at 10 m/s on a pool", "neo_hookean squeezed to 0.5 of its height", "st_venant_kirchhoff squeezed to 0.1 of its height",
     "water at rest without gravity", "floor under water at rest for 20 sqrt(H/g)", "structure over fluid 4, four across, one face wet",
     "light and loosely solved: density ratio 0.1, tolerance 1e-2", "standing plate in 3D, density ratio 1",
-    "floor in 3D, density ratio 0.1, CM2",
+    "floor in 3D, density ratio 0.1, semi-implicit",
 }
 
 
@@ -210,14 +211,14 @@ class Boundary:
 def boundaries():
     """Looked for by bisection, with what theory says of them."""
     def piston(ratio):
-        return _set(scenes.piston("boundary", f"piston, CM0, m_a/m_s {ratio:.4g}", ratio=ratio, allow_unstable=True),
-                    "coupling.algorithm=CM0")
+        return _set(scenes.piston("boundary", f"piston, explicit, m_a/m_s {ratio:.4g}", ratio=ratio, allow_unstable=True),
+                    "coupling.algorithm=explicit")
 
     def plate_density(algorithm, layers, modulus):
         def make(ratio):
             cell = scenes.plate("boundary", f"plate under water, E {modulus:g} Pa, {layers} across, {algorithm}, density ratio {ratio:.4g}",
-                                ratio=ratio, layers=layers, modulus=modulus, allow_unstable=algorithm == "CM0",
-                                until=0.2 if algorithm == "CM0" else 0.1)
+                                ratio=ratio, layers=layers, modulus=modulus, allow_unstable=algorithm == "explicit",
+                                until=0.2 if algorithm == "explicit" else 0.1)
             return cell if algorithm == "default" else _set(cell, f"coupling.algorithm={algorithm}")
         return make
 
@@ -233,10 +234,11 @@ def boundaries():
         return scenes.squeezed("boundary", f"st_venant_kirchhoff squeezed to {left:.4g}", left=left, material="st_venant_kirchhoff",
                                limits=(20.0, 0.05, 0.05))
 
-    yield Boundary("boundary", "CM0, largest added mass of a piston over the mass it answers with", "-", 0.3, 5.0, piston,
+    yield Boundary("boundary", "explicit coupling, largest added mass of a piston over the mass it answers with", "-", 0.3, 5.0, piston,
                    "1: the mismatch of the velocities is multiplied by minus this ratio in each window")
-    yield Boundary("boundary", "CM0, lightest stiff plate under water, 20 mm of 4 across, 1e9 Pa", "density ratio", 10.0, 0.05,
-                   plate_density("CM0", 4, 1e9),
+    yield Boundary("boundary", "explicit coupling, lightest stiff plate under water, 20 mm of 4 across, 1e9 Pa", "density ratio",
+                   10.0, 0.05,
+                   plate_density("explicit", 4, 1e9),
                    "2: added mass of 0.043 m of water, a ratio of 1")
     yield Boundary("boundary", "default, lightest plate under water of 2 across and 1e5 Pa", "density ratio", 1.0, 0.02,
                    plate_density("default", 2, 1e5),

@@ -153,7 +153,7 @@ def run(request):
 
     contents = {"case": case["name"], "case_path": str(path), "title": case.get("title", ""), "case_hash": case["hash"],
                 "started": datetime.now(timezone.utc).isoformat(timespec="seconds"), "status": "running",
-                "settings": case.get("settings", {}), "options": request.case_options,
+                "settings": case.get("settings", {}), "gauge_places": case.get("gauge_places", []), "options": request.case_options,
                 "commands": {role: shlex.join(command) for role, command in commands.items()}}
     options = [*request.case_options, "--out", str(out), *request.network_options]
     if request.until is not None:

@@ -78,7 +78,7 @@ class _Coupled:
         self.interface_work = 0.0
 
     def predict(self, begin_s, duration_s):
-        """Halfway to a trial state under the load of the last window, with the velocity at its end. CM0: the present surface moved
+        """Halfway to the state under the load of the last window, with the velocity at its end. Explicit: the present surface moved
         on for half a window."""
         self._window = begin_s, duration_s
         begin = self._begin
@@ -90,7 +90,7 @@ class _Coupled:
                        normal / numpy.linalg.norm(normal, axis=1)[:, None], 0.5 * (begin.area + end.area))
 
     def respond(self, load):
-        """CM3: velocities at the end of the window under this load."""
+        """Implicit coupling: velocities at the end of the window under this load."""
         return self._velocity(self._advance(load))
 
     def apply(self, load):
@@ -121,7 +121,7 @@ def _obey(run, make_solver):
     case = run.case
     with run.timed("compute"):
         solver = make_solver(case, run.options)
-        coupled = _Coupled(solver, case.settings["coupling"]["algorithm"] == "CM0")
+        coupled = _Coupled(solver, case.settings["coupling"]["algorithm"] == "explicit")
     columns = ["kinetic", "strain", "potential", "diffusion", "penalty", "interface_work"]
     columns += ["damping", "load_work", "clamp_work"] if _has_loads(case.settings["structure"]) else []
     frames = FrameWriter(run.options.out, "structure", case.dimension)

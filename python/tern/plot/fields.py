@@ -7,6 +7,7 @@ the picture shows the particles within one spacing of the middle plane.
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import EllipseCollection, LineCollection
+from matplotlib.patches import Circle
 
 from tern.plot import style
 from tern.results.frames import nearest
@@ -62,6 +63,21 @@ def _middle(fields, spacing):
     return np.abs(depth - 0.5 * (depth.min() + depth.max())) <= spacing
 
 
+def _draw_gauges(axis, run):
+    """Where the gauges of the case are at the start: points, lines, and discs of the size of a sensor."""
+    for place in run.contents.get("gauge_places", []):
+        if "from" in place:
+            (x0, y0), (x1, y1) = place["from"][:2], place["to"][:2]
+            axis.plot([x0, x1], [y0, y1], color="tab:red", linewidth=1.0, linestyle="--")
+            x, y = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
+        else:
+            x, y = place["at"][:2]
+            axis.plot(x, y, marker="+", color="tab:red", markersize=5, linestyle="none")
+            if "diameter" in place:
+                axis.add_patch(Circle((x, y), 0.5 * place["diameter"], fill=False, edgecolor="tab:red", linewidth=0.8))
+        axis.annotate(style.plain(place["name"]), (x, y), xytext=(3, 3), textcoords="offset points", color="tab:red", fontsize=6)
+
+
 def _draw(axis, run, fluid, structure, limits, field):
     """Draws both sides; returns the mappable of each (None where absent)."""
     drawn = [None, None]
@@ -82,6 +98,7 @@ def _draw(axis, run, fluid, structure, limits, field):
         if "surface_position" in structure and len(structure["surface_position"]):
             surface = structure["surface_position"]
             _outline(axis, surface[np.abs(surface[:, 2] - np.median(surface[:, 2])) <= run.spacing("structure")][:, :2])
+    _draw_gauges(axis, run)
     axis.set_aspect("equal")
     axis.grid(False)
     return drawn

@@ -52,7 +52,7 @@ def text(contents, out):
         lines.append(f"  pressure iterations per step: mean {mean:.1f}, max {most or 0:.0f}")
     trials, open_windows = measure(contents, "coupling_trials_mean"), measure(contents, "coupling_windows_open")
     if trials is not None:
-        lines.append(f"  trials per window (CM3): mean {trials:.1f}, max {measure(contents, 'coupling_trials_max') or 0:.0f}"
+        lines.append(f"  coupling iterations per window: mean {trials:.1f}, max {measure(contents, 'coupling_trials_max') or 0:.0f}"
                      + (f"; {open_windows:.0f} windows did not reach the tolerance" if open_windows else ""))
     for name, label, form in CONSERVATION:
         value = measure(contents, name)

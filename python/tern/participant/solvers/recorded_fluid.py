@@ -4,7 +4,7 @@
     ./tern run CASE --record --out runs/yesterday
     ./tern run CASE --fluid "recorded_fluid.py --from runs/yesterday" --structure "..."
 
-The record holds for the windows it was made in. Where the algorithm CM3 asks for more trials than there were, the last pressure of
+The record holds for the windows it was made in. Where the implicit coupling asks for more iterations than there were, the last pressure of
 the window is played again; where for fewer, the rest is passed over.
 """
 

@@ -4,8 +4,8 @@
     ./tern run CASE --record --out runs/yesterday
     ./tern run CASE --structure "recorded_structure.py --from runs/yesterday"
 
-The record holds for the windows it was made in. Where the algorithm CM3 asks for more trials than there were, the last velocities of
-the window are played again; where for fewer, the rest is passed over.
+The record holds for the windows it was made in. Where the implicit coupling asks for more iterations than there were, the last velocities
+of the window are played again; where for fewer, the rest is passed over.
 """
 
 import sys
