@@ -2,10 +2,10 @@
 // transport, against a bare ZeroMQ round trip of the same bytes over sockets of the same types; the same where both ends ask again
 // and again instead of going to sleep; and a round trip over a socket of the system without ZeroMQ. Table of docs/SPEED.md:
 //   build/release/bench/bench-exchange [points ...]
-// Every answer comes from a process of its own through ipc. 2D, as many band particles as surface points. Exchanges:
-//   surface:   Surface there (position, velocity, normal, area), Band back (label, position, velocity, mass, volume,
+// Every answer comes from a process of its own through ipc. 2D, as many interface particles as surface points. Exchanges:
+//   surface:   Surface there (position, velocity, normal, area), InterfaceParticles back (label, position, velocity, mass, volume,
 //              divergence): the least the protocol has with two vectors each way
-//   pressure:  DissipativeLoad there (a vector, two scalars: the bytes of two vectors), BandPressure back (a vector, a scalar)
+//   pressure:  InterfaceCondition there (a vector, two scalars: the bytes of two vectors), InterfacePressure back (a vector, a scalar)
 // Blocks of both in turn and blocks of the bare round trips alternate, so that all see the same machine. Microseconds per
 // exchange: the fastest block / the median of the blocks.
 // A second table has what of it each passage over the numbers of one message takes, in this process alone.
@@ -67,7 +67,7 @@ class Answerer {
 /// What the two sides tell each other. Labels are shuffled, as particles are sorted by place and not by label.
 struct Content {
   Surface<2> surface;
-  InterfaceParticles<2> band;
+  InterfaceParticles<2> particles;
   InterfaceCondition<2> load;
   InterfacePressure<2> pressure;
 
@@ -78,7 +78,7 @@ struct Content {
     std::vector<std::uint32_t> labels(points);
     std::iota(labels.begin(), labels.end(), 0);
     std::shuffle(labels.begin(), labels.end(), std::mt19937(1));
-    band = {labels, vectors, vectors, scalars, scalars, scalars, {}, {}, {}};
+    particles = {labels, vectors, vectors, scalars, scalars, scalars, {}, {}, {}};
     load.force = vectors;
     load.reference_pressure = load.robin_mass = scalars;
     pressure = {scalars, vectors};
@@ -93,14 +93,14 @@ void answer_coupler(const std::string& endpoint, std::size_t points) {
   hello.set_dimension(2);
   channel.handshake(hello);
   for (;;) {
-    const wire::Message order = channel.receive({Kind::kSurface, Kind::kDissipativeLoad, Kind::kFinish});
+    const wire::Message order = channel.receive({Kind::kSurface, Kind::kInterfaceCondition, Kind::kFinish});
     wire::Message answer;
     if (order.has_surface()) {
       const Surface<2> surface = proto::from_wire<2>(order.surface());
-      *answer.mutable_band() = proto::to_wire<2>(content.band);
-    } else if (order.has_dissipative_load()) {
-      const InterfaceCondition<2> load = proto::from_wire<2>(order.dissipative_load());
-      *answer.mutable_band_pressure() = proto::to_wire<2>(content.pressure);
+      *answer.mutable_interface_particles() = proto::to_wire<2>(content.particles);
+    } else if (order.has_interface_condition()) {
+      const InterfaceCondition<2> load = proto::from_wire<2>(order.interface_condition());
+      *answer.mutable_interface_pressure() = proto::to_wire<2>(content.pressure);
     } else {
       answer.mutable_finished();
     }
@@ -130,13 +130,15 @@ class Coupler {
     wire::Message message;
     *message.mutable_surface() = proto::to_wire<2>(content_.surface);
     channel_.send(wire::FLUID, std::move(message));
-    const InterfaceParticles<2> band = proto::from_wire<2>(channel_.receive(wire::FLUID, {Kind::kBand}).band());
+    const InterfaceParticles<2> particles =
+        proto::from_wire<2>(channel_.receive(wire::FLUID, {Kind::kInterfaceParticles}).interface_particles());
   }
   void exchange_pressure() {
     wire::Message message;
-    *message.mutable_dissipative_load() = proto::to_wire<2>(content_.load);
+    *message.mutable_interface_condition() = proto::to_wire<2>(content_.load);
     channel_.send(wire::FLUID, std::move(message));
-    const InterfacePressure<2> pressure = proto::from_wire<2>(channel_.receive(wire::FLUID, {Kind::kBandPressure}).band_pressure());
+    const InterfacePressure<2> pressure =
+        proto::from_wire<2>(channel_.receive(wire::FLUID, {Kind::kInterfacePressure}).interface_pressure());
   }
   std::size_t bytes_sent() const { return channel_.bytes_sent(); }
   std::size_t bytes_received() const { return channel_.bytes_received(); }
@@ -364,7 +366,7 @@ void measure_passages(std::size_t points, const char* name, const std::function<
   fill(message);
   proto::Agreement agreement;
   agreement.dimension = 2;
-  agreement.surface_points = agreement.band_particles = points;
+  agreement.surface_points = agreement.interface_particles = points;
   std::vector<std::byte> bytes(message.ByteSizeLong()), copy(bytes.size());
   const auto serialise = [&] {
     message.ByteSizeLong();
@@ -417,7 +419,8 @@ int main(int argc, char** argv) {
         points, "Surface", [&](wire::Message& message) { *message.mutable_surface() = proto::to_wire<2>(content.surface); },
         [](const wire::Message& message) { const Surface<2> surface = proto::from_wire<2>(message.surface()); });
     measure_passages(
-        points, "Band", [&](wire::Message& message) { *message.mutable_band() = proto::to_wire<2>(content.band); },
-        [](const wire::Message& message) { const InterfaceParticles<2> band = proto::from_wire<2>(message.band()); });
+        points, "InterfaceParticles",
+        [&](wire::Message& message) { *message.mutable_interface_particles() = proto::to_wire<2>(content.particles); },
+        [](const wire::Message& message) { const InterfaceParticles<2> particles = proto::from_wire<2>(message.interface_particles()); });
   }
 }

@@ -30,7 +30,7 @@ void add_pressure(const Setup<D>& setup, const InterfacePressure<D>& pressure, W
   std::size_t m = 0;
   std::vector<Vector<D>>& on_particles = window.particle_force.force;
   for (const auto& pair : pairs.pairs()) add_pair_force(pair, Vector<D>(carried[m++] * pair.b), window.load, on_particles);
-  for (const auto& pair : pairs.averted_pairs()) add_pair_force(pair, Vector<D>(carried[m++] * pair.b), window.load, on_particles);
+  for (const auto& pair : pairs.back_facing_pairs()) add_pair_force(pair, Vector<D>(carried[m++] * pair.b), window.load, on_particles);
   // What images take back, the fluid has from the mirror that its walls are.
   for (const auto& pair : pairs.image_pairs()) window.load.force[pair.point] += carried[m++] * pair.b;
 }

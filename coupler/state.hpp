@@ -13,7 +13,7 @@ namespace tern::coupler {
 /// How often each term was evaluated since the start, in pairs of a particle and a surface point (iterations). What a case
 /// leaves out counts nothing.
 struct Evaluations {
-  long pressure = 0, riemann_dissipation = 0, vem = 0, repeated_trials = 0, windows_without_exchange = 0;
+  long pressure = 0, riemann_dissipation = 0, vem = 0, coupling_iterations = 0, windows_without_exchange = 0;
 };
 
 template <int D>

@@ -10,7 +10,7 @@ namespace tern {
 template <int D>
 template <class Turned>
 void CornerView<D>::find(const Vector<D>& x, Turned&& behind_plate) {
-  averted_.clear();
+  back_facing_.clear();
   turned_.clear();  // the far faces of plates
   const double support = kernel_.support();
   finder_.for_each_around(x, [&](int k) {
@@ -19,7 +19,7 @@ void CornerView<D>::find(const Vector<D>& x, Turned&& behind_plate) {
     if (behind_plate(k))
       turned_.push_back(k);
     else if (covered_.empty() || !covered_[k])
-      averted_.push_back(k);
+      back_facing_.push_back(k);
   });
   if (turned_.empty()) return;
   // What lies beyond a plate bounds nothing. Seen from there, the particle is behind the far face of the plate.
@@ -27,7 +27,7 @@ void CornerView<D>::find(const Vector<D>& x, Turned&& behind_plate) {
     return std::any_of(turned_.begin(), turned_.end(),
                        [&](int far) { return patch_separates(structure_, far, structure_.position[k], x); });
   };
-  averted_.erase(std::remove_if(averted_.begin(), averted_.end(), beyond_plate), averted_.end());
+  back_facing_.erase(std::remove_if(back_facing_.begin(), back_facing_.end(), beyond_plate), back_facing_.end());
 }
 
 template <int D>
@@ -50,7 +50,7 @@ double CornerView<D>::borne_share(int k) {
   const Vector<D>& x = structure_.position[k];
   find(x, [&](int other) { return !passes_corner<D>(structure_.normal[k], structure_.normal[other]); });
   double behind = 0;
-  for (int other : averted_) {
+  for (int other : back_facing_) {
     const Vector<D> d = structure_.position[other] - x;
     behind += subtended_angle<D>(d, Vector<D>(-structure_.normal[other]), structure_.area[other]) * kernel_.surface_weight_beyond(d.norm());
   }

@@ -1,6 +1,6 @@
 #pragma once
 // Convex corners of bodies. What a body hides from a particle beside one of its corners is bounded by the face that the
-// particle sees and, round the corner, by faces turned away from it: averted faces. The fluid beyond such a corner is seen past
+// particle sees and, round the corner, by faces turned away from it: back-facing faces. The fluid beyond such a corner is seen past
 // it, that beyond a thin plate is not.
 
 #include <cstdint>
@@ -20,22 +20,27 @@ bool passes_corner(const Vector<D>& in, const Vector<D>& out) {
 
 /// Kept by the caller, so that a step allocates nothing.
 struct CornerScratch {
-  std::vector<int> averted, turned;
+  std::vector<int> back_facing, turned;
 };
 
-/// Finds averted faces. The faces of the structure and their finder outlive it.
+/// Finds back-facing faces. The faces of the structure and their finder outlive it.
 template <int D>
 class CornerView {
  public:
   /// `covered`: faces before which there is a wall instead of room for fluid; empty: none is.
   CornerView(const Faces<D>& structure, const FaceFinder<D>& finder, const std::vector<std::uint8_t>& covered, const FaceKernel<D>& kernel,
              CornerScratch& scratch)
-      : structure_(structure), finder_(finder), covered_(covered), kernel_(kernel), averted_(scratch.averted), turned_(scratch.turned) {}
+      : structure_(structure),
+        finder_(finder),
+        covered_(covered),
+        kernel_(kernel),
+        back_facing_(scratch.back_facing),
+        turned_(scratch.turned) {}
 
-  /// Sets averted() for a particle at x: faces within the support that are turned away from it and bound what hides behind those it
+  /// Sets back_facing() for a particle at x: faces within the support that are turned away from it and bound what hides behind those it
   /// sees, at least one.
   void look(const Vector<D>& x, const int* seen, int seen_count);
-  const std::vector<int>& averted() const { return averted_; }
+  const std::vector<int>& back_facing() const { return back_facing_; }
 
   /// Share of the pressures before face k that is its load, 1 away from corners. A face has a half space before it, but beside
   /// a corner there is fluid behind its plane as well.
@@ -49,7 +54,7 @@ class CornerView {
   const FaceFinder<D>& finder_;
   const std::vector<std::uint8_t>& covered_;
   const FaceKernel<D>& kernel_;
-  std::vector<int>&averted_, &turned_;
+  std::vector<int>&back_facing_, &turned_;
 };
 
 /// Marks the faces of the structure before which there is a wall. `before`: distance of the places that are asked [m].

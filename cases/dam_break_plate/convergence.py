@@ -58,7 +58,7 @@ def main():
             apart = [abs(at(tables[name], "P.ux_m", s) - at(tables[finest], "P.ux_m", s)) for s in t]
             distance, towards = f"{1e3 * max(apart):.2f}", next(row[1] for row in rows if row[0] == finest).split(":")[0]
         contents = runs[name].contents
-        trials = measure(contents, "coupling_trials_mean")
+        trials = measure(contents, "coupling_iterations_mean")
         print(f"| {what} | " + " | ".join(f"{at(tables[name], 'P.ux_m', time):.4f}" for time in times)
               + f" | {distance} | {towards} | {contents['steps']} | {'' if trials is None else f'{trials:.1f}'} "
               + f"| {contents['cpu_s']:.0f} |")

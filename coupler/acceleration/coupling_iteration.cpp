@@ -13,7 +13,7 @@ void begin_iterations(const Setup<D>& setup, const Workspace<D>& window, State<D
 template <int D>
 bool assume_next_load(const SurfaceLoad<D>& answer, const SurfaceLoad<D>& contact, State<D>& state, Workspace<D>& window) {
   if (state.fixed_point.add(parts(window.assumed_load, window.assumed_contact), parts(answer, contact))) return false;
-  ++state.evaluations.repeated_trials;
+  ++state.evaluations.coupling_iterations;
   const Eigen::VectorXd next = state.fixed_point.next();
   const auto points = static_cast<Eigen::Index>(window.assumed_load.force.size());
   for (Eigen::Index k = 0; k < points; ++k) {

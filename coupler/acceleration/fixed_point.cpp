@@ -14,10 +14,10 @@ namespace tern::coupler {
 namespace {
 
 constexpr std::size_t reused_windows = 8;
-constexpr std::size_t most_changes = 40;  ///< that one trial is made of; a fit to more costs more than a trial
-constexpr int most_trials = 50;
+constexpr std::size_t most_changes = 40;  ///< that one load is made of; a fit to more costs more than an iteration
+constexpr int most_iterations = 50;
 constexpr double least_load = 0.01;        ///< that counts, over the largest of the run
-constexpr double largest_residual = 0.05;  ///< with which a window may end after the last trial
+constexpr double largest_residual = 0.05;  ///< with which a window may end after the last iteration
 /// A change is used if at least this part of it is no combination of newer changes.
 constexpr double least_new_part = 1e-3;
 /// The same for a change of an earlier window. Since then H has changed, by some tenths where a particle came in touch. What is left of
@@ -32,29 +32,28 @@ constexpr double largest_surprise = 0.3;
 
 void FixedPoint::begin_window(double gain, double begin) {
   begin_ = begin;
-  trials_ = 0;
+  iterations_ = 0;
   residual_ = 0;
   gain_ = largest_gain_ = gain;
   factor_ = 1 / gain;
   unknown_ = 0;
-  first_trial_before_ = std::exchange(first_trial_, {});
+  first_load_before_ = std::exchange(first_load_, {});
   if (!changes_.empty() && changes_.front().empty()) return;
   changes_.emplace_front();
   if (changes_.size() > reused_windows + 1) changes_.pop_back();
 }
 
-bool FixedPoint::add(const Eigen::VectorXd& trial, const Eigen::VectorXd& answer) {
-  const Eigen::VectorXd residual = answer - trial;
+bool FixedPoint::add(const Eigen::VectorXd& load, const Eigen::VectorXd& answer) {
+  const Eigen::VectorXd residual = answer - load;
   const double size = answer.norm();
-  ++trials_;
+  ++iterations_;
   if (!std::isfinite(size) || !std::isfinite(residual.norm()))
     throw NumericalFailure(
         fmt::format("The load on the surface is not finite in coupling iteration {} of the window from t = {:.6g} s: the coupling "
-                    "iterations have run away. Try a "
-                    "smaller fluid.numerics.courant.",
-                    trials_, begin_));
-  if (trials_ == 1) {
-    first_trial_ = trial;
+                    "iterations have run away. Try a smaller fluid.numerics.courant.",
+                    iterations_, begin_));
+  if (iterations_ == 1) {
+    first_load_ = load;
   } else if (acceleration_ == Acceleration::aitken) {
     const Eigen::VectorXd change = residual - last_.residual;
     factor_ *= -last_.residual.dot(change) / change.squaredNorm();
@@ -65,27 +64,28 @@ bool FixedPoint::add(const Eigen::VectorXd& trial, const Eigen::VectorXd& answer
   }
   last_ = {residual, answer};
   // An iteration that is worse than its base is learned from but not built upon. A second one in a row is, or iterations go in circles.
-  refused_ = trials_ > 1 && !refused_ && residual.norm() >= base_.residual.norm();
+  refused_ = iterations_ > 1 && !refused_ && residual.norm() >= base_.residual.norm();
   if (!refused_) base_ = last_;
   // Where there is next to no load, the residual is measured by the largest load of the run: the last digits of the pressure solve differ.
   largest_answer_ = std::max(largest_answer_, size);
   residual_ = largest_answer_ > 0 ? residual.norm() / std::max(size, least_load * largest_answer_) : residual.norm() > 0 ? 1 : 0;
-  if (trials_ == most_trials && !(residual_ <= largest_residual))
-    throw NumericalFailure(fmt::format(
-        "Fluid and structure do not agree on the load after {} trials of the window from t = {:.6g} s: it changes by {:.2g} of itself "
-        "from trial to trial, at most {:g} is accepted. A body is too light and too soft for windows this long; use a smaller "
-        "fluid.numerics.gravity_courant and "
-        "courant, or a thicker body.",
-        trials_, begin_, residual_, largest_residual));
-  return converged() || trials_ == most_trials;
+  if (iterations_ == most_iterations && !(residual_ <= largest_residual))
+    throw NumericalFailure(
+        fmt::format("Fluid and structure do not agree on the load after {} coupling iterations of the window from t = {:.6g} s: it changes "
+                    "by {:.2g} of itself "
+                    "from one to the next, at most {:g} is accepted. A body is too light and too soft for windows this long; use a smaller "
+                    "fluid.numerics.gravity_courant and "
+                    "courant, or a thicker body.",
+                    iterations_, begin_, residual_, largest_residual));
+  return converged() || iterations_ == most_iterations;
 }
 
 Eigen::VectorXd FixedPoint::aitken() const { return last_.answer + (factor_ - 1) * last_.residual; }
 
 Eigen::VectorXd FixedPoint::quasi_newton() {
   unknown_ = 0;
-  if (trials_ == 1 && residual_ > mostly_error && first_trial_before_.size() == first_trial_.size() && first_trial_before_ != first_trial_)
-    return 2 * first_trial_ - first_trial_before_;  // as the load went on before
+  if (iterations_ == 1 && residual_ > mostly_error && first_load_before_.size() == first_load_.size() && first_load_before_ != first_load_)
+    return 2 * first_load_ - first_load_before_;  // as the load went on before
   // Least squares for the combination of changes that takes the residual away, by Gram-Schmidt, the newest change first. The
   // changes of the answers are combined alike, so that no triangular system is left to be solved.
   std::vector<Outcome> basis;

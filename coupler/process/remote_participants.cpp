@@ -43,15 +43,15 @@ InterfaceParticles<D> RemoteParticipants<D>::see_surface(const Surface<D>& surfa
   wire::Message message;
   *message.mutable_surface() = to_wire<D>(surface);
   channel_.send(wire::FLUID, std::move(message));
-  return from_wire<D>(channel_.receive(wire::FLUID, {Kind::kBand}).band());
+  return from_wire<D>(channel_.receive(wire::FLUID, {Kind::kInterfaceParticles}).interface_particles());
 }
 
 template <int D>
 InterfacePressure<D> RemoteParticipants<D>::solve_pressure(const InterfaceCondition<D>& condition) {
   wire::Message message;
-  *message.mutable_dissipative_load() = to_wire<D>(condition);
+  *message.mutable_interface_condition() = to_wire<D>(condition);
   channel_.send(wire::FLUID, std::move(message));
-  return from_wire<D>(channel_.receive(wire::FLUID, {Kind::kBandPressure}).band_pressure());
+  return from_wire<D>(channel_.receive(wire::FLUID, {Kind::kInterfacePressure}).interface_pressure());
 }
 
 template <int D>
@@ -66,7 +66,7 @@ std::vector<Vector<D>> RemoteParticipants<D>::respond(const SurfaceLoad<D>& load
 template <int D>
 void RemoteParticipants<D>::end_window(const InterfaceForce<D>& force) {
   wire::Message message;
-  *message.mutable_band_force() = to_wire<D>(force);
+  *message.mutable_interface_force() = to_wire<D>(force);
   channel_.send(wire::FLUID, std::move(message));
 }
 

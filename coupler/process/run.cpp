@@ -42,7 +42,7 @@ void report_evaluations(const Evaluations& evaluations, long gauges, RunReport& 
   report.set_evaluations("riemann_dissipation", evaluations.riemann_dissipation);
   report.set_evaluations("vem", evaluations.vem);
   report.set_evaluations("gauges", gauges);
-  report.set_evaluations("repeated_trials", evaluations.repeated_trials);
+  report.set_evaluations("coupling_iterations", evaluations.coupling_iterations);
   report.set_count("windows_without_exchange", evaluations.windows_without_exchange);
 }
 

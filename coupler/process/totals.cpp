@@ -12,8 +12,8 @@ void Totals::add(const WindowAudit& audit, const FixedPoint& fixed_point, double
   contact += audit.contact_dissipation;
   contacts += audit.contacts;
   wet_windows += audit.pairs > 0;
-  iterations += fixed_point.trials();
-  most_iterations = std::max(most_iterations, fixed_point.trials());
+  iterations += fixed_point.iterations();
+  most_iterations = std::max(most_iterations, fixed_point.iterations());
   open_windows += !fixed_point.converged();
   largest_force_error = std::max(largest_force_error, audit.force_error);
   largest_moment_error = std::max(largest_moment_error, audit.moment_error);
@@ -37,8 +37,8 @@ void Totals::report(RunReport& report, bool iterates) const {
   report.set_count("contacts", contacts);
   report.set_count("wet_windows", wet_windows);
   if (!iterates) return;
-  report.set_measure("coupling_trials_mean", windows ? static_cast<double>(iterations) / static_cast<double>(windows) : 0);
-  report.set_count("coupling_trials_max", most_iterations);
+  report.set_measure("coupling_iterations_mean", windows ? static_cast<double>(iterations) / static_cast<double>(windows) : 0);
+  report.set_count("coupling_iterations_max", most_iterations);
   report.set_count("coupling_windows_open", open_windows);
 }
 

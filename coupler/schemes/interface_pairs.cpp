@@ -5,7 +5,7 @@ namespace tern::coupler {
 template <int D>
 void InterfacePairs<D>::find(const InterfaceParticles<D>& particles, const Surface<D>& surface) {
   pairs_.clear();
-  particle_pairs_ = averted_pairs_ = 0;
+  particle_pairs_ = back_facing_pairs_ = 0;
   if (particles.id.empty()) return;
   faces_.position = surface.position;
   faces_.normal = surface.normal;
@@ -31,11 +31,11 @@ void InterfacePairs<D>::find(const InterfaceParticles<D>& particles, const Surfa
     for (int k : seen_) pairs_.push_back(pair(i, k, x - surface.position[k]));
     if (seen_.empty()) continue;
     corners.look(x, seen_.data(), static_cast<int>(seen_.size()));
-    averted_ = corners.averted();  // borne_share() looks elsewhere
-    for (int k : averted_) past_corners_.push_back(pair(i, k, x - surface.position[k]));
+    back_facing_ = corners.back_facing();  // borne_share() looks elsewhere
+    for (int k : back_facing_) past_corners_.push_back(pair(i, k, x - surface.position[k]));
   }
   particle_pairs_ = pairs_.size();
-  averted_pairs_ = past_corners_.size();
+  back_facing_pairs_ = past_corners_.size();
   first_.push_back(particle_pairs_);
   pairs_.insert(pairs_.end(), past_corners_.begin(), past_corners_.end());
   // A face that the particle does not see, such as one that lies on the wall, is none before its image either.

@@ -35,20 +35,20 @@ class InterfacePairs {
   /// Of the particles themselves.
   std::span<const InterfacePair<D>> pairs() const { return {pairs_.data(), particle_pairs_}; }
   /// Of particles past a corner with faces that are turned away from them (sph/convex_corner.hpp): of the pressure only.
-  std::span<const InterfacePair<D>> averted_pairs() const { return {pairs_.data() + particle_pairs_, averted_pairs_}; }
+  std::span<const InterfacePair<D>> back_facing_pairs() const { return {pairs_.data() + particle_pairs_, back_facing_pairs_}; }
   /// Of their images behind walls: `particle` is the one that is mirrored, everything else is that of the image.
-  std::span<const InterfacePair<D>> image_pairs() const { return std::span(pairs_).subspan(particle_pairs_ + averted_pairs_); }
-  /// Those of the particles, the averted ones, then those of the images.
+  std::span<const InterfacePair<D>> image_pairs() const { return std::span(pairs_).subspan(particle_pairs_ + back_facing_pairs_); }
+  /// Those of the particles, the back-facing ones, then those of the images.
   std::span<const InterfacePair<D>> all_pairs() const { return pairs_; }
 
  private:
   FaceKernel<D> kernel_;
   FaceFinder<D> finder_;
   Faces<D> faces_;
-  std::vector<int> seen_, averted_;
+  std::vector<int> seen_, back_facing_;
   std::vector<InterfacePair<D>> pairs_;
-  std::size_t particle_pairs_ = 0, averted_pairs_ = 0;
-  std::vector<InterfacePair<D>> past_corners_;  ///< averted pairs, as they are found
+  std::size_t particle_pairs_ = 0, back_facing_pairs_ = 0;
+  std::vector<InterfacePair<D>> past_corners_;  ///< pairs of back-facing faces, as they are found
   std::vector<std::uint8_t> covered_;           ///< per surface point
   std::vector<double> borne_share_;
   CornerScratch corner_scratch_;

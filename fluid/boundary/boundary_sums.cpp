@@ -90,8 +90,8 @@ void add_surface_sums(const Constants<D>& constants, const std::vector<Vector<D>
       HiddenSums<D> hidden = sum_hidden(constants, position[i], faces, i, rows);
       const int* const seen = rows.face.data() + rows.begin[i];
       corners.look(position[i], seen, rows.count[i]);
-      if (!corners.averted().empty() || std::any_of(seen, seen + rows.count[i], [&](int k) { return sums.borne_share[k] < 1; }))
-        close_round_corner<D>(constants, position[i], gravity[i], faces, rows, i, corners.averted(), hidden, sums);
+      if (!corners.back_facing().empty() || std::any_of(seen, seen + rows.count[i], [&](int k) { return sums.borne_share[k] < 1; }))
+        close_round_corner<D>(constants, position[i], gravity[i], faces, rows, i, corners.back_facing(), hidden, sums);
       sums.number_density[i] += hidden.density;
       sums.moment[i] += hidden.moment;
       sums.tangential[i] += hidden.moment - hidden.across;

@@ -105,17 +105,17 @@ void take_part_as_fluid(ParticipantChannel& channel, Solver& solver) {
       continue;
     }
     wire::Message answer;
-    *answer.mutable_band() = to_wire<D>(solver.see_surface(from_wire<D>(message.surface())));
+    *answer.mutable_interface_particles() = to_wire<D>(solver.see_surface(from_wire<D>(message.surface())));
     channel.send(std::move(answer));
     solver.prepare_pressure();
-    for (message = channel.receive({Kind::kDissipativeLoad}); message.has_dissipative_load();
-         message = channel.receive({Kind::kDissipativeLoad, Kind::kBandForce})) {
+    for (message = channel.receive({Kind::kInterfaceCondition}); message.has_interface_condition();
+         message = channel.receive({Kind::kInterfaceCondition, Kind::kInterfaceForce})) {
       answer.Clear();
-      *answer.mutable_band_pressure() = to_wire<D>(solver.solve_pressure(from_wire<D>(message.dissipative_load())));
+      *answer.mutable_interface_pressure() = to_wire<D>(solver.solve_pressure(from_wire<D>(message.interface_condition())));
       channel.send(std::move(answer));
-      if (!message.dissipative_load().repeats()) solver.complete_velocity();  // of a trial that another may follow they may be in vain
+      if (!message.interface_condition().repeats()) solver.complete_velocity();  // of a trial that another may follow they may be in vain
     }
-    end_window(*window, solver.end(from_wire<D>(message.band_force())));
+    end_window(*window, solver.end(from_wire<D>(message.interface_force())));
   }
 }
 

@@ -45,8 +45,9 @@ class ParticipantChannel {
   void send(wire::Message message);
 
   /// Waits for the next message of the coupler and checks it. Throws PeerLost (lost, stuck, bad message, a kind that is
-  /// not `expected`), Interrupted, or an Error with the exit code of an Abort. Surface counts and band counts are known
-  /// from Welcome, Hello and the Band that was sent last. An accepted BeginWindow sets step and time as set_step does.
+  /// not `expected`), Interrupted, or an Error with the exit code of an Abort. The numbers of surface points and of interface
+  /// particles are known from Welcome, Hello and the InterfaceParticles sent last. An accepted BeginWindow sets step and time as
+  /// set_step does.
   wire::Message receive(std::initializer_list<Kind> expected);
 
   /// Window number of the messages to come and its begin [s], for messages and sentences.

@@ -39,9 +39,9 @@ void Session::complete(wire::Message& message, const Place& place) {
   const std::string fault = find_body_fault(message, agreement_);
   if (!fault.empty())
     throw NumericalFailure(
-        fmt::format("The {} process computed a {} that cannot be sent {}: {}. A smaller fluid.numerics.courant or a "
+        fmt::format("The {} process computed {} that cannot be sent {}: {}. A smaller fluid.numerics.courant or a "
                     "finer spacing may help; the frames before show where it began.",
-                    name(self_), name(message.body_case()), where(place.step, place.time_s), fault));
+                    name(self_), with_article(message.body_case()), where(place.step, place.time_s), fault));
   message.set_sequence(++sent_);
   remember(message, agreement_);
 }
@@ -49,8 +49,7 @@ void Session::complete(wire::Message& message, const Place& place) {
 void Session::check(const wire::Message& message, const Place& place, std::initializer_list<Kind> expected) {
   std::string fault = find_envelope_fault(message, {peer_, received_ + 1, place.step}, expected);
   if (fault.empty()) fault = find_body_fault(message, agreement_);
-  if (!fault.empty())
-    throw bad_message(fmt::format("The {} process", name(peer_)), fmt::format("a {}", name(message.body_case())), place, fault);
+  if (!fault.empty()) throw bad_message(fmt::format("The {} process", name(peer_)), with_article(message.body_case()), place, fault);
   if (message.body_case() == Kind::kAbort)
     throw Error(
         static_cast<ExitCode>(message.abort().exit_code()),

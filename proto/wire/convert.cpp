@@ -64,22 +64,22 @@ Surface<D> from_wire(const wire::Surface& message) {
 }
 
 template <int D>
-wire::Band to_wire(const InterfaceParticles<D>& band) {
-  wire::Band message;
-  message.mutable_id()->Assign(band.id.begin(), band.id.end());
-  put<D>(message.mutable_position(), band.position);
-  put<D>(message.mutable_velocity(), band.velocity);
-  put(message.mutable_mass(), band.mass);
-  put(message.mutable_volume(), band.volume);
-  put(message.mutable_divergence(), band.divergence);
-  message.mutable_image_of()->Assign(band.image_of.begin(), band.image_of.end());
-  put<D>(message.mutable_image_position(), band.image_position);
-  message.mutable_covered()->Assign(band.covered.begin(), band.covered.end());
+wire::InterfaceParticles to_wire(const InterfaceParticles<D>& particles) {
+  wire::InterfaceParticles message;
+  message.mutable_id()->Assign(particles.id.begin(), particles.id.end());
+  put<D>(message.mutable_position(), particles.position);
+  put<D>(message.mutable_velocity(), particles.velocity);
+  put(message.mutable_mass(), particles.mass);
+  put(message.mutable_volume(), particles.volume);
+  put(message.mutable_divergence(), particles.divergence);
+  message.mutable_image_of()->Assign(particles.image_of.begin(), particles.image_of.end());
+  put<D>(message.mutable_image_position(), particles.image_position);
+  message.mutable_covered()->Assign(particles.covered.begin(), particles.covered.end());
   return message;
 }
 
 template <int D>
-InterfaceParticles<D> from_wire(const wire::Band& message) {
+InterfaceParticles<D> from_wire(const wire::InterfaceParticles& message) {
   return {get(message.id()),
           get_vectors<D>(message.position()),
           get_vectors<D>(message.velocity()),
@@ -92,8 +92,8 @@ InterfaceParticles<D> from_wire(const wire::Band& message) {
 }
 
 template <int D>
-wire::DissipativeLoad to_wire(const InterfaceCondition<D>& load) {
-  wire::DissipativeLoad message;
+wire::InterfaceCondition to_wire(const InterfaceCondition<D>& load) {
+  wire::InterfaceCondition message;
   put<D>(message.mutable_force(), load.force);
   put(message.mutable_reference_pressure(), load.reference_pressure);
   put(message.mutable_robin_mass(), load.robin_mass);
@@ -103,33 +103,33 @@ wire::DissipativeLoad to_wire(const InterfaceCondition<D>& load) {
 }
 
 template <int D>
-InterfaceCondition<D> from_wire(const wire::DissipativeLoad& message) {
+InterfaceCondition<D> from_wire(const wire::InterfaceCondition& message) {
   return {get_vectors<D>(message.force()), get(message.reference_pressure()), get(message.robin_mass()),
           get_vectors<D>(message.surface_velocity()), message.repeats()};
 }
 
 template <int D>
-wire::BandPressure to_wire(const InterfacePressure<D>& pressure) {
-  wire::BandPressure message;
+wire::InterfacePressure to_wire(const InterfacePressure<D>& pressure) {
+  wire::InterfacePressure message;
   put(message.mutable_pressure(), pressure.pressure);
   put<D>(message.mutable_velocity(), pressure.velocity);
   return message;
 }
 
 template <int D>
-InterfacePressure<D> from_wire(const wire::BandPressure& message) {
+InterfacePressure<D> from_wire(const wire::InterfacePressure& message) {
   return {get(message.pressure()), get_vectors<D>(message.velocity())};
 }
 
 template <int D>
-wire::BandForce to_wire(const InterfaceForce<D>& force) {
-  wire::BandForce message;
+wire::InterfaceForce to_wire(const InterfaceForce<D>& force) {
+  wire::InterfaceForce message;
   put<D>(message.mutable_force(), force.force);
   return message;
 }
 
 template <int D>
-InterfaceForce<D> from_wire(const wire::BandForce& message) {
+InterfaceForce<D> from_wire(const wire::InterfaceForce& message) {
   return {get_vectors<D>(message.force())};
 }
 
@@ -172,22 +172,22 @@ FluidExtent<D> from_wire(const wire::Extent& message) {
   return {get_vectors<D>(message.low()).at(0), get_vectors<D>(message.high()).at(0), message.largest_speed(), message.reach()};
 }
 
-#define TERN_INSTANTIATE(D)                                                   \
-  template wire::Surface to_wire<D>(const Surface<D>&);                       \
-  template wire::Band to_wire<D>(const InterfaceParticles<D>&);               \
-  template wire::DissipativeLoad to_wire<D>(const InterfaceCondition<D>&);    \
-  template wire::BandPressure to_wire<D>(const InterfacePressure<D>&);        \
-  template wire::BandForce to_wire<D>(const InterfaceForce<D>&);              \
-  template wire::SurfaceLoad to_wire<D>(const SurfaceLoad<D>&);               \
-  template wire::SurfaceVelocity to_wire<D>(const std::vector<Vector<D>>&);   \
-  template std::vector<Vector<D>> from_wire<D>(const wire::SurfaceVelocity&); \
-  template wire::Extent to_wire<D>(const FluidExtent<D>&);                    \
-  template FluidExtent<D> from_wire<D>(const wire::Extent&);                  \
-  template Surface<D> from_wire<D>(const wire::Surface&);                     \
-  template InterfaceParticles<D> from_wire<D>(const wire::Band&);             \
-  template InterfaceCondition<D> from_wire<D>(const wire::DissipativeLoad&);  \
-  template InterfacePressure<D> from_wire<D>(const wire::BandPressure&);      \
-  template InterfaceForce<D> from_wire<D>(const wire::BandForce&);            \
+#define TERN_INSTANTIATE(D)                                                     \
+  template wire::Surface to_wire<D>(const Surface<D>&);                         \
+  template wire::InterfaceParticles to_wire<D>(const InterfaceParticles<D>&);   \
+  template wire::InterfaceCondition to_wire<D>(const InterfaceCondition<D>&);   \
+  template wire::InterfacePressure to_wire<D>(const InterfacePressure<D>&);     \
+  template wire::InterfaceForce to_wire<D>(const InterfaceForce<D>&);           \
+  template wire::SurfaceLoad to_wire<D>(const SurfaceLoad<D>&);                 \
+  template wire::SurfaceVelocity to_wire<D>(const std::vector<Vector<D>>&);     \
+  template std::vector<Vector<D>> from_wire<D>(const wire::SurfaceVelocity&);   \
+  template wire::Extent to_wire<D>(const FluidExtent<D>&);                      \
+  template FluidExtent<D> from_wire<D>(const wire::Extent&);                    \
+  template Surface<D> from_wire<D>(const wire::Surface&);                       \
+  template InterfaceParticles<D> from_wire<D>(const wire::InterfaceParticles&); \
+  template InterfaceCondition<D> from_wire<D>(const wire::InterfaceCondition&); \
+  template InterfacePressure<D> from_wire<D>(const wire::InterfacePressure&);   \
+  template InterfaceForce<D> from_wire<D>(const wire::InterfaceForce&);         \
   template SurfaceLoad<D> from_wire<D>(const wire::SurfaceLoad&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

@@ -1,7 +1,7 @@
 #pragma once
 // proto/interface.hpp <-> wire messages, bit for bit. Vectors travel point by point: x0 y0 [z0] x1 y1 [z1] ...
 // A received message has been checked by the channel before it gets here: lengths are consistent (asserted).
-//   wire::Message m;  *m.mutable_band() = to_wire(band);  channel.send(std::move(m));
+//   wire::Message m;  *m.mutable_interface_particles() = to_wire(particles);  channel.send(std::move(m));
 //   Surface<D> s = from_wire<D>(channel.receive({Kind::kSurface}).surface());
 
 #include "proto/interface.hpp"
@@ -15,13 +15,13 @@ SurfaceProperties from_wire(const wire::SurfaceProperties& message);
 template <int D>
 wire::Surface to_wire(const Surface<D>& surface);  ///< account left empty
 template <int D>
-wire::Band to_wire(const InterfaceParticles<D>& band);
+wire::InterfaceParticles to_wire(const InterfaceParticles<D>& particles);
 template <int D>
-wire::DissipativeLoad to_wire(const InterfaceCondition<D>& load);
+wire::InterfaceCondition to_wire(const InterfaceCondition<D>& load);
 template <int D>
-wire::BandPressure to_wire(const InterfacePressure<D>& pressure);
+wire::InterfacePressure to_wire(const InterfacePressure<D>& pressure);
 template <int D>
-wire::BandForce to_wire(const InterfaceForce<D>& force);
+wire::InterfaceForce to_wire(const InterfaceForce<D>& force);
 template <int D>
 wire::SurfaceLoad to_wire(const SurfaceLoad<D>& load);
 template <int D>
@@ -33,13 +33,13 @@ wire::Extent to_wire(const FluidExtent<D>& extent);
 template <int D>
 Surface<D> from_wire(const wire::Surface& message);
 template <int D>
-InterfaceParticles<D> from_wire(const wire::Band& message);
+InterfaceParticles<D> from_wire(const wire::InterfaceParticles& message);
 template <int D>
-InterfaceCondition<D> from_wire(const wire::DissipativeLoad& message);
+InterfaceCondition<D> from_wire(const wire::InterfaceCondition& message);
 template <int D>
-InterfacePressure<D> from_wire(const wire::BandPressure& message);
+InterfacePressure<D> from_wire(const wire::InterfacePressure& message);
 template <int D>
-InterfaceForce<D> from_wire(const wire::BandForce& message);
+InterfaceForce<D> from_wire(const wire::InterfaceForce& message);
 template <int D>
 SurfaceLoad<D> from_wire(const wire::SurfaceLoad& message);
 template <int D>

@@ -175,33 +175,33 @@ void check_surface(Check& check, const wire::Surface& surface, const Agreement& 
   check.account(surface.account(), from_coupler ? none : agreement.energies, from_coupler ? none : agreement.gauges);
 }
 
-void check_band(Check& check, const wire::Band& band, const Agreement& agreement) {
+void check_interface_particles(Check& check, const wire::InterfaceParticles& sent, const Agreement& agreement) {
   const auto D = static_cast<std::size_t>(agreement.dimension);
-  const auto particles = static_cast<std::size_t>(band.id_size());
-  check.length("position", band.position_size(), D * particles, "dimension times id entries");
-  check.length("velocity", band.velocity_size(), D * particles, "dimension times id entries");
-  check.length("mass", band.mass_size(), particles, "one per id");
-  check.length("volume", band.volume_size(), particles, "one per id");
-  check.length("divergence", band.divergence_size(), band.divergence_size() == 0 ? 0 : particles, "one per id, or none without VEM");
-  if (!check.require(static_cast<std::size_t>(band.image_of_size()) <= max_images * particles))
-    check.fault = fmt::format("image_of has {} entries; the limit is {} per particle", band.image_of_size(), max_images);
-  check.length("image_position", band.image_position_size(), D * static_cast<std::size_t>(band.image_of_size()),
+  const auto particles = static_cast<std::size_t>(sent.id_size());
+  check.length("position", sent.position_size(), D * particles, "dimension times id entries");
+  check.length("velocity", sent.velocity_size(), D * particles, "dimension times id entries");
+  check.length("mass", sent.mass_size(), particles, "one per id");
+  check.length("volume", sent.volume_size(), particles, "one per id");
+  check.length("divergence", sent.divergence_size(), sent.divergence_size() == 0 ? 0 : particles, "one per id, or none without VEM");
+  if (!check.require(static_cast<std::size_t>(sent.image_of_size()) <= max_images * particles))
+    check.fault = fmt::format("image_of has {} entries; the limit is {} per particle", sent.image_of_size(), max_images);
+  check.length("image_position", sent.image_position_size(), D * static_cast<std::size_t>(sent.image_of_size()),
                "dimension times image_of entries");
-  check.distinct("id", band.id());
-  check.finite("position", band.position());
-  check.finite("velocity", band.velocity());
-  check.positive("mass", band.mass());
-  check.positive("volume", band.volume());
-  check.finite("divergence", band.divergence());
-  check.finite("image_position", band.image_position());
-  for (int m = 0; check.fault.empty() && m < band.image_of_size(); ++m)
-    if (band.image_of(m) >= particles)
-      check.fault = fmt::format("image_of[{}] is {}, but the band has {} particles", m, band.image_of(m), particles);
+  check.distinct("id", sent.id());
+  check.finite("position", sent.position());
+  check.finite("velocity", sent.velocity());
+  check.positive("mass", sent.mass());
+  check.positive("volume", sent.volume());
+  check.finite("divergence", sent.divergence());
+  check.finite("image_position", sent.image_position());
+  for (int m = 0; check.fault.empty() && m < sent.image_of_size(); ++m)
+    if (sent.image_of(m) >= particles)
+      check.fault = fmt::format("image_of[{}] is {}, but {} particles were sent", m, sent.image_of(m), particles);
   const auto points = agreement.surface_points.value_or(0);
-  for (int m = 0; check.fault.empty() && m < band.covered_size(); ++m)
-    if (band.covered(m) >= points || (m > 0 && band.covered(m) <= band.covered(m - 1)))
+  for (int m = 0; check.fault.empty() && m < sent.covered_size(); ++m)
+    if (sent.covered(m) >= points || (m > 0 && sent.covered(m) <= sent.covered(m - 1)))
       check.fault = fmt::format("covered[{}] is {}; it must be above the one before and below {}, the number of surface points", m,
-                                band.covered(m), points);
+                                sent.covered(m), points);
 }
 
 void check_extent(Check& check, const wire::Extent& extent, const Agreement& agreement) {
@@ -218,9 +218,9 @@ void check_extent(Check& check, const wire::Extent& extent, const Agreement& agr
       check.fault = fmt::format("extent.{} is {}; it must be finite and 0 or more", field, value);
 }
 
-void check_dissipative_load(Check& check, const wire::DissipativeLoad& load, const Agreement& agreement) {
+void check_interface_condition(Check& check, const wire::InterfaceCondition& load, const Agreement& agreement) {
   const auto D = static_cast<std::size_t>(agreement.dimension);
-  check.length("force", load.force_size(), D * agreement.band_particles.value_or(0), "dimension times band particles");
+  check.length("force", load.force_size(), D * agreement.interface_particles.value_or(0), "dimension times interface particles");
   check.length("reference_pressure", load.reference_pressure_size(), agreement.surface_points.value_or(0), "one per surface point");
   check.length("robin_mass", load.robin_mass_size(), agreement.surface_points.value_or(0), "one per surface point");
   check.length("surface_velocity", load.surface_velocity_size(), agreement.projected ? D * agreement.surface_points.value_or(0) : 0,
@@ -232,13 +232,13 @@ void check_dissipative_load(Check& check, const wire::DissipativeLoad& load, con
       "robin_mass", load.robin_mass(), [](double v) { return v >= 0; }, "finite and 0 or more");
 }
 
-void check_band_pressure(Check& check, const wire::BandPressure& band, const Agreement& agreement) {
-  const auto particles = agreement.band_particles.value_or(0);
-  check.length("pressure", band.pressure_size(), particles, "one per band particle");
-  check.length("velocity", band.velocity_size(), static_cast<std::size_t>(agreement.dimension) * particles,
-               "dimension times band particles");
-  check.finite("pressure", band.pressure());
-  check.finite("velocity", band.velocity());
+void check_interface_pressure(Check& check, const wire::InterfacePressure& sent, const Agreement& agreement) {
+  const auto particles = agreement.interface_particles.value_or(0);
+  check.length("pressure", sent.pressure_size(), particles, "one per interface particle");
+  check.length("velocity", sent.velocity_size(), static_cast<std::size_t>(agreement.dimension) * particles,
+               "dimension times interface particles");
+  check.finite("pressure", sent.pressure());
+  check.finite("velocity", sent.velocity());
 }
 
 void check_vectors(Check& check, const char* field, const google::protobuf::RepeatedField<double>& vectors, int dimension,
@@ -270,13 +270,13 @@ void remember(const wire::Message& message, Agreement& agreement) {
     case Kind::kWelcome: agreement.surface_points = message.welcome().surface_points(); break;
     case Kind::kBeginWindow:
       agreement.next_begin_ticks = message.begin_window().begin_ticks() + message.begin_window().duration_ticks();
-      agreement.band_particles.reset();
+      agreement.interface_particles.reset();
       break;
-    case Kind::kBand:
-      agreement.band_particles = message.band().id_size();
+    case Kind::kInterfaceParticles:
+      agreement.interface_particles = message.interface_particles().id_size();
       agreement.projected = false;
       break;
-    case Kind::kDissipativeLoad: agreement.projected = true; break;
+    case Kind::kInterfaceCondition: agreement.projected = true; break;
     case Kind::kWindowDone: agreement.extent = message.window_done().has_extent(); break;
     default: break;
   }
@@ -318,12 +318,12 @@ std::string find_body_fault(const wire::Message& message, const Agreement& agree
     case Kind::kWelcome: check_welcome(check, message.welcome(), agreement); break;
     case Kind::kBeginWindow: check_begin_window(check, message.begin_window(), agreement); break;
     case Kind::kSurface: check_surface(check, message.surface(), agreement, message.sender() == wire::COUPLER); break;
-    case Kind::kBand: check_band(check, message.band(), agreement); break;
-    case Kind::kDissipativeLoad: check_dissipative_load(check, message.dissipative_load(), agreement); break;
-    case Kind::kBandPressure: check_band_pressure(check, message.band_pressure(), agreement); break;
-    case Kind::kBandForce:
-      check_vectors(check, "force", message.band_force().force(), agreement.dimension, agreement.band_particles,
-                    "dimension times band particles");
+    case Kind::kInterfaceParticles: check_interface_particles(check, message.interface_particles(), agreement); break;
+    case Kind::kInterfaceCondition: check_interface_condition(check, message.interface_condition(), agreement); break;
+    case Kind::kInterfacePressure: check_interface_pressure(check, message.interface_pressure(), agreement); break;
+    case Kind::kInterfaceForce:
+      check_vectors(check, "force", message.interface_force().force(), agreement.dimension, agreement.interface_particles,
+                    "dimension times interface particles");
       break;
     case Kind::kWindowDone: {
       const auto& done = message.window_done();

@@ -14,20 +14,20 @@
 
 namespace tern::proto {
 
-inline constexpr std::size_t max_message_bytes = std::size_t{256} << 20;  ///< about 3 million band particles in 3D
+inline constexpr std::size_t max_message_bytes = std::size_t{256} << 20;  ///< about 3 million interface particles in 3D
 inline constexpr std::size_t max_sentence_bytes = 4096;
-inline constexpr std::size_t max_images = 7;        ///< of a band particle in walls
+inline constexpr std::size_t max_images = 7;        ///< of an interface particle in walls
 inline constexpr std::size_t max_name_bytes = 256;  ///< version, hash, name of a limit
 
 /// What both ends of one connection know about the run; grows as messages pass (see remember()).
 struct Agreement {
-  int dimension = 0;                             ///< 2 or 3, from Hello
-  std::optional<std::size_t> surface_points;     ///< from Welcome or the structure's Hello
-  std::optional<std::size_t> band_particles;     ///< of the last Band
-  bool projected = false;                        ///< the pressure of this window has been asked for
-  std::optional<std::size_t> energies, gauges;   ///< lengths of the participant's Account in its Hello
-  std::optional<std::int64_t> next_begin_ticks;  ///< end of the last window
-  bool extent = false;                           ///< the last WindowDone has one: the next Surface for the fluid may be empty
+  int dimension = 0;                               ///< 2 or 3, from Hello
+  std::optional<std::size_t> surface_points;       ///< from Welcome or the structure's Hello
+  std::optional<std::size_t> interface_particles;  ///< of the last InterfaceParticles
+  bool projected = false;                          ///< the pressure of this window has been asked for
+  std::optional<std::size_t> energies, gauges;     ///< lengths of the participant's Account in its Hello
+  std::optional<std::int64_t> next_begin_ticks;    ///< end of the last window
+  bool extent = false;                             ///< the last WindowDone has one: the next Surface for the fluid may be empty
 };
 
 /// Keeps from a checked message what later ones are checked against.

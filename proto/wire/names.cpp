@@ -2,6 +2,8 @@
 
 #include "proto/wire/names.hpp"
 
+#include <string_view>
+
 #include <fmt/format.h>
 
 namespace tern::proto {
@@ -18,6 +20,11 @@ std::string name(wire::Role role) {
 std::string name(Kind kind) {
   const auto* field = wire::Message::descriptor()->FindFieldByNumber(static_cast<int>(kind));
   return field != nullptr && field->message_type() != nullptr ? field->message_type()->name() : "nothing";
+}
+
+std::string with_article(Kind kind) {
+  const std::string word = name(kind);
+  return (std::string_view("AEIOU").find(word[0]) == std::string_view::npos ? "a " : "an ") + word;
 }
 
 std::string where(std::uint64_t step, double time_s) {

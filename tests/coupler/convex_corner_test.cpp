@@ -52,18 +52,18 @@ struct Scene {
   fluid::Fluid<2> fluid{c};
   structure::Structure<2> structure{c};
   Surface<2> surface = structure.surface();
-  InterfaceParticles<2> band;
+  InterfaceParticles<2> particles;
 
   Scene() {
     fluid.begin_window(0, to_ticks(window));
-    band = fluid.see_surface(surface);
+    particles = fluid.see_surface(surface);
   }
 };
 
 // Where the particles stand on their lattice and have the pressure of water at rest, the block feels the weight of the water it
 // displaces. A point beside a corner has more than a half space before it, and its share of that (borne_share) is of the volume, not of
 // the lattice: by 0.017 dx of face per corner where pressures are summed and not averaged (riemann).
-// Seen to fail: with 1.9 for the factor 2 of b_ik; with a share of 1 (riemann 1.046); without averted pairs
+// Seen to fail: with 1.9 for the factor 2 of b_ik; with a share of 1 (riemann 1.046); without pairs of back-facing faces
 // (riemann 0.961).
 TEST(ConvexCorner, LeavesTheLiftOfALatticeExact) {
   Scene scene;
@@ -71,8 +71,8 @@ TEST(ConvexCorner, LeavesTheLiftOfALatticeExact) {
        {std::pair{"fsa", InterfaceScheme::fsa}, {"pi", InterfaceScheme::pi}, {"riemann", InterfaceScheme::riemann}}) {
     scene.c.coupling.scheme = scheme;
     Coupler<2> coupler(scene.c, scene.structure.surface_properties());
-    coupler.first_exchange(0, window, scene.surface, scene.band);
-    coupler.last_exchange(pressure_field<2>(scene.band, [](const Vector<2>& x) { return rho * g * (width - x[1]); }));
+    coupler.first_exchange(0, window, scene.surface, scene.particles);
+    coupler.last_exchange(pressure_field<2>(scene.particles, [](const Vector<2>& x) { return rho * g * (width - x[1]); }));
     const Vector<2> lift = coupler.total_load(0) / (rho * g * (high - low) * (high - low));
     std::printf("[ %-7s lift %.5f of Archimedes' ]\n", name, lift[1]);
     EXPECT_NEAR(lift[1], 1, scheme == InterfaceScheme::riemann ? 4e-3 : 1e-3) << name;
@@ -80,8 +80,8 @@ TEST(ConvexCorner, LeavesTheLiftOfALatticeExact) {
   }
 }
 
-/// dx times the sum of grad w over the fluid a particle of the band sees and over the faces that bound what is hidden from it.
-std::vector<Vector<2>> incompleteness(const Scene& scene, bool averted) {
+/// dx times the sum of grad w over the fluid an interface particle sees and over the faces that bound what is hidden from it.
+std::vector<Vector<2>> incompleteness(const Scene& scene, bool back_facing) {
   const double h = scene.c.fluid->numerics.smoothing_length_ratio * dx;
   const FaceKernel<2> kernel(Kernel<2>(h), dx);
   Faces<2> faces;
@@ -97,22 +97,22 @@ std::vector<Vector<2>> incompleteness(const Scene& scene, bool averted) {
   std::map<std::uint32_t, std::size_t> row;
   for (std::size_t i = 0; i < scene.fluid.state().size(); ++i) row[scene.fluid.state().id[i]] = i;
   std::vector<Vector<2>> result;
-  for (std::size_t m = 0; m < scene.band.id.size(); ++m) {
-    const Vector<2>& x = scene.band.position[m];
+  for (std::size_t m = 0; m < scene.particles.id.size(); ++m) {
+    const Vector<2>& x = scene.particles.position[m];
     std::vector<int> seen;
     finder.see(faces, x, seen);
-    if (averted) {
+    if (back_facing) {
       corners.look(x, seen.data(), static_cast<int>(seen.size()));
-      seen.insert(seen.end(), corners.averted().begin(), corners.averted().end());
+      seen.insert(seen.end(), corners.back_facing().begin(), corners.back_facing().end());
     }
-    Vector<2> sum = scene.fluid.neighbours().kernel_gradient[row[scene.band.id[m]]];
+    Vector<2> sum = scene.fluid.neighbours().kernel_gradient[row[scene.particles.id[m]]];
     for (int k : seen) sum -= faces.area[k] * kernel.surface_weight((faces.position[k] - x).norm()) * faces.normal[k];
     result.push_back(dx * sum);
   }
   return result;
 }
 
-// A particle sees the fluid past a corner. What is hidden from it is bounded by the face it sees and by the averted one: with
+// A particle sees the fluid past a corner. What is hidden from it is bounded by the face it sees and by the back-facing one: with
 // both, Gauss' theorem holds beside corners as it does elsewhere, but for what the lattice leaves of it there.
 // Seen to fail: with pairs cut at corners.
 TEST(ConvexCorner, HidesWhatItsFacesBound) {
@@ -120,7 +120,7 @@ TEST(ConvexCorner, HidesWhatItsFacesBound) {
   double with = 0, without = 0;
   for (const auto& r : incompleteness(scene, true)) with = std::max(with, r.norm());
   for (const auto& r : incompleteness(scene, false)) without = std::max(without, r.norm());
-  std::printf("[ dx |sum grad w| at most %.4f; %.4f without averted faces ]\n", with, without);
+  std::printf("[ dx |sum grad w| at most %.4f; %.4f without back-facing faces ]\n", with, without);
   EXPECT_LT(with, 0.012);
   EXPECT_GT(without, 0.1);
 }
@@ -129,13 +129,13 @@ TEST(ConvexCorner, HidesWhatItsFacesBound) {
 // sums (p is 26 rho g dx there), and the pressure is that of water at rest up to a constant. (The constant is that of the free
 // surface.) Without what is done for corners a particle is pushed by 5.7 g, and the block feels 4.9 % too much.
 // Seen to fail: with pairs cut at corners (4.1 g, and pressures 12 rho g dx apart); without what is not borne in the pressure gradient
-// (2.7 g), averted faces in the pressure equation (pressures 0.65 rho g dx apart), averted pairs (4.5 g); with T of the faces seen
+// (2.7 g), back-facing faces in the pressure equation (pressures 0.65 rho g dx apart), pairs of back-facing faces (4.5 g); with T of the faces seen
 // alone (0.41 g), without the hydrostatic part of what is not borne (0.313 g).
 TEST(ConvexCorner, LeavesWaterAtRest) {
   Scene scene;
   scene.c.coupling.algorithm = CouplingAlgorithm::explicit_staggering;
   Coupler<2> coupler(scene.c, scene.structure.surface_properties());
-  const InterfacePressure<2> pressure = scene.fluid.solve_pressure(coupler.first_exchange(0, window, scene.surface, scene.band));
+  const InterfacePressure<2> pressure = scene.fluid.solve_pressure(coupler.first_exchange(0, window, scene.surface, scene.particles));
   scene.fluid.end_window(coupler.last_exchange(pressure));
   const auto& state = scene.fluid.state();
   double push = 0, lowest = 1e300, highest = -1e300;
@@ -156,7 +156,7 @@ TEST(ConvexCorner, LeavesWaterAtRest) {
 
 // A particle goes round a corner in small steps. On its way it passes the planes of both faces; what it puts on the body does
 // not jump there.
-// Seen to fail: without averted pairs (0.20 of p dx).
+// Seen to fail: without pairs of back-facing faces (0.20 of p dx).
 TEST(ConvexCorner, IsPassedWithoutAJump) {
   const Scene scene;
   Coupler<2> coupler(scene.c, scene.structure.surface_properties());
@@ -165,11 +165,11 @@ TEST(ConvexCorner, IsPassedWithoutAJump) {
   double largest = 0;
   for (int n = 0; n <= steps; ++n) {
     const double angle = 1.5 * std::numbers::pi * (n / double(steps)) - 0.5 * std::numbers::pi;  // round the upper right corner
-    InterfaceParticles<2> band;
-    add_particle<2>(band, Vector<2>(high + 0.6 * dx * std::cos(angle), high + 0.6 * dx * std::sin(angle)), dx);
-    if (band.position[0].maxCoeff() <= high) continue;
-    coupler.first_exchange(0, window, scene.surface, band);
-    coupler.last_exchange(pressure_field<2>(band, [](const Vector<2>&) { return 1000.0; }));
+    InterfaceParticles<2> particles;
+    add_particle<2>(particles, Vector<2>(high + 0.6 * dx * std::cos(angle), high + 0.6 * dx * std::sin(angle)), dx);
+    if (particles.position[0].maxCoeff() <= high) continue;
+    coupler.first_exchange(0, window, scene.surface, particles);
+    coupler.last_exchange(pressure_field<2>(particles, [](const Vector<2>&) { return 1000.0; }));
     const Vector<2> load = coupler.total_load(0) / (1000 * dx);
     if (n > 0 && before.norm() > 0) largest = std::max(largest, (load - before).norm());
     before = load;
@@ -190,15 +190,15 @@ TEST(ConvexCorner, IsNoneAtAWall) {
   structure::Structure<2> structure(c);
   const Surface<2> surface = structure.surface();
   fluid.begin_window(0, to_ticks(window));
-  const InterfaceParticles<2> band = fluid.see_surface(surface);
+  const InterfaceParticles<2> particles = fluid.see_surface(surface);
   std::size_t at_walls = 0;
-  for (std::uint32_t k : band.covered) at_walls += std::abs(surface.normal[k][0]) > 0.5;
-  EXPECT_EQ(at_walls, band.covered.size());
+  for (std::uint32_t k : particles.covered) at_walls += std::abs(surface.normal[k][0]) > 0.5;
+  EXPECT_EQ(at_walls, particles.covered.size());
   EXPECT_EQ(at_walls, 2 * static_cast<std::size_t>(std::lround((high - low) / (0.5 * dx))));
   InterfacePairs<2> pairs(c.fluid->numerics.smoothing_length_ratio * dx, dx);
-  pairs.find(band, surface);
+  pairs.find(particles, surface);
   EXPECT_FALSE(pairs.pairs().empty());
-  EXPECT_TRUE(pairs.averted_pairs().empty());
+  EXPECT_TRUE(pairs.back_facing_pairs().empty());
 }
 
 // Water before a plate does not see the water behind it, but that past its edge.
@@ -250,10 +250,10 @@ std::pair<double, double> loads_of_a_cube(InterfaceScheme scheme, double patch) 
   for (std::size_t k = 0; k < points.position.size(); ++k) add_point<3>(surface, points.position[k], points.normal[k], points.area[k]);
   fluid::Fluid<3> fluid(c);
   fluid.begin_window(0, to_ticks(1e-6));
-  const InterfaceParticles<3> band = fluid.see_surface(surface);
+  const InterfaceParticles<3> particles = fluid.see_surface(surface);
   Coupler<3> coupler(c, properties(surface.position.size()));
-  coupler.first_exchange(0, 1e-6, surface, band);
-  coupler.last_exchange(pressure_field<3>(band, [](const Vector<3>& x) { return rho * g * (width - x[1]); }));
+  coupler.first_exchange(0, 1e-6, surface, particles);
+  coupler.last_exchange(pressure_field<3>(particles, [](const Vector<3>& x) { return rho * g * (width - x[1]); }));
   EXPECT_LT(coupler.audit().force_error, 1e-13);
   double up = 0, down = 0;
   for (std::size_t k = 0; k < surface.position.size(); ++k) (surface.normal[k][1] < -0.5 ? up : down) += coupler.surface_load().force[k][1];
@@ -269,9 +269,9 @@ TEST(ConvexCorner, LeavesTheLoadsOfACubeExact) {
       const auto [top, bottom] = loads_of_a_cube(scheme, patch);
       std::printf("[ %-7s patches of %.1f dx: top %.5f, bottom %.5f of p A ]\n", name, patch, top, bottom);
       // A patch of dx is too coarse for the corners of the kernel by 0.5 %; the rest is the lattice beside the edges.
-      const double band = scheme == InterfaceScheme::riemann ? 0.008 : 1e-3;
-      EXPECT_NEAR(top, 1, band) << name;
-      EXPECT_NEAR(bottom, 1, band) << name;
+      const double particles = scheme == InterfaceScheme::riemann ? 0.008 : 1e-3;
+      EXPECT_NEAR(top, 1, particles) << name;
+      EXPECT_NEAR(bottom, 1, particles) << name;
     }
 }
 

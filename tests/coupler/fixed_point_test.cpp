@@ -22,7 +22,7 @@ int trials_to_agree(FixedPoint& iteration, const Map& map, Eigen::VectorXd& x, d
     const Eigen::VectorXd answer = map(x);
     const bool done = iteration.add(x, answer);
     x = done ? answer : iteration.next();
-    if (done) return iteration.trials();
+    if (done) return iteration.iterations();
   }
 }
 
@@ -133,7 +133,8 @@ TEST(FixedPoint, StopsWithItsResidualWhenTheSidesNeverAgree) {
     trials_to_agree(iteration, map, x);
     FAIL() << "agreed";
   } catch (const NumericalFailure& failure) {
-    EXPECT_NE(std::string(failure.what()).find("do not agree on the load after 50 trials"), std::string::npos) << failure.what();
+    EXPECT_NE(std::string(failure.what()).find("do not agree on the load after 50 coupling iterations"), std::string::npos)
+        << failure.what();
   }
 }
 

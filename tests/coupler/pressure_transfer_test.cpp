@@ -14,10 +14,10 @@ template <int D>
 double transferred(double smoothing_length_ratio, double points_per_dx, double thickness, double pressure_below) {
   const double half = (D == 2 ? 12 : 8) * dx, inner = (D == 2 ? 6 : 4) * dx;
   const auto surface = flat_plate<D>(half, thickness * dx, dx / points_per_dx);
-  const auto band = fluid_layers<D>(half, 4, dx, pressure_below > 0, thickness * dx);
+  const auto particles = fluid_layers<D>(half, 4, dx, pressure_below > 0, thickness * dx);
   Coupler<D> coupler(scene(D, dx, smoothing_length_ratio), properties(surface.position.size()));
-  coupler.first_exchange(0, 1e-3, surface, band);
-  coupler.last_exchange(pressure_field<D>(band, [&](const Vector<D>& x) { return x[1] > 0 ? 1000.0 : pressure_below; }));
+  coupler.first_exchange(0, 1e-3, surface, particles);
+  coupler.last_exchange(pressure_field<D>(particles, [&](const Vector<D>& x) { return x[1] > 0 ? 1000.0 : pressure_below; }));
   const Vector<D> traction = mean_traction<D>(surface, coupler.surface_load(), inner, 1);
   EXPECT_NEAR(traction[0], 0, 1e-9) << "no shear";
   if (pressure_below > 0) {
@@ -58,10 +58,10 @@ TEST(PressureTransfer, CarriesThePressureOfParticlesToTheFaceByTheWeightBetween)
   Case c = scene(2, dx);
   c.gravity = constant(0, -g);
   const auto surface = flat_plate<2>(12 * dx, 4 * dx, 0.5 * dx);
-  const auto band = fluid_layers<2>(12 * dx, 4, dx);
+  const auto particles = fluid_layers<2>(12 * dx, 4, dx);
   Coupler<2> coupler(c, properties(surface.position.size()));
-  coupler.first_exchange(0, 1e-3, surface, band);
-  coupler.last_exchange(pressure_field<2>(band, [&](const Vector<2>& x) { return 1000 * g * (depth - x[1]); }));
+  coupler.first_exchange(0, 1e-3, surface, particles);
+  coupler.last_exchange(pressure_field<2>(particles, [&](const Vector<2>& x) { return 1000 * g * (depth - x[1]); }));
   const double traction = mean_traction<2>(surface, coupler.surface_load(), 6 * dx, 1)[1];
   EXPECT_NEAR(-traction / (1000 * g * depth), transferred<2>(1.5, 2, 4, 0), 1e-9);
 }
@@ -69,10 +69,10 @@ TEST(PressureTransfer, CarriesThePressureOfParticlesToTheFaceByTheWeightBetween)
 // Seen to fail: with the pressure force put on another point than the pair's.
 TEST(PressureTransfer, PutsNoForceOnAFaceThatTurnsAwayFromTheFluid) {
   const auto surface = flat_plate<2>(12 * dx, dx, 0.5 * dx);
-  const auto band = fluid_layers<2>(12 * dx, 4, dx);
+  const auto particles = fluid_layers<2>(12 * dx, 4, dx);
   Coupler<2> coupler(scene(2, dx), properties(surface.position.size()));
-  coupler.first_exchange(0, 1e-3, surface, band);
-  coupler.last_exchange(pressure_field<2>(band, [](const Vector<2>&) { return 1000.0; }));
+  coupler.first_exchange(0, 1e-3, surface, particles);
+  coupler.last_exchange(pressure_field<2>(particles, [](const Vector<2>&) { return 1000.0; }));
   for (std::size_t k = 0; k < surface.position.size(); ++k)
     if (surface.normal[k][1] < 0) {
       EXPECT_EQ(coupler.surface_load().force[k].norm(), 0) << k;

@@ -181,7 +181,7 @@ TEST(ProcessSplit, ARepeatedWindowInOneProcessAndInThreeGivesTheSameBits) {
   std::vector<std::string> words;
   for (const auto& [key, value] : options.overrides) words.insert(words.end(), {"--set", key + "=" + value});
   ASSERT_TRUE(run_three(out.path(), words));
-  EXPECT_NE(text_of(out / "report.coupler.json").find("coupling_trials_mean"), std::string::npos) << "windows are repeated";
+  EXPECT_NE(text_of(out / "report.coupler.json").find("coupling_iterations_mean"), std::string::npos) << "windows are repeated";
   expect_same_bits(run_here(read_case(case_path, options)), read_last_frame(out.path()));
 }
 

@@ -18,10 +18,10 @@ template <int D>
 InterfaceParticles<D> water(double half, double disorder) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> uniform(-disorder * dx, disorder * dx);
-  InterfaceParticles<D> band = fluid_layers<D>(half, 4, dx);
-  for (auto& x : band.position)
+  InterfaceParticles<D> particles = fluid_layers<D>(half, 4, dx);
+  for (auto& x : particles.position)
     for (int c = 0; c < D; ++c) x[c] += uniform(random);
-  return band;
+  return particles;
 }
 
 struct FaceLoad {
@@ -37,10 +37,10 @@ FaceLoad load(InterfaceScheme scheme, double disorder, Function&& pressure) {
   c.gravity = constant(0, -g);
   c.coupling.scheme = scheme;
   const auto surface = flat_plate<D>(half, 4 * dx, 0.5 * dx);
-  const auto band = water<D>(half, disorder);
+  const auto particles = water<D>(half, disorder);
   Coupler<D> coupler(c, properties(surface.position.size()));
-  coupler.first_exchange(0, 1e-3, surface, band);
-  coupler.last_exchange(pressure_field<D>(band, pressure));
+  coupler.first_exchange(0, 1e-3, surface, particles);
+  coupler.last_exchange(pressure_field<D>(particles, pressure));
   EXPECT_LT(coupler.audit().force_error, 1e-13);
   FaceLoad result{-mean_traction<D>(surface, coupler.surface_load(), inner, 1)[1], 0};
   for (std::size_t k = 0; k < surface.position.size(); ++k)
@@ -94,14 +94,14 @@ TEST(SchemeInAPressureGradient, OnlyFsaIsExact) {
 /// Load of a uniform pressure over the left half of a plate, as a share of it, on the point nearest to x.
 double share_of_pressure(InterfaceScheme scheme, double x) {
   const auto surface = flat_plate<2>(12 * dx, 4 * dx, 0.5 * dx);
-  InterfaceParticles<2> band;
+  InterfaceParticles<2> particles;
   for (const auto& at : fluid_layers<2>(12 * dx, 4, dx).position)
-    if (at[0] < 0) add_particle<2>(band, at, dx);
+    if (at[0] < 0) add_particle<2>(particles, at, dx);
   Case c = scene(2, dx);
   c.coupling.scheme = scheme;
   Coupler<2> coupler(c, properties(surface.position.size()));
-  coupler.first_exchange(0, 1e-3, surface, band);
-  coupler.last_exchange(pressure_field<2>(band, [](const Vector<2>&) { return 1000.0; }));
+  coupler.first_exchange(0, 1e-3, surface, particles);
+  coupler.last_exchange(pressure_field<2>(particles, [](const Vector<2>&) { return 1000.0; }));
   const auto distance = [&](std::size_t k) { return (surface.position[k] - Vector<2>(x, 0)).norm(); };
   std::size_t nearest = 0;
   for (std::size_t k = 0; k < surface.position.size(); ++k)
@@ -131,18 +131,18 @@ TEST(SchemeReaction, GivesEveryParticleBackWhatItHasContributed) {
   constexpr double common = 1000;
   for (auto scheme : {InterfaceScheme::pi, InterfaceScheme::riemann}) {
     const auto surface = flat_plate<2>(12 * dx, 4 * dx, 0.5 * dx);
-    const auto band = fluid_layers<2>(12 * dx, 4, dx);
+    const auto particles = fluid_layers<2>(12 * dx, 4, dx);
     const std::size_t chosen = 24 + 12;
     Case c = scene(2, dx);
     c.coupling.scheme = scheme;
     Coupler<2> coupler(c, properties(surface.position.size()));
-    coupler.first_exchange(0, 1e-3, surface, band);
-    const auto even = coupler.last_exchange(pressure_field<2>(band, [](const Vector<2>&) { return common; }));
-    coupler.first_exchange(1e-3, 1e-3, surface, band);
-    auto pressure = pressure_field<2>(band, [](const Vector<2>&) { return common; });
+    coupler.first_exchange(0, 1e-3, surface, particles);
+    const auto even = coupler.last_exchange(pressure_field<2>(particles, [](const Vector<2>&) { return common; }));
+    coupler.first_exchange(1e-3, 1e-3, surface, particles);
+    auto pressure = pressure_field<2>(particles, [](const Vector<2>&) { return common; });
     pressure.pressure[chosen] *= 2;
     const auto uneven = coupler.last_exchange(pressure);
-    for (std::size_t i = 0; i < band.id.size(); ++i)
+    for (std::size_t i = 0; i < particles.id.size(); ++i)
       EXPECT_NEAR(uneven.force[i][1], (i == chosen ? 2 : 1) * even.force[i][1], 1e-12 * std::abs(even.force[i][1]) + 1e-15) << i;
     EXPECT_GT(even.force[chosen][1], 0.05 * common * dx);
   }

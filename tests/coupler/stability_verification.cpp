@@ -48,8 +48,8 @@ TEST(Stability, SealedWaterRoundABodyThatDoesNotYieldIsFound) {
   Coupler<2> coupler(c, structure.surface_properties());
   fluid.begin_window(0, to_ticks(1e-3));
   const Surface<2> surface = structure.surface();
-  const InterfaceParticles<2> band = fluid.see_surface(surface);
-  fluid.solve_pressure(coupler.first_exchange(0, 1e-3, surface, band));
+  const InterfaceParticles<2> particles = fluid.see_surface(surface);
+  fluid.solve_pressure(coupler.first_exchange(0, 1e-3, surface, particles));
   EXPECT_TRUE(fluid.sealed().any);
 }
 

@@ -13,21 +13,21 @@ constexpr double dx = 0.01;
 /// their images.
 struct Corner {
   Surface<2> surface;
-  InterfaceParticles<2> band;
+  InterfaceParticles<2> particles;
 
   explicit Corner(bool images) {
     for (int k = 0; k < 40; ++k) add_point<2>(surface, {(k + 0.5) * 0.5 * dx, 0.0}, {0.0, 1.0}, 0.5 * dx);
     // The side of the body, which lies on the wall.
     for (int k = 0; k < 10; ++k) {
-      band.covered.push_back(static_cast<std::uint32_t>(surface.position.size()));
+      particles.covered.push_back(static_cast<std::uint32_t>(surface.position.size()));
       add_point<2>(surface, {0.0, -(k + 0.5) * 0.5 * dx}, {-1.0, 0.0}, 0.5 * dx);
     }
     for (int i = 0; i < 30; ++i)
       for (int j = 0; j < 4; ++j) {
-        add_particle<2>(band, {(i + 0.5) * dx, (j + 0.5) * dx}, dx);
+        add_particle<2>(particles, {(i + 0.5) * dx, (j + 0.5) * dx}, dx);
         if (!images || i > 3) continue;
-        band.image_of.push_back(static_cast<std::uint32_t>(band.id.size() - 1));
-        band.image_position.push_back({-(i + 0.5) * dx, (j + 0.5) * dx});
+        particles.image_of.push_back(static_cast<std::uint32_t>(particles.id.size() - 1));
+        particles.image_position.push_back({-(i + 0.5) * dx, (j + 0.5) * dx});
       }
   }
 };
@@ -38,8 +38,8 @@ std::vector<double> loads(InterfaceScheme scheme, bool images, double& unbalance
   Case c = scene(2, dx);
   c.coupling.scheme = scheme;
   Coupler<2> coupler(c, properties(corner.surface.position.size()));
-  coupler.first_exchange(0, 1e-3, corner.surface, corner.band);
-  coupler.last_exchange(pressure_field<2>(corner.band, [](const Vector<2>&) { return 1000.0; }));
+  coupler.first_exchange(0, 1e-3, corner.surface, corner.particles);
+  coupler.last_exchange(pressure_field<2>(corner.particles, [](const Vector<2>&) { return 1000.0; }));
   unbalanced = coupler.audit().force_error;
   std::vector<double> load;
   for (std::size_t k = 0; k < corner.surface.position.size(); ++k)

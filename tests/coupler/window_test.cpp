@@ -27,9 +27,9 @@ struct BothSides {
   std::optional<FluidExtent<2>> extent() const { return fluid_extent; }
   InterfaceParticles<2> see_surface(const Surface<2>&) {
     calls.push_back("see_surface");
-    InterfaceParticles<2> band;
-    add_particle<2>(band, {0, 0.05}, 0.1);
-    return band;
+    InterfaceParticles<2> particles;
+    add_particle<2>(particles, {0, 0.05}, 0.1);
+    return particles;
   }
   InterfacePressure<2> solve_pressure(const InterfaceCondition<2>&) {
     calls.push_back("solve_pressure");

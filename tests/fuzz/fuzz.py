@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def coupler_messages():
-    """One message of every kind of the coupler, 2D, two surface points, one band particle; each after its length."""
+    """One message of every kind of the coupler, 2D, two surface points, one interface particle; each after its length."""
     from google.protobuf.internal.encoder import _VarintBytes
 
     from tern.participant.channel import PROTOCOL_VERSION
@@ -26,13 +26,13 @@ def coupler_messages():
         {"welcome": wire.Welcome(surface_points=2)},
         {"begin_window": wire.BeginWindow(begin_ticks=0, duration_ticks=1 << 22)},
         {"surface": wire.Surface(position=[0, 0, 0, 1], velocity=[0] * 4, normal=[1, 0, 1, 0], area=[1, 1])},
-        {"band": wire.Band(id=[7], position=[1, 1], velocity=[0, 0], mass=[1], volume=[1], divergence=[0], image_of=[0],
+        {"interface_particles": wire.InterfaceParticles(id=[7], position=[1, 1], velocity=[0, 0], mass=[1], volume=[1], divergence=[0], image_of=[0],
                            image_position=[-1, 1], covered=[1])},
         {"window_done": wire.WindowDone(proposed_step_s=1e-3, limit="gravity",
                                         extent=wire.Extent(low=[0, 0], high=[1, 1], largest_speed=1, reach=0.1))},
         {"surface": wire.Surface()},
-        {"dissipative_load": wire.DissipativeLoad(force=[0, 0], reference_pressure=[0, 0], robin_mass=[1, 1], repeats=True)},
-        {"band_force": wire.BandForce(force=[1, 2])},
+        {"interface_condition": wire.InterfaceCondition(force=[0, 0], reference_pressure=[0, 0], robin_mass=[1, 1], repeats=True)},
+        {"interface_force": wire.InterfaceForce(force=[1, 2])},
         {"surface_load": wire.SurfaceLoad(force=[1, 2, 3, 4], trial=True)},
         {"finish": wire.Finish()},
         {"abort": wire.Abort(exit_code=3, sentence="stop")},

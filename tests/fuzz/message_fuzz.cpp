@@ -20,10 +20,10 @@ void use(const wire::Message& message) {
   switch (message.body_case()) {
     case Kind::kHello: proto::from_wire(message.hello().surface()); break;
     case Kind::kSurface: proto::from_wire<D>(message.surface()); break;
-    case Kind::kBand: proto::from_wire<D>(message.band()); break;
-    case Kind::kDissipativeLoad: proto::from_wire<D>(message.dissipative_load()); break;
-    case Kind::kBandPressure: proto::from_wire<D>(message.band_pressure()); break;
-    case Kind::kBandForce: proto::from_wire<D>(message.band_force()); break;
+    case Kind::kInterfaceParticles: proto::from_wire<D>(message.interface_particles()); break;
+    case Kind::kInterfaceCondition: proto::from_wire<D>(message.interface_condition()); break;
+    case Kind::kInterfacePressure: proto::from_wire<D>(message.interface_pressure()); break;
+    case Kind::kInterfaceForce: proto::from_wire<D>(message.interface_force()); break;
     case Kind::kSurfaceLoad: proto::from_wire<D>(message.surface_load()); break;
     case Kind::kSurfaceVelocity: proto::from_wire<D>(message.surface_velocity()); break;
     default: break;
@@ -43,7 +43,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::string unreadable = proto::parse(std::as_bytes(std::span(data + position, taken)), message);
     input.Skip(static_cast<int>(taken));
     if (!unreadable.empty()) continue;
-    proto::find_envelope_fault(message, {message.sender(), ++sequence, message.step()}, {Kind::kHello, Kind::kBand});
+    proto::find_envelope_fault(message, {message.sender(), ++sequence, message.step()}, {Kind::kHello, Kind::kInterfaceParticles});
     proto::Agreement& agreement = agreements[message.sender()];
     if (agreement.dimension == 0 && !message.has_hello()) continue;  // the channel takes nothing before a Hello
     if (!proto::find_body_fault(message, agreement).empty()) continue;

@@ -37,11 +37,11 @@ POINTS = {
 }
 # The messages that are spoilt on their way out, and which ways make sense.
 MESSAGES = {
-    "fluid": {"Hello": "send:10:1", "Band": "send:14:2", "BandPressure": "send:16:2", "WindowDone": "send:18:2",
+    "fluid": {"Hello": "send:10:1", "InterfaceParticles": "send:14:2", "InterfacePressure": "send:16:2", "WindowDone": "send:18:2",
               "Finished": "send:21:1"},
     "structure": {"Hello": "send:10:1", "Surface": "send:13:2", "SurfaceVelocity": "send:23:2", "Finished": "send:21:1"},
-    "coupler": {"Welcome": "send:11:1", "BeginWindow": "send:12:3", "Surface": "send:13:2", "DissipativeLoad": "send:15:2",
-                "BandForce": "send:17:2", "SurfaceLoad": "send:19:2", "Finish": "send:20:1"},
+    "coupler": {"Welcome": "send:11:1", "BeginWindow": "send:12:3", "Surface": "send:13:2", "InterfaceCondition": "send:15:2",
+                "InterfaceForce": "send:17:2", "SurfaceLoad": "send:19:2", "Finish": "send:20:1"},
     "foreign": {"Hello": "send:10:1", "Surface": "send:13:2", "SurfaceVelocity": "send:23:2", "Finished": "send:21:1"},
 }
 WITHOUT_NUMBERS = {"Welcome", "BeginWindow", "Finish"}

@@ -219,17 +219,17 @@ class KnobsTest(unittest.TestCase):
     def test_coupling_algorithm(self):
         """Only the implicit coupling repeats its windows."""
         default, other = self.pair("impact", COUPLING + "algorithm=implicit", COUPLING + "algorithm=semi-implicit")
-        self.assertNotIn("coupling_trials_mean", default.figures)
-        self.assertGreater(other.figures["coupling_trials_mean"], 1.5)
+        self.assertNotIn("coupling_iterations_mean", default.figures)
+        self.assertGreater(other.figures["coupling_iterations_mean"], 1.5)
 
     def test_coupling_acceleration(self):
         """The quasi-Newton steps know more than one factor does: they take fewer trials."""
         default, other = self.pair("impact", COUPLING + "acceleration=aitken", COUPLING + "algorithm=implicit")
-        self.assert_more(other.figures["coupling_trials_mean"], default.figures["coupling_trials_mean"], "trials")
+        self.assert_more(other.figures["coupling_iterations_mean"], default.figures["coupling_iterations_mean"], "trials")
 
     def test_coupling_tolerance(self):
         default, other = self.pair("impact", COUPLING + "tolerance=1e-2", COUPLING + "algorithm=implicit")
-        self.assert_more(default.figures["coupling_trials_mean"], other.figures["coupling_trials_mean"], "trials")
+        self.assert_more(default.figures["coupling_iterations_mean"], other.figures["coupling_iterations_mean"], "trials")
 
     def test_coupling_scheme(self):
         """The three schemes give three loads; the Riemann dissipation is of one only."""

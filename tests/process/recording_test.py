@@ -40,7 +40,7 @@ class RecordingTest(RealRunTest):
             self.assertEqual(*((self.path / name / table).read_bytes() for name in ("first", "second")), table)
         self.assertTrue(self.frames("first", role) == self.frames("second", role), "the frames differ in their bits")
 
-    # Seen to fail: with another first number in each BandPressure of recorded_fluid.py; with 1.001 times the velocities of each
+    # Seen to fail: with another first number in each InterfacePressure of recorded_fluid.py; with 1.001 times the velocities of each
     # Surface in recorded_structure.py.
     def test_a_side_that_is_played_back_gives_the_same_bits(self):
         self.record("--until", "0.15")
@@ -49,7 +49,7 @@ class RecordingTest(RealRunTest):
             self.assert_same(computed)
 
     # Seen to fail: with the last answer not kept (the record is one message short of every window, and ends), and with the rest not
-    # passed over (a BandPressure where a WindowDone is due).
+    # passed over (an InterfacePressure where a WindowDone is due).
     def test_the_trials_may_be_more_or_fewer_than_recorded(self):
         sides = {"fluid": f"{PARTICIPANTS}/column_fluid.py --step 2e-4", "structure": f"{PARTICIPANTS}/rigid_spring.py --stiffness 2e7"}
 
@@ -57,7 +57,7 @@ class RecordingTest(RealRunTest):
             commands = [part for role, command in (sides | changed).items() for part in (f"--{role}", command)]
             result = self.run_in(name, "--until", "0.02", "--set", f"coupling.tolerance={tolerance}", *commands, *words, case=PISTON)
             self.assertEqual(result, (0, ""))
-            return self.contents()["processes"]["coupler"]["measures"]["coupling_trials_mean"]
+            return self.contents()["processes"]["coupler"]["measures"]["coupling_iterations_mean"]
 
         trials = run("first", 1e-4, "--record")
         for role, computed in (("fluid", "structure"), ("structure", "fluid")):

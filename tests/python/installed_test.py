@@ -70,7 +70,7 @@ class InstalledTest(unittest.TestCase):
         for words in (("test",), ("study", "--write-docs"), ("run", "pond", "--build", "debug")):
             code, errors = self.tern(*words)
             self.assertEqual(code, 2, errors)
-            self.assertRegex(errors, "^tern: .*sources")
+            self.assertRegex(errors, "(?m)^tern: .*sources")
 
     # Seen to fail: with known cases of one directory only.
     def test_a_wrong_name_is_told_all_cases(self):

@@ -522,7 +522,7 @@ TEST_F(CaseFile, ReadsMaterialsClampsAndLoadsOfAStructure) {
   EXPECT_EQ(structure.loads[0].value[1](0, 0, 0.3), 0.3);
   EXPECT_EQ(structure.loads[1].kind, LoadCase::Kind::pressure);
   EXPECT_FALSE(structure.loads[1].region.has_value());
-  EXPECT_EQ(c.gauges[0].clamp, "root");
+  EXPECT_EQ(c.gauges[0].text("clamp"), "root");
 }
 
 // Seen to fail: with the checks of read_load, check_structure and check_reaction removed, their cases are let through.

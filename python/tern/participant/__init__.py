@@ -9,7 +9,7 @@ import importlib
 
 _PLACES = {
     "structure_side": ("Surface", "cut_box", "run_structure"),
-    "fluid_side": ("Band", "run_fluid"),
+    "fluid_side": ("InterfaceParticles", "run_fluid"),
     "side": ("Case", "Run", "bad_input", "finite", "run_participant"),
     "channel": ("Participant", "RunEnded"),
     "recording": ("Recording", "play_back"),

@@ -3,7 +3,7 @@
     channel = Participant("ipc:///tmp/x/tern.sock", wire.FLUID)
     channel.handshake(hello)                       # wire.Hello
     message = channel.receive("begin_window", "finish")
-    channel.send(band=wire.Band(...))
+    channel.send(interface_particles=wire.InterfaceParticles(...))
 
 Over a network: Participant("tcp://HOST:PORT", wire.FLUID, keys="DIR"), with the keys that ./tern keys made for this role.
 Needs python3-zmq, python3-protobuf, python3-numpy and protobuf-compiler. See docs/PROTOCOL.md for who sends what when.
@@ -39,7 +39,7 @@ class Participant:
         self._endpoint = endpoint
         self._deadlines = (start_deadline_s, progress_deadline_s)
         self._sent = self._received = 0
-        self._dimension = self._surface_points = self._band_particles = 0
+        self._dimension = self._surface_points = self._interface_particles = 0
         self._next_begin_ticks = None
         self._lost = self._projected = self._extent = False
         self.step = 0
@@ -82,11 +82,11 @@ class Participant:
         return welcome
 
     def send(self, **body):
-        """send(band=wire.Band(...)): completes the envelope and sends it."""
+        """send(interface_particles=wire.InterfaceParticles(...)): completes the envelope and sends it."""
         self._sent += 1
-        if "band" in body:
-            self._band_particles = len(body["band"].id)
-        self._projected = "band_pressure" in body
+        if "interface_particles" in body:
+            self._interface_particles = len(body["interface_particles"].id)
+        self._projected = "interface_pressure" in body
         self._extent = "window_done" in body and body["window_done"].HasField("extent")
         message = wire.Message(protocol_version=PROTOCOL_VERSION, sender=self._role, sequence=self._sent, step=self.step, **body)
         self._socket.send(message.SerializeToString(), zmq.DONTWAIT)
@@ -156,7 +156,7 @@ class Participant:
         if kind not in kinds:
             self._fail(f"body is {kind}; it must be {' or '.join(kinds)} now")
         try:
-            check_body(message, self._dimension, self._surface_points, self._band_particles, self._projected, self._extent)
+            check_body(message, self._dimension, self._surface_points, self._interface_particles, self._projected, self._extent)
         except BadMessage as fault:
             self._fail(f"{kind}: {fault}")
         if kind == "begin_window":

@@ -64,7 +64,7 @@ class Session:
         self.dimension = subject.scene["dimension"]
         self.step = self.begin_ticks = 0
         self.hello = None
-        self.points = self.band_particles = 0
+        self.points = self.interface_particles = 0
         self._sent = self._received = 0
         self._peer = None
         self._left = False
@@ -177,11 +177,11 @@ class Session:
         if has != kind:
             raise Breach(paragraph, f"{has} came where {kind} was due")
         try:
-            check_from_participant(message, self.role, self.dimension, self.points, self.band_particles, self.hello)
+            check_from_participant(message, self.role, self.dimension, self.points, self.interface_particles, self.hello)
         except BadMessage as fault:
             raise Breach("4, " + "".join(word.capitalize() for word in kind.split("_")), f"{kind}: {fault}") from None
-        if kind == "band":
-            self.band_particles = len(message.band.id)
+        if kind == "interface_particles":
+            self.interface_particles = len(message.interface_particles.id)
         return message
 
     def _next_frames(self, deadline_s, kind, paragraph):
@@ -322,26 +322,26 @@ class FluidOrders:
 
     def solve(self, velocity=None, repeats=True):
         points, dimension = len(self.rest.area), self.session.dimension
-        load = wire.DissipativeLoad(force=[0.0] * (dimension * self.session.band_particles), reference_pressure=[0.0] * points,
+        load = wire.InterfaceCondition(force=[0.0] * (dimension * self.session.interface_particles), reference_pressure=[0.0] * points,
                                     robin_mass=self.mass, repeats=repeats)
         if velocity is not None:
             load.surface_velocity.extend(velocity * numpy.array(self.rest.normal))
-        self.session.send(dissipative_load=load)
-        return numpy.array(self.session.receive("band_pressure", paragraph="3.3.6").band_pressure.pressure)
+        self.session.send(interface_condition=load)
+        return numpy.array(self.session.receive("interface_pressure", paragraph="3.3.6").interface_pressure.pressure)
 
     def window(self, factor=1.0, trials=(), write_frame=False):
         """One window; `trials` are velocities of the surface along its normals [cm/s]."""
         del factor
         self.begin(write_frame)
         self.session.send(surface=self.rest)
-        band = self.session.receive("band", paragraph="3.3.4").band
-        if not band.id:
-            raise Breach("4, Band", "no particle in the band; the case must have fluid beside its structure")
+        particles = self.session.receive("interface_particles", paragraph="3.3.4").interface_particles
+        if not particles.id:
+            raise Breach("4, InterfaceParticles", "no interface particle; the case must have fluid beside its structure")
         first = self.solve(repeats=bool(trials))
         answers = [self.solve(0.01 * trial) for trial in trials] or [first]
-        self.session.send(band_force=wire.BandForce(force=[0.0] * len(band.position)))
+        self.session.send(interface_force=wire.InterfaceForce(force=[0.0] * len(particles.position)))
         self.end()
-        return band, answers
+        return particles, answers
 
     def end(self):
         self.done = self.session.receive("window_done", paragraph="3.3.9").window_done
@@ -354,7 +354,7 @@ class FluidOrders:
         """A surface that moves into the fluid raises its pressure."""
         _, (still, pushed) = self.window(trials=(0.0, 1.0))
         if not numpy.sum(pushed - still) > 0:
-            raise Breach("4, DissipativeLoad", "a surface that moves along its normal, into the fluid, does not raise the pressure")
+            raise Breach("4, InterfaceCondition", "a surface that moves along its normal, into the fluid, does not raise the pressure")
 
     trial_tolerance = 1e-3  # a pressure is solved to a tolerance, from another first guess
     trial_unit = "Pa"
@@ -438,10 +438,10 @@ def passes_a_window(s):
     if not orders.done.HasField("extent"):
         return
     extent, farthest = orders.done.extent, 0.5 * orders.done.extent.largest_speed * orders.duration_s
-    band = numpy.array(orders.window()[0].position).reshape(-1, s.dimension)
-    outside = numpy.maximum(numpy.array(extent.low) - band, band - numpy.array(extent.high)).max(initial=0)
+    particles = numpy.array(orders.window()[0].position).reshape(-1, s.dimension)
+    outside = numpy.maximum(numpy.array(extent.low) - particles, particles - numpy.array(extent.high)).max(initial=0)
     if outside > 1.001 * farthest:
-        raise Breach("4, WindowDone", f"a particle of the band is {outside:.3g} m outside extent, {farthest:.3g} m at most at its "
+        raise Breach("4, WindowDone", f"an interface particle is {outside:.3g} m outside extent, {farthest:.3g} m at most at its "
                                       "largest_speed")
     orders.begin()
     s.send(surface=wire.Surface())

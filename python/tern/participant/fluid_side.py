@@ -5,10 +5,10 @@
 A solver has
     propose_step()                     (largest length of the next window [s], the name of what limits it)
     begin_window(time_s, duration_s)   predicts velocity and position without pressure
-    see_surface(surface)               Surface, halfway through the window, with the velocity at its end; returns Band
-    solve_pressure(load)               load: wire.DissipativeLoad; returns (pressure, velocity) of the band. When asked again in a
+    see_surface(surface)               Surface, halfway through the window, with the velocity at its end; returns InterfaceParticles
+    solve_pressure(load)               load: wire.InterfaceCondition; returns their (pressure, velocity). When asked again in a
                                        window, it undoes the last answer and takes the surface to move as load.surface_velocity says
-    end_window(force)                  the force of the interface on each band particle: moves to the end of the window
+    end_window(force)                  the force of the interface on each interface particle: moves to the end of the window
     energies()                         (kinetic, potential) [J/m^(3-D)]
     gauge(gauge)                       values of a gauge of the case, None if it has none at this instant
     fields()                           dict for a frame: position, velocity, pressure of its points, and scalars of any name
@@ -31,7 +31,7 @@ from tern.participant.structure_side import Surface
 
 
 @dataclass
-class Band:
+class InterfaceParticles:
     """The particles near the surface, one row each: predicted position and velocity, and the divergence of the velocity."""
 
     id: numpy.ndarray
@@ -66,7 +66,7 @@ def _obey(run, make_solver):
         return numpy.array(values).reshape(-1, case.dimension)
 
     def flat(name, values):
-        return finite(f"{name} of the band", values, run.channel.step)
+        return finite(f"{name} of the interface particles", values, run.channel.step)
 
     def end_window(order):
         with run.timed("compute"):
@@ -92,22 +92,22 @@ def _obey(run, make_solver):
             end_window(order)
             continue
         with run.timed("compute"):
-            band = solver.see_surface(Surface(vectors(surface.position), vectors(surface.velocity), vectors(surface.normal),
+            particles = solver.see_surface(Surface(vectors(surface.position), vectors(surface.velocity), vectors(surface.normal),
                                               numpy.array(surface.area)))
-        run.send(band=wire.Band(id=[int(label) for label in band.id], position=flat("position", band.position),
-                                velocity=flat("velocity", band.velocity), mass=flat("mass", band.mass),
-                                volume=flat("volume", band.volume), divergence=flat("divergence", band.divergence),
-                                image_of=[int(row) for row in band.image_of],
-                                image_position=flat("image_position", band.image_position),
-                                covered=[int(point) for point in band.covered]))
-        message = run.receive("dissipative_load")
-        while message.WhichOneof("body") == "dissipative_load":
+        run.send(interface_particles=wire.InterfaceParticles(id=[int(label) for label in particles.id], position=flat("position", particles.position),
+                                velocity=flat("velocity", particles.velocity), mass=flat("mass", particles.mass),
+                                volume=flat("volume", particles.volume), divergence=flat("divergence", particles.divergence),
+                                image_of=[int(row) for row in particles.image_of],
+                                image_position=flat("image_position", particles.image_position),
+                                covered=[int(point) for point in particles.covered]))
+        message = run.receive("interface_condition")
+        while message.WhichOneof("body") == "interface_condition":
             with run.timed("compute"):
-                pressure, velocity = solver.solve_pressure(message.dissipative_load)
-            run.send(band_pressure=wire.BandPressure(pressure=flat("pressure", pressure), velocity=flat("velocity", velocity)))
-            message = run.receive("dissipative_load", "band_force")
+                pressure, velocity = solver.solve_pressure(message.interface_condition)
+            run.send(interface_pressure=wire.InterfacePressure(pressure=flat("pressure", pressure), velocity=flat("velocity", velocity)))
+            message = run.receive("interface_condition", "interface_force")
         with run.timed("compute"):
-            solver.end_window(vectors(message.band_force.force))
+            solver.end_window(vectors(message.interface_force.force))
         end_window(order)
     write_frame()
     run.finish(order, account())

@@ -3,7 +3,7 @@
 import numpy
 
 MAX_MESSAGE_BYTES = 256 << 20
-MAX_IMAGES = 7  # of a band particle in walls
+MAX_IMAGES = 7  # of an interface particle in walls
 
 
 class BadMessage(Exception):
@@ -59,7 +59,7 @@ def _extent(extent, dimension):
         _numbers(f"extent.{field}", [getattr(extent, field)], lambda v: v >= 0, "finite and 0 or more")
 
 
-def check_from_participant(message, role, dimension, surface_points, band_particles, hello):
+def check_from_participant(message, role, dimension, surface_points, interface_particles, hello):
     """Raises BadMessage when the body of a message of a participant cannot be used; `hello` is None before it was sent."""
     kind = message.WhichOneof("body")
     body = getattr(message, kind)
@@ -78,7 +78,7 @@ def check_from_participant(message, role, dimension, surface_points, band_partic
     elif kind == "surface_velocity":
         _length("velocity", body.velocity, dimension * surface_points)
         _numbers("velocity", body.velocity)
-    elif kind == "band":
+    elif kind == "interface_particles":
         particles = len(body.id)
         if len(set(body.id)) != particles:
             raise BadMessage("id has the same label twice; labels must be distinct")
@@ -96,15 +96,15 @@ def check_from_participant(message, role, dimension, surface_points, band_partic
         _numbers("image_position", body.image_position)
         for entry, particle in enumerate(body.image_of):
             if particle >= particles:
-                raise BadMessage(f"image_of[{entry}] is {particle}, but the band has {particles} particles")
+                raise BadMessage(f"image_of[{entry}] is {particle}, but {particles} particles were sent")
         for entry, point in enumerate(body.covered):
             if point >= surface_points or (entry > 0 and point <= body.covered[entry - 1]):
                 raise BadMessage(f"covered[{entry}] is {point}; it must be above the one before and below {surface_points}, "
                                  "the number of surface points")
-    elif kind == "band_pressure":
-        _length("pressure", body.pressure, band_particles)
+    elif kind == "interface_pressure":
+        _length("pressure", body.pressure, interface_particles)
         _numbers("pressure", body.pressure)
-        _length("velocity", body.velocity, dimension * band_particles)
+        _length("velocity", body.velocity, dimension * interface_particles)
         _numbers("velocity", body.velocity)
     elif kind == "window_done":
         _positive("proposed_step_s", [body.proposed_step_s])
@@ -120,10 +120,10 @@ def check_from_participant(message, role, dimension, surface_points, band_partic
             raise BadMessage(f"sentence has {len(body.sentence.encode())} bytes; it must have 1 to 4096")
 
 
-def check_body(message, dimension, surface_points, band_particles, projected=False, extent=False):
+def check_body(message, dimension, surface_points, interface_particles, projected=False, extent=False):
     """Raises BadMessage when the body of a message of the coupler cannot be used by a participant.
 
-    `projected`: this participant has sent a band_pressure in this window, so that a dissipative_load repeats it.
+    `projected`: this participant has sent an interface_pressure in this window, so that an interface_condition repeats it.
     `extent`: its last window_done had one, so that a surface may be empty.
     """
     kind = message.WhichOneof("body")
@@ -134,8 +134,8 @@ def check_body(message, dimension, surface_points, band_particles, projected=Fal
                              "they must be at least 0 and 1")
     elif kind == "surface":
         _surface(body, dimension, 0 if extent and not body.area else surface_points)
-    elif kind == "dissipative_load":
-        _length("force", body.force, dimension * band_particles)
+    elif kind == "interface_condition":
+        _length("force", body.force, dimension * interface_particles)
         _length("reference_pressure", body.reference_pressure, surface_points)
         _length("robin_mass", body.robin_mass, surface_points)
         _length("surface_velocity", body.surface_velocity, dimension * surface_points if projected else 0)
@@ -143,8 +143,8 @@ def check_body(message, dimension, surface_points, band_particles, projected=Fal
         _numbers("force", body.force)
         _numbers("reference_pressure", body.reference_pressure)
         _numbers("robin_mass", body.robin_mass, lambda v: v >= 0, "finite and 0 or more")
-    elif kind == "band_force":
-        _length("force", body.force, dimension * band_particles)
+    elif kind == "interface_force":
+        _length("force", body.force, dimension * interface_particles)
         _numbers("force", body.force)
     elif kind == "surface_load":
         _length("force", body.force, dimension * surface_points)

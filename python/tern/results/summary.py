@@ -50,9 +50,9 @@ def text(contents, out):
     mean, most = measure(contents, "pressure_iterations_mean"), measure(contents, "pressure_iterations_max")
     if mean is not None:
         lines.append(f"  pressure iterations per step: mean {mean:.1f}, max {most or 0:.0f}")
-    trials, open_windows = measure(contents, "coupling_trials_mean"), measure(contents, "coupling_windows_open")
+    trials, open_windows = measure(contents, "coupling_iterations_mean"), measure(contents, "coupling_windows_open")
     if trials is not None:
-        lines.append(f"  coupling iterations per window: mean {trials:.1f}, max {measure(contents, 'coupling_trials_max') or 0:.0f}"
+        lines.append(f"  coupling iterations per window: mean {trials:.1f}, max {measure(contents, 'coupling_iterations_max') or 0:.0f}"
                      + (f"; {open_windows:.0f} windows did not reach the tolerance" if open_windows else ""))
     for name, label, form in CONSERVATION:
         value = measure(contents, name)

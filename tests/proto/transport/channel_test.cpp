@@ -23,11 +23,11 @@ void fluid_run(const std::string& address) {
     const wire::Message begin = channel.receive({Kind::kBeginWindow, Kind::kFinish});
     if (begin.has_finish()) break;
     channel.receive({Kind::kSurface});
-    channel.send(samples::make(Kind::kBand));
-    channel.receive({Kind::kDissipativeLoad});
-    channel.send(samples::make(Kind::kBandPressure));
-    while (channel.receive({Kind::kDissipativeLoad, Kind::kBandForce}).has_dissipative_load())
-      channel.send(samples::make(Kind::kBandPressure));
+    channel.send(samples::make(Kind::kInterfaceParticles));
+    channel.receive({Kind::kInterfaceCondition});
+    channel.send(samples::make(Kind::kInterfacePressure));
+    while (channel.receive({Kind::kInterfaceCondition, Kind::kInterfaceForce}).has_interface_condition())
+      channel.send(samples::make(Kind::kInterfacePressure));
     channel.send(samples::make(Kind::kWindowDone));
   }
   channel.send(samples::make(Kind::kFinished));
@@ -66,21 +66,21 @@ void window(CouplerChannel& channel, std::uint64_t step) {
   wire::Message surface = channel.receive(wire::STRUCTURE, {Kind::kSurface});
   surface.mutable_surface()->clear_account();
   channel.send(wire::FLUID, surface);
-  const wire::Message band = channel.receive(wire::FLUID, {Kind::kBand});
-  EXPECT_EQ(band.band().id(2), 9u);
-  channel.send(wire::FLUID, samples::make(Kind::kDissipativeLoad));
-  channel.receive(wire::FLUID, {Kind::kBandPressure});
+  const wire::Message particles = channel.receive(wire::FLUID, {Kind::kInterfaceParticles});
+  EXPECT_EQ(particles.interface_particles().id(2), 9u);
+  channel.send(wire::FLUID, samples::make(Kind::kInterfaceCondition));
+  channel.receive(wire::FLUID, {Kind::kInterfacePressure});
   if (step % 2 == 0) {  // this window is tried a second time
     wire::Message trial = samples::make(Kind::kSurfaceLoad);
     trial.mutable_surface_load()->set_trial(true);
     channel.send(wire::STRUCTURE, trial);
     const auto answer = channel.receive(wire::STRUCTURE, {Kind::kSurfaceVelocity});
-    wire::Message load = samples::make(Kind::kDissipativeLoad);
-    *load.mutable_dissipative_load()->mutable_surface_velocity() = answer.surface_velocity().velocity();
+    wire::Message load = samples::make(Kind::kInterfaceCondition);
+    *load.mutable_interface_condition()->mutable_surface_velocity() = answer.surface_velocity().velocity();
     channel.send(wire::FLUID, load);
-    channel.receive(wire::FLUID, {Kind::kBandPressure});
+    channel.receive(wire::FLUID, {Kind::kInterfacePressure});
   }
-  channel.send(wire::FLUID, samples::make(Kind::kBandForce));
+  channel.send(wire::FLUID, samples::make(Kind::kInterfaceForce));
   channel.send(wire::STRUCTURE, samples::make(Kind::kSurfaceLoad));
   channel.receive(wire::FLUID, {Kind::kWindowDone});
 }
@@ -162,16 +162,17 @@ TEST(Channel, NothingThatIsNotFiniteIsSent) {
   auto fluid = in_thread([&] {
     ParticipantChannel channel(endpoint.address(), wire::FLUID, 10, 10);
     join(channel, wire::FLUID);
-    wire::Message band = samples::make(Kind::kBand);
-    band.mutable_band()->set_velocity(3, std::numeric_limits<double>::quiet_NaN());
+    wire::Message particles = samples::make(Kind::kInterfaceParticles);
+    particles.mutable_interface_particles()->set_velocity(3, std::numeric_limits<double>::quiet_NaN());
     channel.set_step(4, 0.004);
-    channel.send(band);
+    channel.send(particles);
   });
   coupler.accept({wire::FLUID}, "ab12", 2);
   coupler.welcome(2);
   const Outcome outcome = fluid.get();
   EXPECT_EQ(outcome.code, 3);
-  EXPECT_TRUE(outcome.says("The fluid process computed a Band that cannot be sent at step 4, t = 0.004 s: velocity[3] is nan"))
+  EXPECT_TRUE(
+      outcome.says("The fluid process computed an InterfaceParticles that cannot be sent at step 4, t = 0.004 s: velocity[3] is nan"))
       << outcome.sentence;
 }
 
@@ -195,35 +196,36 @@ Outcome coupler_receiving(const std::vector<std::string>& frames) {
     coupler.set_step(1, 0);
     for (std::size_t i = 0; i < frames.size(); ++i)
       zmq_send(socket, frames[i].data(), frames[i].size(), i + 1 < frames.size() ? ZMQ_SNDMORE : 0);
-    coupler.receive(wire::FLUID, {Kind::kBand});
+    coupler.receive(wire::FLUID, {Kind::kInterfaceParticles});
   });
   zmq_close(socket);
   zmq_ctx_term(context);
   return outcome;
 }
 
-std::string band_bytes(const std::function<void(wire::Message&)>& spoil = {}) {
-  wire::Message band = samples::make(Kind::kBand, wire::FLUID);
-  band.set_protocol_version(protocol_version);
-  band.set_sequence(2);
-  band.set_step(1);
-  if (spoil) spoil(band);
-  return band.SerializeAsString();
+std::string particles_bytes(const std::function<void(wire::Message&)>& spoil = {}) {
+  wire::Message particles = samples::make(Kind::kInterfaceParticles, wire::FLUID);
+  particles.set_protocol_version(protocol_version);
+  particles.set_sequence(2);
+  particles.set_step(1);
+  if (spoil) spoil(particles);
+  return particles.SerializeAsString();
 }
 
 TEST(Channel, ABadMessageEndsTheRunWithItsReason) {
-  EXPECT_EQ(coupler_receiving({band_bytes()}).sentence, "");
+  EXPECT_EQ(coupler_receiving({particles_bytes()}).sentence, "");
   const std::vector<std::pair<std::vector<std::string>, const char*>> bad{
       {{"garbage \x01\x02\xff"}, "sent a message that cannot be used at step 1, t = 0 s: 11 bytes that are not a message"},
       {{""}, "protocol_version is 0"},
-      {{band_bytes().substr(0, 40)}, "40 bytes that are not a message"},
-      {{band_bytes(), "more"}, "2 frames; a message is one frame"},
-      {{band_bytes([](auto& m) { m.set_sequence(9); })}, "sequence is 9; it must be 2"},
-      {{band_bytes([](auto& m) { m.set_step(3); })}, "step is 3; it must be 1"},
-      {{band_bytes([](auto& m) { m.set_sender(wire::STRUCTURE); })}, "sender is structure; it must be fluid"},
-      {{band_bytes([](auto& m) { m.set_protocol_version(7); })}, "protocol_version is 7"},
-      {{band_bytes([](auto& m) { m.mutable_band_force(); })}, "body is BandForce; it must be Band now"},
-      {{band_bytes([](auto& m) { m.mutable_band()->set_mass(0, -1); })}, "mass[0] is -1; it must be finite and above 0"},
+      {{particles_bytes().substr(0, 40)}, "40 bytes that are not a message"},
+      {{particles_bytes(), "more"}, "2 frames; a message is one frame"},
+      {{particles_bytes([](auto& m) { m.set_sequence(9); })}, "sequence is 9; it must be 2"},
+      {{particles_bytes([](auto& m) { m.set_step(3); })}, "step is 3; it must be 1"},
+      {{particles_bytes([](auto& m) { m.set_sender(wire::STRUCTURE); })}, "sender is structure; it must be fluid"},
+      {{particles_bytes([](auto& m) { m.set_protocol_version(7); })}, "protocol_version is 7"},
+      {{particles_bytes([](auto& m) { m.mutable_interface_force(); })}, "body is InterfaceForce; it must be InterfaceParticles now"},
+      {{particles_bytes([](auto& m) { m.mutable_interface_particles()->set_mass(0, -1); })},
+       "mass[0] is -1; it must be finite and above 0"},
   };
   for (const auto& [frames, reason] : bad) {
     const Outcome outcome = coupler_receiving(frames);
@@ -239,7 +241,7 @@ TEST(Channel, AParticipantThatFloodsTheCouplerIsStopped) {
   auto fluid = in_thread([&] {
     ParticipantChannel channel(endpoint.address(), wire::FLUID, 10, 10);
     join(channel, wire::FLUID);
-    for (int i = 0; i < 40; ++i) channel.send(samples::make(Kind::kBand));
+    for (int i = 0; i < 40; ++i) channel.send(samples::make(Kind::kInterfaceParticles));
     channel.receive({Kind::kFinish});
   });
   auto structure = in_thread([&] {

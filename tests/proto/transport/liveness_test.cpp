@@ -104,7 +104,7 @@ TEST(Liveness, AFrozenParticipantIsNoticedWithinTenSeconds) {
   coupler.welcome(2);
   fluid.signal(SIGSTOP);
   Outcome outcome;
-  const double noticed = seconds_of([&] { outcome = outcome_of([&] { coupler.receive(wire::FLUID, {Kind::kBand}); }); });
+  const double noticed = seconds_of([&] { outcome = outcome_of([&] { coupler.receive(wire::FLUID, {Kind::kInterfaceParticles}); }); });
   EXPECT_LT(noticed, 10.0);
   EXPECT_GT(noticed, 1.0);  // a busy machine must not look like a frozen one
   EXPECT_EQ(outcome.code, 4);
@@ -131,7 +131,7 @@ TEST(Liveness, AParticipantThatIsAliveButSilentIsGivenUpAtTheProgressDeadline) {
   coupler.accept({wire::FLUID}, "ab12", 2);
   coupler.welcome(2);
   coupler.set_step(3, 0.5);
-  const Outcome outcome = outcome_of([&] { coupler.receive(wire::FLUID, {Kind::kBand}); });
+  const Outcome outcome = outcome_of([&] { coupler.receive(wire::FLUID, {Kind::kInterfaceParticles}); });
   EXPECT_EQ(outcome.code, 4);
   EXPECT_TRUE(outcome.says("The coupler process waited 0.") && outcome.says("for fluid at step 3, t = 0.5 s and gave up"))
       << outcome.sentence;
@@ -184,7 +184,7 @@ TEST(Liveness, WhatAParticipantSaidBeforeItLeftCounts) {
     coupler.accept({wire::FLUID}, "ab12", 2);
     coupler.welcome(2);
     if (round % 2 == 0) fluid.wait();  // both have arrived, or arrive during the wait
-    const Outcome outcome = outcome_of([&] { coupler.receive(wire::FLUID, {Kind::kBand}); });
+    const Outcome outcome = outcome_of([&] { coupler.receive(wire::FLUID, {Kind::kInterfaceParticles}); });
     EXPECT_EQ(outcome.code, 5) << outcome.sentence;
     fluid.get();
   }

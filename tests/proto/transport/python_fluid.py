@@ -12,11 +12,11 @@ try:
         channel.handshake(wire.Hello(case_hash=sys.argv[2], dimension=2, version="python", account=account))
         while channel.receive("begin_window", "finish").WhichOneof("body") == "begin_window":
             channel.receive("surface")
-            channel.send(band=wire.Band(id=[4], position=[0, 1], velocity=[2, 3], mass=[1], volume=[1], divergence=[0]))
-            message = channel.receive("dissipative_load")
-            while message.WhichOneof("body") == "dissipative_load":
-                channel.send(band_pressure=wire.BandPressure(pressure=[sum(message.dissipative_load.force)], velocity=[0, 0]))
-                message = channel.receive("dissipative_load", "band_force")
+            channel.send(interface_particles=wire.InterfaceParticles(id=[4], position=[0, 1], velocity=[2, 3], mass=[1], volume=[1], divergence=[0]))
+            message = channel.receive("interface_condition")
+            while message.WhichOneof("body") == "interface_condition":
+                channel.send(interface_pressure=wire.InterfacePressure(pressure=[sum(message.interface_condition.force)], velocity=[0, 0]))
+                message = channel.receive("interface_condition", "interface_force")
             channel.send(window_done=wire.WindowDone(proposed_step_s=1e-3, limit="none", account=account))
         channel.send(finished=wire.Finished(account=account))
 except RunEnded as end:

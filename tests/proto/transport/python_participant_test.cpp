@@ -49,13 +49,13 @@ void windows(CouplerChannel& coupler) {
     begin.mutable_begin_window()->set_begin_ticks(50 * (step - 1));
     coupler.send(wire::FLUID, begin);
     coupler.send(wire::FLUID, samples::make(Kind::kSurface));
-    coupler.receive(wire::FLUID, {Kind::kBand});
-    wire::Message load = samples::make(Kind::kDissipativeLoad);
-    load.mutable_dissipative_load()->mutable_force()->Truncate(2);
+    coupler.receive(wire::FLUID, {Kind::kInterfaceParticles});
+    wire::Message load = samples::make(Kind::kInterfaceCondition);
+    load.mutable_interface_condition()->mutable_force()->Truncate(2);
     coupler.send(wire::FLUID, load);
-    EXPECT_EQ(coupler.receive(wire::FLUID, {Kind::kBandPressure}).band_pressure().pressure(0), 3);
-    wire::Message force = samples::make(Kind::kBandForce);
-    force.mutable_band_force()->mutable_force()->Truncate(2);
+    EXPECT_EQ(coupler.receive(wire::FLUID, {Kind::kInterfacePressure}).interface_pressure().pressure(0), 3);
+    wire::Message force = samples::make(Kind::kInterfaceForce);
+    force.mutable_interface_force()->mutable_force()->Truncate(2);
     coupler.send(wire::FLUID, force);
     EXPECT_EQ(coupler.receive(wire::FLUID, {Kind::kWindowDone}).window_done().limit(), "none");
   }

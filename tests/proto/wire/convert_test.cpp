@@ -1,5 +1,5 @@
 // Conversions between interface arrays and wire messages keep every bit, also after serialisation.
-// Seen to fail: copying sizeof(double) fewer bytes in put(), swapping mass and volume in from_wire(Band).
+// Seen to fail: copying sizeof(double) fewer bytes in put(), swapping mass and volume in from_wire(InterfaceParticles).
 
 #include "proto/wire/convert.hpp"
 
@@ -74,19 +74,19 @@ void round_trip(std::size_t n) {
   expect_same_bits<D>(surface.normal, surface2.normal);
   expect_same_bits(surface.area, surface2.area);
 
-  const InterfaceParticles<D> band{labels(random, n),     vectors<D>(random, n),     vectors<D>(random, n),
-                                   scalars(random, n),    scalars(random, n),        scalars(random, n),
-                                   labels(random, n + 2), vectors<D>(random, n + 2), labels(random, n + 3)};
-  const auto band2 = from_wire<D>(through_bytes(to_wire(band)));
-  EXPECT_EQ(band.id, band2.id);
-  expect_same_bits<D>(band.position, band2.position);
-  expect_same_bits<D>(band.velocity, band2.velocity);
-  expect_same_bits(band.mass, band2.mass);
-  expect_same_bits(band.volume, band2.volume);
-  expect_same_bits(band.divergence, band2.divergence);
-  EXPECT_EQ(band.image_of, band2.image_of);
-  expect_same_bits<D>(band.image_position, band2.image_position);
-  EXPECT_EQ(band.covered, band2.covered);
+  const InterfaceParticles<D> particles{labels(random, n),     vectors<D>(random, n),     vectors<D>(random, n),
+                                        scalars(random, n),    scalars(random, n),        scalars(random, n),
+                                        labels(random, n + 2), vectors<D>(random, n + 2), labels(random, n + 3)};
+  const auto back = from_wire<D>(through_bytes(to_wire(particles)));
+  EXPECT_EQ(particles.id, back.id);
+  expect_same_bits<D>(particles.position, back.position);
+  expect_same_bits<D>(particles.velocity, back.velocity);
+  expect_same_bits(particles.mass, back.mass);
+  expect_same_bits(particles.volume, back.volume);
+  expect_same_bits(particles.divergence, back.divergence);
+  EXPECT_EQ(particles.image_of, back.image_of);
+  expect_same_bits<D>(particles.image_position, back.image_position);
+  EXPECT_EQ(particles.covered, back.covered);
 
   const InterfaceCondition<D> load{vectors<D>(random, n), scalars(random, n + 1), scalars(random, n + 1), vectors<D>(random, n + 1), true};
   const auto load2 = from_wire<D>(through_bytes(to_wire(load)));

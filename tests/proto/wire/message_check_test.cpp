@@ -2,7 +2,7 @@
 // Seen to fail: each check of message_check.cpp was switched off on its own; its row turned red, rows of other checks
 // did not. The long messages turned red when a block that fails was skipped, one of many labels when one too few was taken for
 // all, the normal when its square was held against a millionth. The fuzz turned red without the length of Surface.normal and
-// Band.position, the sign of area and mass, finite positions.
+// InterfaceParticles.position, the sign of area and mass, finite positions.
 
 #include "proto/wire/message_check.hpp"
 
@@ -22,12 +22,12 @@ namespace {
 const double nan = std::numeric_limits<double>::quiet_NaN();
 const double infinity = std::numeric_limits<double>::infinity();
 
-/// What both ends know after the handshake and one Band of fixtures/message_samples.hpp.
+/// What both ends know after the handshake and one InterfaceParticles of fixtures/message_samples.hpp.
 Agreement agreed(wire::Role participant) {
   Agreement agreement;
   remember(samples::make(Kind::kHello, participant), agreement);
   remember(samples::make(Kind::kWelcome), agreement);
-  remember(samples::make(Kind::kBand, wire::FLUID), agreement);
+  remember(samples::make(Kind::kInterfaceParticles, wire::FLUID), agreement);
   return agreement;
 }
 
@@ -103,12 +103,16 @@ const BodyFault body_faults[] = {
      [](auto& m) { m.mutable_surface()->mutable_account()->add_energy(1); }, "account.energy has 4 entries; it must have 3"},
     {"Surface of the coupler with account", Kind::kSurface, wire::COUPLER,
      [](auto& m) { m.mutable_surface()->mutable_account()->add_energy(1); }, "account.energy has 1 entries; it must have 0"},
-    {"Band position length", Kind::kBand, wire::FLUID, [](auto& m) { m.mutable_band()->add_position(1); },
-     "position has 7 entries; it must have 6"},
-    {"Band velocity length", Kind::kBand, wire::FLUID, [](auto& m) { m.mutable_band()->add_velocity(1); }, "velocity has 7"},
-    {"Band mass length", Kind::kBand, wire::FLUID, [](auto& m) { m.mutable_band()->add_mass(1); }, "mass has 4 entries"},
-    {"Band volume length", Kind::kBand, wire::FLUID, [](auto& m) { m.mutable_band()->add_volume(1); }, "volume has 4"},
-    {"Band divergence length", Kind::kBand, wire::FLUID, [](auto& m) { m.mutable_band()->add_divergence(1); }, "divergence has 4"},
+    {"InterfaceParticles position length", Kind::kInterfaceParticles, wire::FLUID,
+     [](auto& m) { m.mutable_interface_particles()->add_position(1); }, "position has 7 entries; it must have 6"},
+    {"InterfaceParticles velocity length", Kind::kInterfaceParticles, wire::FLUID,
+     [](auto& m) { m.mutable_interface_particles()->add_velocity(1); }, "velocity has 7"},
+    {"InterfaceParticles mass length", Kind::kInterfaceParticles, wire::FLUID,
+     [](auto& m) { m.mutable_interface_particles()->add_mass(1); }, "mass has 4 entries"},
+    {"InterfaceParticles volume length", Kind::kInterfaceParticles, wire::FLUID,
+     [](auto& m) { m.mutable_interface_particles()->add_volume(1); }, "volume has 4"},
+    {"InterfaceParticles divergence length", Kind::kInterfaceParticles, wire::FLUID,
+     [](auto& m) { m.mutable_interface_particles()->add_divergence(1); }, "divergence has 4"},
     {"WindowDone extent length", Kind::kWindowDone, wire::FLUID, [](auto& m) { m.mutable_window_done()->mutable_extent()->add_low(0); },
      "extent.low has 3 entries; it must have 2"},
     {"WindowDone extent upside down", Kind::kWindowDone, wire::FLUID,
@@ -119,69 +123,76 @@ const BodyFault body_faults[] = {
      [](auto& m) { m.mutable_window_done()->mutable_extent()->set_largest_speed(-1); }, "extent.largest_speed is -1"},
     {"WindowDone reach infinite", Kind::kWindowDone, wire::FLUID,
      [](auto& m) { m.mutable_window_done()->mutable_extent()->set_reach(infinity); }, "extent.reach is inf"},
-    {"Band id twice", Kind::kBand, wire::FLUID, [](auto& m) { m.mutable_band()->set_id(2, 7); }, "id 7 appears twice"},
-    {"Band mass negative", Kind::kBand, wire::FLUID, [](auto& m) { m.mutable_band()->set_mass(1, -1e-9); }, "mass[1] is -1e-09"},
-    {"Band volume zero", Kind::kBand, wire::FLUID, [](auto& m) { m.mutable_band()->set_volume(0, 0); }, "volume[0] is 0"},
-    {"Band position not finite", Kind::kBand, wire::FLUID, [](auto& m) { m.mutable_band()->set_position(5, nan); }, "position[5] is nan"},
-    {"Band velocity not finite", Kind::kBand, wire::FLUID, [](auto& m) { m.mutable_band()->set_velocity(0, -infinity); },
-     "velocity[0] is -inf"},
-    {"Band divergence not finite", Kind::kBand, wire::FLUID, [](auto& m) { m.mutable_band()->set_divergence(2, nan); },
-     "divergence[2] is nan"},
-    {"Band image of no particle", Kind::kBand, wire::FLUID,
+    {"InterfaceParticles id twice", Kind::kInterfaceParticles, wire::FLUID, [](auto& m) { m.mutable_interface_particles()->set_id(2, 7); },
+     "id 7 appears twice"},
+    {"InterfaceParticles mass negative", Kind::kInterfaceParticles, wire::FLUID,
+     [](auto& m) { m.mutable_interface_particles()->set_mass(1, -1e-9); }, "mass[1] is -1e-09"},
+    {"InterfaceParticles volume zero", Kind::kInterfaceParticles, wire::FLUID,
+     [](auto& m) { m.mutable_interface_particles()->set_volume(0, 0); }, "volume[0] is 0"},
+    {"InterfaceParticles position not finite", Kind::kInterfaceParticles, wire::FLUID,
+     [](auto& m) { m.mutable_interface_particles()->set_position(5, nan); }, "position[5] is nan"},
+    {"InterfaceParticles velocity not finite", Kind::kInterfaceParticles, wire::FLUID,
+     [](auto& m) { m.mutable_interface_particles()->set_velocity(0, -infinity); }, "velocity[0] is -inf"},
+    {"InterfaceParticles divergence not finite", Kind::kInterfaceParticles, wire::FLUID,
+     [](auto& m) { m.mutable_interface_particles()->set_divergence(2, nan); }, "divergence[2] is nan"},
+    {"InterfaceParticles image of no particle", Kind::kInterfaceParticles, wire::FLUID,
      [](auto& m) {
-       m.mutable_band()->add_image_of(3);
-       for (int c = 0; c < 2; ++c) m.mutable_band()->add_image_position(0);
+       m.mutable_interface_particles()->add_image_of(3);
+       for (int c = 0; c < 2; ++c) m.mutable_interface_particles()->add_image_position(0);
      },
-     "image_of[0] is 3, but the band has 3 particles"},
-    {"Band images too many", Kind::kBand, wire::FLUID,
+     "image_of[0] is 3, but 3 particles were sent"},
+    {"InterfaceParticles images too many", Kind::kInterfaceParticles, wire::FLUID,
      [](auto& m) {
-       for (int n = 0; n < 22; ++n) m.mutable_band()->add_image_of(0);
-       for (int n = 0; n < 44; ++n) m.mutable_band()->add_image_position(0);
+       for (int n = 0; n < 22; ++n) m.mutable_interface_particles()->add_image_of(0);
+       for (int n = 0; n < 44; ++n) m.mutable_interface_particles()->add_image_position(0);
      },
      "image_of has 22 entries; the limit is 7 per particle"},
-    {"Band image position length", Kind::kBand, wire::FLUID, [](auto& m) { m.mutable_band()->add_image_of(0); }, "image_position has 0"},
-    {"Band image position not finite", Kind::kBand, wire::FLUID,
+    {"InterfaceParticles image position length", Kind::kInterfaceParticles, wire::FLUID,
+     [](auto& m) { m.mutable_interface_particles()->add_image_of(0); }, "image_position has 0"},
+    {"InterfaceParticles image position not finite", Kind::kInterfaceParticles, wire::FLUID,
      [](auto& m) {
-       m.mutable_band()->add_image_of(0);
-       for (int c = 0; c < 2; ++c) m.mutable_band()->add_image_position(nan);
+       m.mutable_interface_particles()->add_image_of(0);
+       for (int c = 0; c < 2; ++c) m.mutable_interface_particles()->add_image_position(nan);
      },
      "image_position[0] is nan"},
-    {"Band covered point there is not", Kind::kBand, wire::FLUID, [](auto& m) { m.mutable_band()->add_covered(2); },
+    {"InterfaceParticles covered point there is not", Kind::kInterfaceParticles, wire::FLUID,
+     [](auto& m) { m.mutable_interface_particles()->add_covered(2); },
      "covered[0] is 2; it must be above the one before and below 2, the number of surface points"},
-    {"Band covered point twice", Kind::kBand, wire::FLUID,
-     [](auto& m) { m.mutable_band()->add_covered(1), m.mutable_band()->add_covered(1); },
+    {"InterfaceParticles covered point twice", Kind::kInterfaceParticles, wire::FLUID,
+     [](auto& m) { m.mutable_interface_particles()->add_covered(1), m.mutable_interface_particles()->add_covered(1); },
      "covered[1] is 1; it must be above the one before"},
-    {"DissipativeLoad force length", Kind::kDissipativeLoad, wire::COUPLER, [](auto& m) { m.mutable_dissipative_load()->add_force(1); },
-     "force has 7 entries; it must have 6"},
-    {"DissipativeLoad pressure length", Kind::kDissipativeLoad, wire::COUPLER,
-     [](auto& m) { m.mutable_dissipative_load()->add_reference_pressure(1); }, "reference_pressure has 3"},
-    {"DissipativeLoad mass length", Kind::kDissipativeLoad, wire::COUPLER,
-     [](auto& m) { m.mutable_dissipative_load()->clear_robin_mass(); }, "robin_mass has 0 entries"},
-    {"DissipativeLoad force not finite", Kind::kDissipativeLoad, wire::COUPLER,
-     [](auto& m) { m.mutable_dissipative_load()->set_force(1, nan); }, "force[1] is nan"},
-    {"DissipativeLoad pressure not finite", Kind::kDissipativeLoad, wire::COUPLER,
-     [](auto& m) { m.mutable_dissipative_load()->set_reference_pressure(1, nan); }, "reference_pressure[1] is nan"},
-    {"DissipativeLoad mass negative", Kind::kDissipativeLoad, wire::COUPLER,
-     [](auto& m) { m.mutable_dissipative_load()->set_robin_mass(0, -1); }, "robin_mass[0] is -1"},
-    {"DissipativeLoad velocity in the first of a window", Kind::kDissipativeLoad, wire::COUPLER,
+    {"InterfaceCondition force length", Kind::kInterfaceCondition, wire::COUPLER,
+     [](auto& m) { m.mutable_interface_condition()->add_force(1); }, "force has 7 entries; it must have 6"},
+    {"InterfaceCondition pressure length", Kind::kInterfaceCondition, wire::COUPLER,
+     [](auto& m) { m.mutable_interface_condition()->add_reference_pressure(1); }, "reference_pressure has 3"},
+    {"InterfaceCondition mass length", Kind::kInterfaceCondition, wire::COUPLER,
+     [](auto& m) { m.mutable_interface_condition()->clear_robin_mass(); }, "robin_mass has 0 entries"},
+    {"InterfaceCondition force not finite", Kind::kInterfaceCondition, wire::COUPLER,
+     [](auto& m) { m.mutable_interface_condition()->set_force(1, nan); }, "force[1] is nan"},
+    {"InterfaceCondition pressure not finite", Kind::kInterfaceCondition, wire::COUPLER,
+     [](auto& m) { m.mutable_interface_condition()->set_reference_pressure(1, nan); }, "reference_pressure[1] is nan"},
+    {"InterfaceCondition mass negative", Kind::kInterfaceCondition, wire::COUPLER,
+     [](auto& m) { m.mutable_interface_condition()->set_robin_mass(0, -1); }, "robin_mass[0] is -1"},
+    {"InterfaceCondition velocity in the first of a window", Kind::kInterfaceCondition, wire::COUPLER,
      [](auto& m) {
-       samples::fill(m.mutable_dissipative_load()->mutable_surface_velocity(), {0, 0, 0, 0});
+       samples::fill(m.mutable_interface_condition()->mutable_surface_velocity(), {0, 0, 0, 0});
      },
      "surface_velocity has 4 entries; it must have 0"},
     {"SurfaceVelocity length", Kind::kSurfaceVelocity, wire::STRUCTURE, [](auto& m) { m.mutable_surface_velocity()->add_velocity(1); },
      "velocity has 5 entries; it must have 4"},
     {"SurfaceVelocity not finite", Kind::kSurfaceVelocity, wire::STRUCTURE,
      [](auto& m) { m.mutable_surface_velocity()->set_velocity(2, nan); }, "velocity[2] is nan"},
-    {"BandPressure length", Kind::kBandPressure, wire::FLUID, [](auto& m) { m.mutable_band_pressure()->add_pressure(1); },
+    {"InterfacePressure length", Kind::kInterfacePressure, wire::FLUID, [](auto& m) { m.mutable_interface_pressure()->add_pressure(1); },
      "pressure has 4 entries"},
-    {"BandPressure velocity length", Kind::kBandPressure, wire::FLUID, [](auto& m) { m.mutable_band_pressure()->clear_velocity(); },
-     "velocity has 0 entries"},
-    {"BandPressure not finite", Kind::kBandPressure, wire::FLUID, [](auto& m) { m.mutable_band_pressure()->set_pressure(2, nan); },
-     "pressure[2] is nan"},
-    {"BandPressure velocity not finite", Kind::kBandPressure, wire::FLUID, [](auto& m) { m.mutable_band_pressure()->set_velocity(4, nan); },
-     "velocity[4] is nan"},
-    {"BandForce length", Kind::kBandForce, wire::COUPLER, [](auto& m) { m.mutable_band_force()->add_force(1); }, "force has 7 entries"},
-    {"BandForce not finite", Kind::kBandForce, wire::COUPLER, [](auto& m) { m.mutable_band_force()->set_force(0, nan); },
+    {"InterfacePressure velocity length", Kind::kInterfacePressure, wire::FLUID,
+     [](auto& m) { m.mutable_interface_pressure()->clear_velocity(); }, "velocity has 0 entries"},
+    {"InterfacePressure not finite", Kind::kInterfacePressure, wire::FLUID,
+     [](auto& m) { m.mutable_interface_pressure()->set_pressure(2, nan); }, "pressure[2] is nan"},
+    {"InterfacePressure velocity not finite", Kind::kInterfacePressure, wire::FLUID,
+     [](auto& m) { m.mutable_interface_pressure()->set_velocity(4, nan); }, "velocity[4] is nan"},
+    {"InterfaceForce length", Kind::kInterfaceForce, wire::COUPLER, [](auto& m) { m.mutable_interface_force()->add_force(1); },
+     "force has 7 entries"},
+    {"InterfaceForce not finite", Kind::kInterfaceForce, wire::COUPLER, [](auto& m) { m.mutable_interface_force()->set_force(0, nan); },
      "force[0] is nan"},
     {"WindowDone step zero", Kind::kWindowDone, wire::FLUID, [](auto& m) { m.mutable_window_done()->set_proposed_step_s(0); },
      "proposed_step_s is 0"},
@@ -254,33 +265,34 @@ TEST(MessageCheck, TheFirstFaultOfALongMessageIsNamedWhereverItLies) {
 TEST(MessageCheck, ALabelThatAppearsTwiceIsFoundWhetherLabelsAreCloseOrFarApart) {
   const Agreement agreement = agreed(wire::FLUID);
   for (const std::uint32_t stride : {1u, 1u << 30}) {
-    wire::Message message = samples::make(Kind::kBand, wire::FLUID);
-    auto& band = *message.mutable_band();
-    band.set_id(0, 3 * stride);
-    band.set_id(1, stride);
-    band.set_id(2, 2 * stride);
+    wire::Message message = samples::make(Kind::kInterfaceParticles, wire::FLUID);
+    auto& particles = *message.mutable_interface_particles();
+    particles.set_id(0, 3 * stride);
+    particles.set_id(1, stride);
+    particles.set_id(2, 2 * stride);
     EXPECT_EQ(find_body_fault(message, agreement), "");
-    band.set_id(2, 3 * stride);
+    particles.set_id(2, 3 * stride);
     EXPECT_EQ(find_body_fault(message, agreement), fmt::format("id {} appears twice; labels must be distinct", 3 * stride));
   }
 }
 
 TEST(MessageCheck, OneOfManyLabelsThatAppearsTwiceIsFound) {
   const Agreement agreement = agreed(wire::FLUID);
-  constexpr int particles = 200;
-  wire::Message message = samples::make(Kind::kBand, wire::FLUID);
-  auto& band = *message.mutable_band();
-  for (auto* field : {band.mutable_position(), band.mutable_velocity()}) samples::fill(field, std::vector<double>(2 * particles, 1.0));
-  for (auto* field : {band.mutable_mass(), band.mutable_volume(), band.mutable_divergence()})
-    samples::fill(field, std::vector<double>(particles, 1.0));
+  constexpr int count = 200;
+  wire::Message message = samples::make(Kind::kInterfaceParticles, wire::FLUID);
+  auto& particles = *message.mutable_interface_particles();
+  for (auto* field : {particles.mutable_position(), particles.mutable_velocity()})
+    samples::fill(field, std::vector<double>(2 * count, 1.0));
+  for (auto* field : {particles.mutable_mass(), particles.mutable_volume(), particles.mutable_divergence()})
+    samples::fill(field, std::vector<double>(count, 1.0));
   for (const std::uint32_t stride : {1u, 3u, 64u, 65u}) {
-    band.clear_id();
-    for (int k = 0; k < particles; ++k) band.add_id(5 + stride * static_cast<std::uint32_t>((7 * k) % particles));
+    particles.clear_id();
+    for (int k = 0; k < count; ++k) particles.add_id(5 + stride * static_cast<std::uint32_t>((7 * k) % count));
     ASSERT_EQ(find_body_fault(message, agreement), "");
-    for (const int k : {0, 1, 63, 64, 128, particles - 1}) {
+    for (const int k : {0, 1, 63, 64, 128, count - 1}) {
       wire::Message spoilt = message;
-      spoilt.mutable_band()->set_id((k + 77) % particles, band.id(k));
-      EXPECT_EQ(find_body_fault(spoilt, agreement), fmt::format("id {} appears twice; labels must be distinct", band.id(k)));
+      spoilt.mutable_interface_particles()->set_id((k + 77) % count, particles.id(k));
+      EXPECT_EQ(find_body_fault(spoilt, agreement), fmt::format("id {} appears twice; labels must be distinct", particles.id(k)));
     }
   }
 }
@@ -323,12 +335,12 @@ TEST(MessageCheck, ASurfaceMayBeLeftOutOnlyAfterAnExtentAndByTheCoupler) {
 TEST(MessageCheck, EveryEnvelopeFaultIsFoundAndNamed) {
   const Envelope envelope{wire::FLUID, 5, 17};
   const auto fault = [&](const std::function<void(wire::Message&)>& spoil) {
-    wire::Message message = samples::make(Kind::kBand, wire::FLUID);
+    wire::Message message = samples::make(Kind::kInterfaceParticles, wire::FLUID);
     message.set_protocol_version(protocol_version);
     message.set_sequence(5);
     message.set_step(17);
     spoil(message);
-    return find_envelope_fault(message, envelope, {Kind::kBand, Kind::kBandPressure});
+    return find_envelope_fault(message, envelope, {Kind::kInterfaceParticles, Kind::kInterfacePressure});
   };
   EXPECT_EQ(fault([](auto&) {}), "");
   EXPECT_EQ(fault([](auto& m) { m.set_protocol_version(7); }), "protocol_version is 7; this program speaks version 5");
@@ -337,7 +349,7 @@ TEST(MessageCheck, EveryEnvelopeFaultIsFoundAndNamed) {
   EXPECT_NE(fault([](auto& m) { m.set_sequence(4); }).find("sequence is 4; it must be 5"), std::string::npos);
   EXPECT_NE(fault([](auto& m) { m.set_sequence(6); }).find("sequence is 6; it must be 5"), std::string::npos);
   EXPECT_EQ(fault([](auto& m) { m.set_step(16); }), "step is 16; it must be 17");
-  EXPECT_EQ(fault([](auto& m) { m.mutable_finish(); }), "body is Finish; it must be Band or BandPressure now");
+  EXPECT_EQ(fault([](auto& m) { m.mutable_finish(); }), "body is Finish; it must be InterfaceParticles or InterfacePressure now");
   EXPECT_EQ(fault([](auto& m) { m.clear_body(); }), "body is of no kind that protocol version 5 knows");
   EXPECT_EQ(fault([](auto& m) { m.mutable_begin_window(); }), "step is 17; it must be 18");  // always the next window
   EXPECT_EQ(fault([](auto& m) {
@@ -353,7 +365,7 @@ std::string parse_text(const std::string& bytes, wire::Message& message) {
 }
 
 TEST(MessageCheck, ATruncatedMessageIsNotParsed) {
-  const std::string whole = samples::make(Kind::kBand, wire::FLUID).SerializeAsString();
+  const std::string whole = samples::make(Kind::kInterfaceParticles, wire::FLUID).SerializeAsString();
   wire::Message message;
   EXPECT_EQ(parse_text(whole, message), "");
   EXPECT_NE(parse_text(whole.substr(0, whole.size() - 3), message).find("truncated"), std::string::npos);
@@ -373,9 +385,9 @@ TEST(MessageCheck, RandomBytesAndFlippedBitsNeverCrashAndPassOnlyWhenProper) {
   std::printf("fuzz seed %u\n", seed);
   std::mt19937 random(seed);
   const Agreement agreement = agreed(wire::STRUCTURE);
-  const std::vector<Kind> kinds{Kind::kHello,           Kind::kSurface,     Kind::kBand,
-                                Kind::kDissipativeLoad, Kind::kWindowDone,  Kind::kBandPressure,
-                                Kind::kSurfaceLoad,     Kind::kBeginWindow, Kind::kAbort};
+  const std::vector<Kind> kinds{Kind::kHello,      Kind::kSurface,           Kind::kInterfaceParticles, Kind::kInterfaceCondition,
+                                Kind::kWindowDone, Kind::kInterfacePressure, Kind::kSurfaceLoad,        Kind::kBeginWindow,
+                                Kind::kAbort};
   int parsed = 0, refused = 0;
   for (int round = 0; round < 60000; ++round) {
     std::string bytes;
@@ -402,9 +414,9 @@ TEST(MessageCheck, RandomBytesAndFlippedBitsNeverCrashAndPassOnlyWhenProper) {
       for (double area : surface.area()) ASSERT_TRUE(std::isfinite(area) && area > 0);
       for (double x : surface.position()) ASSERT_TRUE(std::isfinite(x));
     }
-    if (message.has_band()) {
-      ASSERT_EQ(message.band().position_size(), 2 * message.band().id_size());
-      for (double mass : message.band().mass()) ASSERT_TRUE(std::isfinite(mass) && mass > 0);
+    if (message.has_interface_particles()) {
+      ASSERT_EQ(message.interface_particles().position_size(), 2 * message.interface_particles().id_size());
+      for (double mass : message.interface_particles().mass()) ASSERT_TRUE(std::isfinite(mass) && mass > 0);
     }
   }
   EXPECT_GT(parsed, 1000);  // the fuzz reaches the checks behind the parser

@@ -10,16 +10,16 @@ pressure in excess of it, w' = u - dt (p - phat)/m_p, so that
 
     p (1 + rho h/m_p) = rho h (g + (u - w)/dt + phat/m_p).
 
-What the coupler makes of band particles: it carries the pressure of each to a face by the weight of the water between, and with
+What the coupler makes of interface particles: it carries the pressure of each to a face by the weight of the water between, and with
 coupling.scheme "pi" (or "fsa") the load on the face is its area times the mean of what is carried, weighted by the kernel,
-provided that the particles fill at least three quarters of the kernel before it. So any band will do that fills it and whose
+provided that the particles fill at least three quarters of the kernel before it. So any particles will do that fill it and whose
 carried pressures are p: here one particle per face at half a spacing, p - rho g dx/2, with four times the volume of the layer it
 stands for, since at the end of a row only half of the kernel is before it. "riemann" does not divide by the filling and is refused.
 """
 
 import numpy as np
 
-from tern.participant import Band, bad_input, run_fluid
+from tern.participant import InterfaceParticles, bad_input, run_fluid
 
 
 class ColumnFluid:
@@ -51,7 +51,7 @@ class ColumnFluid:
         self.area, self.trial = surface.area[self.wet], surface.velocity[self.wet]
         self.position = surface.position[self.wet] + self.spacing / 2 * surface.normal[self.wet]
         volume = 4 * self.area * self.spacing
-        return Band(np.arange(len(volume)), self.position, self.trial, self.density * volume, volume, np.zeros(len(volume)))
+        return InterfaceParticles(np.arange(len(volume)), self.position, self.trial, self.density * volume, volume, np.zeros(len(volume)))
 
     def solve_pressure(self, load):
         if load.surface_velocity:

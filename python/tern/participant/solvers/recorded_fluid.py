@@ -20,16 +20,16 @@ def obey(run):
     while (order := run.receive("begin_window", "finish")).WhichOneof("body") == "begin_window":
         record.check_window(order.begin_window)
         run.receive("surface")
-        # A window that was passed over without a surface has no band. It is not offered to pass it over again: another structure
+        # A window that was passed over without a surface has no interface particles. It is not offered to pass it over again: another structure
         # may be nearer.
-        run.send(band=record.take_or("band", wire.Band()))
-        run.receive("dissipative_load")
-        pressure = record.take_or("band_pressure", wire.BandPressure())
-        run.send(band_pressure=pressure)
-        while run.receive("dissipative_load", "band_force").WhichOneof("body") == "dissipative_load":
-            pressure = record.take_or("band_pressure", pressure)
-            run.send(band_pressure=pressure)
-        record.pass_over("band_pressure")
+        run.send(interface_particles=record.take_or("interface_particles", wire.InterfaceParticles()))
+        run.receive("interface_condition")
+        pressure = record.take_or("interface_pressure", wire.InterfacePressure())
+        run.send(interface_pressure=pressure)
+        while run.receive("interface_condition", "interface_force").WhichOneof("body") == "interface_condition":
+            pressure = record.take_or("interface_pressure", pressure)
+            run.send(interface_pressure=pressure)
+        record.pass_over("interface_pressure")
         done = record.take("window_done")
         done.ClearField("extent")
         run.send(window_done=done)
