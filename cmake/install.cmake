@@ -19,6 +19,15 @@ install(TARGETS tern-case tern-fluid tern-structure tern-coupler RUNTIME DESTINA
 install(PROGRAMS ${CMAKE_BINARY_DIR}/install/tern DESTINATION bin)
 install(DIRECTORY python/tern/ DESTINATION ${package} PATTERN __pycache__ EXCLUDE)
 install(FILES ${CMAKE_BINARY_DIR}/install/_installed.py DESTINATION ${package})
+# The command is `tern` here, in help and sentences too.
+install(CODE [[
+  file(GLOB_RECURSE sources "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/lib/tern/tern/*.py")
+  foreach(source ${sources})
+    file(READ ${source} text)
+    string(REPLACE "./tern " "tern " text "${text}")
+    file(WRITE ${source} "${text}")
+  endforeach()
+]])
 install(DIRECTORY cases docs DESTINATION share/tern)
 install(FILES README.md proto/wire/tern.proto DESTINATION share/tern)
 install(FILES LICENSE DESTINATION share/doc/tern RENAME copyright)

@@ -11,10 +11,17 @@ std::vector<std::string> with_time(std::vector<std::string> columns) {
   return columns;
 }
 
+/// The first tick after `now` that is a multiple of the interval [s], as nearly as ticks can be.
+Ticks next_multiple(double interval, Ticks now) {
+  const double index = std::floor(seconds(now) / interval * (1 + 1e-12)) + 1;
+  const Ticks next = to_ticks(index * interval);
+  return next > now ? next : to_ticks((index + 1) * interval);
+}
+
 }  // namespace
 
 void RowSchedule::written(Ticks now) {
-  if (interval_ > 0) next_ = interval_ * (std::floor(seconds(now) / interval_ * (1 + 1e-12)) + 1);
+  if (interval_ > 0) next_ = next_multiple(interval_, now);
 }
 
 Recorder::Recorder(const std::string& directory, std::vector<std::string> gauge_columns, std::vector<std::string> energy_columns,
@@ -48,10 +55,7 @@ void Recorder::flush() {
 
 Ticks FrameSchedule::next(Ticks now) const {
   if (interval_ <= 0) return end_;
-  const auto index = static_cast<Ticks>(std::floor(seconds(now) / interval_ * (1 + 1e-12))) + 1;
-  Ticks due = to_ticks(static_cast<double>(index) * interval_);
-  if (due <= now) due = to_ticks(static_cast<double>(index + 1) * interval_);
-  return std::min(due, end_);
+  return std::min(next_multiple(interval_, now), end_);
 }
 
 }  // namespace tern

@@ -12,17 +12,17 @@
 
 namespace tern {
 
-/// Instants at which rows are due: the first at or after every multiple of the interval [s]; 0 = every instant.
+/// Instants at which rows are due: the first at or after every multiple of the interval [s], to the nearest tick; 0 = every instant.
 class RowSchedule {
  public:
   explicit RowSchedule(double interval) : interval_(interval) {}
-  bool due(Ticks now) const { return seconds(now) >= next_; }
+  bool due(Ticks now) const { return now >= next_; }
   /// A row has been written at `now`.
   void written(Ticks now);
 
  private:
   double interval_;
-  double next_ = 0;
+  Ticks next_ = 0;
 };
 
 class Recorder {

@@ -12,6 +12,27 @@
 namespace tern {
 namespace {
 
+// No default: the compiler says where words are missing for a new one.
+const char* words_of(CouplingAlgorithm algorithm) {
+  switch (algorithm) {
+    case CouplingAlgorithm::explicit_staggering: return "the explicit coupling (staggered)";
+    case CouplingAlgorithm::semi_implicit: return "the semi-implicit coupling (predict, project, correct)";
+    case CouplingAlgorithm::implicit: return "the implicit coupling (predict, project, correct, repeated until both sides agree)";
+    case CouplingAlgorithm::automatic:
+      return "the semi-implicit coupling (predict, project, correct), or the implicit one (repeated) if a body is light";
+  }
+  return "";
+}
+
+const char* words_of(InterfaceScheme scheme) {
+  switch (scheme) {
+    case InterfaceScheme::riemann: return "Riemann pressure of every pair";
+    case InterfaceScheme::pi: return "surface integral of the mean pressure";
+    case InterfaceScheme::fsa: return "corrected pressure gradient at the structure (FSA)";
+  }
+  return "";
+}
+
 std::string duration(double seconds) {
   if (seconds < 1) return "less than a second";
   if (seconds < 120) return fmt::format("{:.0f} s", seconds);
@@ -192,16 +213,7 @@ std::string explain_text(const Case& scene, const Costs& costs) {
     return list;
   }());
   if (coupled) {
-    text += fmt::format("* Their interaction through {}, {}, {}.\n",
-                        scene.coupling.algorithm == CouplingAlgorithm::explicit_staggering ? "the explicit coupling (staggered)"
-                        : scene.coupling.algorithm == CouplingAlgorithm::semi_implicit
-                            ? "the semi-implicit coupling (predict, project, correct)"
-                        : scene.coupling.algorithm == CouplingAlgorithm::implicit
-                            ? "the implicit coupling (predict, project, correct, repeated until both sides agree)"
-                            : "the semi-implicit coupling (predict, project, correct), or the implicit one (repeated) if a body is light",
-                        scene.coupling.scheme == InterfaceScheme::riemann ? "Riemann pressure of every pair"
-                        : scene.coupling.scheme == InterfaceScheme::pi    ? "surface integral of the mean pressure"
-                                                                          : "corrected pressure gradient at the structure (FSA)",
+    text += fmt::format("* Their interaction through {}, {}, {}.\n", words_of(scene.coupling.algorithm), words_of(scene.coupling.scheme),
                         scene.coupling.vem_coefficient ? fmt::format("with the VEM term, C = {}", *scene.coupling.vem_coefficient)
                                                        : "without the VEM term");
   }

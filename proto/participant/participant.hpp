@@ -15,7 +15,7 @@
 //   void begin_window(Ticks begin, Ticks duration);
 //   InterfaceParticles<D> see_surface(const Surface<D>&);
 //   void prepare_pressure();                                        while the coupler computes the load; may do nothing
-//   InterfacePressure<D> solve_pressure(const InterfaceCondition<D>&);      repeated where the load has a surface_velocity
+//   InterfacePressure<D> solve_pressure(const InterfaceCondition<D>&);      repeated where it has a surface_velocity
 //   void complete_velocity();                                       while the coupler computes the force; may do nothing
 //   wire::WindowDone end(const InterfaceForce<D>&);                      all but its account
 //   wire::WindowDone pass();                                        the same of a window without surface, which comes only to a

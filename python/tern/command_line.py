@@ -13,7 +13,7 @@ DESCRIPTION = """tern: fluid-structure simulation with three processes: an incom
 total-Lagrangian-SPH structure, and a coupler between them."""
 
 EPILOG = """first steps:
-  ./tern run cases/dam_break_plate       installs what is missing, builds, runs the case
+  ./tern run dam_break_plate             installs what is missing, builds, runs the case
   ./tern plot runs/dam_break_plate       pictures of fields, gauges, energies and steps
   ./tern report runs/dam_break_plate     the same and more as one page for the browser
   ./tern test                            all tests
@@ -93,8 +93,8 @@ def parser():
     commands = whole.add_subparsers(metavar="COMMAND", required=True)
 
     one = _add(commands, "run", _run, "run a case and leave its results in one directory",
-               ["./tern run cases/dam_break_plate", "./tern run dam_break_plate --until 0.3 --set fluid.spacing=0.008",
-                "./tern run cases/piston --structure \"rigid_spring.py --stiffness 2e7\"",
+               ["./tern run dam_break_plate", "./tern run dam_break_plate --until 0.3 --set fluid.spacing=0.008",
+                "./tern run piston --structure \"rigid_spring.py --stiffness 2e7\"",
                 "./tern run CASE --only fluid --endpoint ipc:///tmp/mine.sock   (the other two are started by hand)",
                 "./tern run CASE --only coupler --bind tcp://0.0.0.0:5555 --keys DIR   (the other two come over the network)"])
     _case_options(one)
@@ -145,12 +145,12 @@ def parser():
     one.add_argument("--build", choices=build.PRESETS, default="release", help="build to test (default release)")
 
     one = _add(commands, "check", _case_tool, "validate a case; print particles, step limits, memory, expected time",
-               ["./tern check cases/dam_break_plate", "./tern check dam_break_plate --set fluid.spacing=0.002"])
+               ["./tern check dam_break_plate", "./tern check dam_break_plate --set fluid.spacing=0.002"])
     one.set_defaults(tool="check")
     _case_options(one)
 
     one = _add(commands, "explain", _case_tool, "say in plain words what a case models, what not, and what each part costs",
-               ["./tern explain cases/dam_break_plate"])
+               ["./tern explain dam_break_plate"])
     one.set_defaults(tool="explain")
     _case_options(one)
 
@@ -283,13 +283,13 @@ def _case_tool(arguments):
 
 def _ensure_pictures(*more):
     """Installs what pictures and arrays need; the pictures of a command go to files."""
-    packages.ensure([*packages.PYTHON, *more])
+    packages.ensure([*packages.PICTURES, *more])
     os.environ["MPLBACKEND"] = "Agg"
 
 
 def _verify(arguments):
     from tern.verify import command
-    packages.ensure(packages.PYTHON)
+    packages.ensure(packages.PICTURES)
     arguments.case_options = _forwarded(arguments)
     return command.verify(arguments)
 

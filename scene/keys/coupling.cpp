@@ -18,8 +18,8 @@ const Rows<CouplingCase>& coupling_rows() {
                                          {"implicit", CouplingAlgorithm::implicit}}),
        "", "\"auto\"", any,
        "semi-implicit: predict, project, correct; implicit: the same, repeated until both sides agree, for bodies of any lightness; "
-       "explicit: staggered, unstable where the fluid's added mass exceeds the mass of the structure; auto: implicit where the mass behind a "
-       "face is at most that of half a layer of fluid particles, else semi-implicit."},
+       "explicit: staggered, unstable where the fluid's added mass exceeds the mass of the structure; auto: implicit where the mass behind "
+       "a face is at most that of half a layer of fluid particles, else semi-implicit."},
       {"acceleration", one_of(&CouplingCase::acceleration, {{"iqn-ils", Acceleration::iqn_ils}, {"aitken", Acceleration::aitken}}), "",
        "\"iqn-ils\"", any,
        "How the implicit coupling finds its next load: quasi-Newton from the iterations of this and earlier windows; or one factor."},

@@ -129,8 +129,8 @@ TEST(ConvexCorner, HidesWhatItsFacesBound) {
 // sums (p is 26 rho g dx there), and the pressure is that of water at rest up to a constant. (The constant is that of the free
 // surface.) Without what is done for corners a particle is pushed by 5.7 g, and the block feels 4.9 % too much.
 // Seen to fail: with pairs cut at corners (4.1 g, and pressures 12 rho g dx apart); without what is not borne in the pressure gradient
-// (2.7 g), back-facing faces in the pressure equation (pressures 0.65 rho g dx apart), pairs of back-facing faces (4.5 g); with T of the faces seen
-// alone (0.41 g), without the hydrostatic part of what is not borne (0.313 g).
+// (2.7 g), back-facing faces in the pressure equation (pressures 0.65 rho g dx apart), pairs of back-facing faces (4.5 g); with T of the
+// faces seen alone (0.41 g), without the hydrostatic part of what is not borne (0.313 g).
 TEST(ConvexCorner, LeavesWaterAtRest) {
   Scene scene;
   scene.c.coupling.algorithm = CouplingAlgorithm::explicit_staggering;

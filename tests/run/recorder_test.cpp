@@ -32,5 +32,19 @@ TEST(Recorder, WritesTheFirstInstantAtOrAfterEveryMultipleOfTheInterval) {
   for (int k = 0; k < 4; ++k) EXPECT_NEAR(due[k], expected[k], 1e-6);
 }
 
+// 0.001 s is no whole number of ticks. Seen to fail: with the instants compared in seconds, where 0.001 rounds down to a tick.
+TEST(Recorder, WritesARowAtEveryMultipleThatAWindowEndsAt) {
+  for (const double interval : {1e-3, 1.0 / 3, 0.0171}) {
+    RowSchedule rows(interval);
+    rows.written(0);
+    for (int k = 1; k < 500; ++k) {
+      const Ticks multiple = to_ticks(k * interval);
+      ASSERT_FALSE(rows.due(multiple - 1)) << interval << " times " << k;
+      ASSERT_TRUE(rows.due(multiple)) << interval << " times " << k;
+      rows.written(multiple);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace tern

@@ -22,7 +22,8 @@ TESTS = "iproute2 chromium".split()  # network namespaces; pages are looked at
 REPORT = ["python3-markdown", "python3-pil"]
 FILM = ["ffmpeg"]
 FUZZ = "clang libclang-rt-dev libomp-dev".split()
-PYTHON = "python3-numpy python3-matplotlib python3-h5py python3-zmq python3-protobuf".split()
+PICTURES = "python3-numpy python3-matplotlib python3-h5py".split()
+PYTHON = [*PICTURES, *"python3-zmq python3-protobuf".split()]  # with a participant
 # Of single participants of tern/participant/solvers, beyond those of all.
 PARTICIPANTS = {"getfem_structure.py": "python3-getfem python3-scipy".split()}
 

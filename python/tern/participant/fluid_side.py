@@ -94,7 +94,8 @@ def _obey(run, make_solver):
         with run.timed("compute"):
             particles = solver.see_surface(Surface(vectors(surface.position), vectors(surface.velocity), vectors(surface.normal),
                                               numpy.array(surface.area)))
-        run.send(interface_particles=wire.InterfaceParticles(id=[int(label) for label in particles.id], position=flat("position", particles.position),
+        run.send(interface_particles=wire.InterfaceParticles(id=[int(label) for label in particles.id],
+                                position=flat("position", particles.position),
                                 velocity=flat("velocity", particles.velocity), mass=flat("mass", particles.mass),
                                 volume=flat("volume", particles.volume), divergence=flat("divergence", particles.divergence),
                                 image_of=[int(row) for row in particles.image_of],

@@ -12,7 +12,8 @@ try:
         channel.handshake(wire.Hello(case_hash=sys.argv[2], dimension=2, version="python", account=account))
         while channel.receive("begin_window", "finish").WhichOneof("body") == "begin_window":
             channel.receive("surface")
-            channel.send(interface_particles=wire.InterfaceParticles(id=[4], position=[0, 1], velocity=[2, 3], mass=[1], volume=[1], divergence=[0]))
+            channel.send(interface_particles=wire.InterfaceParticles(id=[4], position=[0, 1], velocity=[2, 3], mass=[1], volume=[1],
+                                                                     divergence=[0]))
             message = channel.receive("interface_condition")
             while message.WhichOneof("body") == "interface_condition":
                 channel.send(interface_pressure=wire.InterfacePressure(pressure=[sum(message.interface_condition.force)], velocity=[0, 0]))

@@ -20,7 +20,7 @@ def obey(run):
     while (order := run.receive("begin_window", "finish")).WhichOneof("body") == "begin_window":
         record.check_window(order.begin_window)
         run.receive("surface")
-        # A window that was passed over without a surface has no interface particles. It is not offered to pass it over again: another structure
+        # A window that was passed over without a surface has no interface particles. It is not offered to pass it over again: another
         # may be nearer.
         run.send(interface_particles=record.take_or("interface_particles", wire.InterfaceParticles()))
         run.receive("interface_condition")
