@@ -29,15 +29,20 @@ double responding_mass(const Setup<D>& setup, const Workspace<D>& window, std::s
 }
 
 template <int D>
-double robin_mass(const Setup<D>& setup, const Workspace<D>& window, std::size_t k) {
-  return std::max(setup.robin_mass_factor * responding_mass(setup, window, k), setup.least_robin_mass);
+std::vector<double> robin_mass(const Setup<D>& setup, const Workspace<D>& window, const LearntMass& learnt) {
+  std::vector<double> mass(window.stretch.size());
+  for (std::size_t k = 0; k < mass.size(); ++k) {
+    const double guess = responding_mass(setup, window, k);
+    mass[k] = std::max(setup.robin_mass_factor * (setup.algorithm.tests ? learnt.at(k, guess) : guess), setup.least_robin_mass);
+  }
+  return mass;
 }
 
 template <int D>
 double largest_gain(const Setup<D>& setup, const Workspace<D>& window) {
   double largest = 1;
   for (std::size_t k = 0; k < setup.properties.body.size(); ++k)
-    largest = std::max(largest, robin_mass(setup, window, k) / responding_mass(setup, window, k));
+    largest = std::max(largest, window.robin_mass[k] / responding_mass(setup, window, k));
   return largest;
 }
 
@@ -53,7 +58,7 @@ void set_robin_condition(const Setup<D>& setup, Workspace<D>& window) {
     // are on no lattice, less at a free surface. So it answers p with the mass m/s, and its load is that of the pressure L/(s A). With s
     // left out, a body that rests under p is taken to give way by dt (1 - s) p/m in every window: where s > 1 that makes energy.
     const double share = window.share[k] > least_share ? window.share[k] : 1;
-    window.condition.robin_mass[k] = robin_mass(setup, window, k) / share;
+    window.condition.robin_mass[k] = window.robin_mass[k] / share;
     // What the assumed load carries, less what is known of the answer; contacts are not the pressure's. A pressure in excess of this moves
     // the surface on from where it was predicted.
     const Vector<D> carried = window.assumed_load.force[k] - window.load.force[k] - window.assumed_contact.force[k];
@@ -65,8 +70,8 @@ template std::vector<double> stretch_of<2>(const Surface<2>&, std::vector<double
 template std::vector<double> stretch_of<3>(const Surface<3>&, std::vector<double>&);
 template double responding_mass<2>(const Setup<2>&, const Workspace<2>&, std::size_t);
 template double responding_mass<3>(const Setup<3>&, const Workspace<3>&, std::size_t);
-template double robin_mass<2>(const Setup<2>&, const Workspace<2>&, std::size_t);
-template double robin_mass<3>(const Setup<3>&, const Workspace<3>&, std::size_t);
+template std::vector<double> robin_mass<2>(const Setup<2>&, const Workspace<2>&, const LearntMass&);
+template std::vector<double> robin_mass<3>(const Setup<3>&, const Workspace<3>&, const LearntMass&);
 template double largest_gain<2>(const Setup<2>&, const Workspace<2>&);
 template double largest_gain<3>(const Setup<3>&, const Workspace<3>&);
 template void set_robin_condition<2>(const Setup<2>&, Workspace<2>&);

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "coupler/acceleration/learnt_mass.hpp"
 #include "coupler/setup.hpp"
 #include "coupler/workspace.hpp"
 
@@ -16,9 +17,10 @@ std::vector<double> stretch_of(const Surface<D>& surface, std::vector<double>& a
 template <int D>
 double responding_mass(const Setup<D>& setup, const Workspace<D>& window, std::size_t k);
 
-/// m_p, mass per area with which the pressure equation takes the point to answer [kg/m^2].
+/// m_p, mass per area with which the pressure equation takes each point to answer in this window [kg/m^2]: the learnt mass where one pass
+/// may be enough, m_s times a factor in one pass, and at least some layers of fluid where a body is light.
 template <int D>
-double robin_mass(const Setup<D>& setup, const Workspace<D>& window, std::size_t k);
+std::vector<double> robin_mass(const Setup<D>& setup, const Workspace<D>& window, const LearntMass& learnt);
 
 /// How many times an error of the load may come back in its answer: the largest m_p/m_s, at least 1.
 template <int D>

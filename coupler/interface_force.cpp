@@ -53,7 +53,7 @@ void settle_contacts(const Setup<D>& setup, const InterfacePressure<D>& pressure
     if (iterates) {
       // As the pressure equation has it, to what exceeds the assumed load. When both sides agree nothing does, and the
       // particle has the velocity of the face, be that held by its stiffness or free.
-      behind = robin_mass(setup, window, k) * surface.area[k];
+      behind = window.robin_mass[k] * surface.area[k];
       expected += window.duration / behind * (window.load.force[k] - window.assumed_load.force[k]).dot(n);
     }
     if (expected <= 0) continue;

@@ -6,13 +6,15 @@ namespace tern::coupler {
 namespace {
 
 constexpr Algorithm algorithms[] = {
-    {CouplingAlgorithm::explicit_staggering, false, false,
+    {CouplingAlgorithm::explicit_staggering, false, false, false,
      "explicit staggering is unstable for a body that is light for its fluid, or that vibrates faster than the windows "
      "resolve, use coupling.algorithm = \"semi-implicit\" or \"implicit\""},
-    {CouplingAlgorithm::semi_implicit, true, false, "the body is too light for one pass, use coupling.algorithm = \"implicit\""},
-    {CouplingAlgorithm::implicit, true, true,
+    {CouplingAlgorithm::semi_implicit, true, false, false, "the body is too light for one pass, use coupling.algorithm = \"implicit\""},
+    {CouplingAlgorithm::implicit, true, false, true,
      "the windows are too long for a body as light as this, use a smaller fluid.numerics.gravity_courant and courant, or a "
      "heavier or thicker body"},
+    {CouplingAlgorithm::automatic, true, true, true,
+     "the windows are too long for this body, use a smaller fluid.numerics.gravity_courant and courant"},
 };
 
 /// Mass behind a face, over that of a layer of fluid particles, up to which one pass is not enough.
@@ -31,11 +33,11 @@ bool any_body_is_light(const Case& scene, const SurfaceProperties& properties) {
 }
 
 Algorithm choose_algorithm(const Case& scene, const SurfaceProperties& properties) {
-  CouplingAlgorithm name = scene.coupling.algorithm;
-  if (name == CouplingAlgorithm::automatic)
-    name = any_body_is_light(scene, properties) ? CouplingAlgorithm::implicit : CouplingAlgorithm::semi_implicit;
-  for (const Algorithm& algorithm : algorithms)
-    if (algorithm.name == name) return algorithm;
+  for (Algorithm algorithm : algorithms) {
+    if (algorithm.name != scene.coupling.algorithm) continue;
+    if (any_body_is_light(scene, properties)) algorithm.tests = false;
+    return algorithm;
+  }
   return algorithms[0];
 }
 
@@ -51,8 +53,8 @@ Setup<D>::Setup(const Case& scene, const SurfaceProperties& of_surface)
       smoothing_length(scene.fluid->numerics.smoothing_length_ratio * scene.fluid->spacing),
       contact_distance(scene.fluid->numerics.contact_distance * scene.fluid->spacing),
       courant(scene.fluid->numerics.courant),
-      robin_mass_factor(algorithm.iterates ? 1 : coupling.robin_mass_factor),
-      least_robin_mass(algorithm.iterates ? robin_layers * density * spacing : 0),
+      robin_mass_factor(algorithm.iterates && !algorithm.tests ? 1 : coupling.robin_mass_factor),
+      least_robin_mass(algorithm.iterates && !algorithm.tests ? robin_layers * density * spacing : 0),
       gravity(scene.gravity),
       properties(of_surface),
       kernel(smoothing_length),

@@ -18,6 +18,7 @@ struct Scheme;
 struct Algorithm {
   CouplingAlgorithm name;
   bool yields;         ///< the pressure equation knows how the surface answers a pressure (Robin condition)
+  bool tests;          ///< the first pass is enough where the surface moves as the fluid took it to
   bool iterates;       ///< a window is repeated until fluid and structure agree on the load
   const char* remedy;  ///< what to change when the coupling diverges
 };

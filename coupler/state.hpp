@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "coupler/acceleration/fixed_point.hpp"
+#include "coupler/acceleration/learnt_mass.hpp"
 #include "coupler/setup.hpp"
 #include "coupler/stability/observations.hpp"
 #include "proto/interface.hpp"
@@ -21,11 +22,13 @@ struct State {
   explicit State(const Setup<D>& setup)
       : fixed_point(setup.coupling.acceleration, setup.coupling.tolerance), observations(setup.body_name.size()) {}
 
-  SurfaceLoad<D> load;                ///< on the structure in the last window; empty before the first
-  SurfaceLoad<D> contact;             ///< the contacts in it; empty where windows are not repeated
-  std::vector<double> area_at_start;  ///< of every surface point [m^(D-1)]
-  FixedPoint fixed_point;             ///< what the iterations of the last windows have shown of the answer to a load
-  Observations observations;          ///< what has been seen by those who watch for divergence
+  SurfaceLoad<D> load;                      ///< on the structure in the last window; empty before the first
+  SurfaceLoad<D> contact;                   ///< the contacts in it; empty where windows are not repeated
+  std::vector<Vector<D>> surface_velocity;  ///< at the end of the last window [m/s]; empty before the first
+  LearntMass mass;                          ///< with which the surface has answered
+  std::vector<double> area_at_start;        ///< of every surface point [m^(D-1)]
+  FixedPoint fixed_point;                   ///< what the iterations of the last windows have shown of the answer to a load
+  Observations observations;                ///< what has been seen by those who watch for divergence
   Evaluations evaluations;
 };
 

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "coupler/acceleration/agreement.hpp"
 #include "coupler/acceleration/coupling_iteration.hpp"
+#include "coupler/acceleration/flat.hpp"
 #include "coupler/interface_condition.hpp"
 #include "coupler/interface_force.hpp"
 #include "coupler/schemes/scheme.hpp"
@@ -31,8 +33,11 @@ void Coupler<D>::run_window(Participants<D>& participants, Ticks begin, Ticks du
       participants.solve_pressure(first_exchange(seconds(begin), seconds(duration), surface, participants.see_surface(surface)));
 
   // Coupling iterations: both sides again, until the load that the fluid answers is the load that the structure has moved under.
-  while (const SurfaceLoad<D>* load = next_load(pressure))
-    pressure = participants.solve_pressure(repeat_exchange(participants.respond(*load)));
+  while (const SurfaceLoad<D>* load = next_load(pressure)) {
+    std::vector<Vector<D>> velocity = participants.respond(*load);
+    if (accepts(velocity)) break;
+    pressure = participants.solve_pressure(repeat_exchange(std::move(velocity)));
+  }
 
   // Last exchange: the forces of both sides. The fluid is told first, for it computes longer.
   participants.end_window(last_exchange(pressure));
@@ -52,10 +57,12 @@ void Coupler<D>::pass_window(double begin, double duration, const Surface<D>& su
   window_.duration = state_.observations.duration = duration;
   window_.audit = {};
   window_.stretch = stretch_of(surface, state_.area_at_start);
+  window_.robin_mass = robin_mass(setup_, window_, state_.mass);
   begin_iterations(setup_, window_, state_);
   window_.load.force.assign(surface.position.size(), Vector<D>::Zero());
   state_.load = window_.load;
   state_.contact.force.clear();
+  state_.surface_velocity = surface.velocity;
   for (LoadAlternation& alternation : state_.observations.alternation) alternation = {};
   ++state_.evaluations.windows_without_exchange;
 }
@@ -101,7 +108,9 @@ const InterfaceCondition<D>& Coupler<D>::first_exchange(double begin, double dur
   window_.assumed_load.force.resize(surface.position.size(), Vector<D>::Zero());
   window_.assumed_contact = state_.contact;
   window_.assumed_contact.force.resize(surface.position.size(), Vector<D>::Zero());
+  window_.robin_mass = robin_mass(setup_, window_, state_.mass);
   begin_iterations(setup_, window_, state_);
+  window_.velocity_at_end = surface.velocity;
 
   window_.condition.surface_velocity.clear();
   window_.condition.repeats = setup_.algorithm.iterates;
@@ -112,12 +121,35 @@ const InterfaceCondition<D>& Coupler<D>::first_exchange(double begin, double dur
 template <int D>
 const SurfaceLoad<D>* Coupler<D>::next_load(const InterfacePressure<D>& pressure) {
   if (!setup_.algorithm.iterates) return nullptr;
+  ++window_.iterations;
   const SurfaceLoad<D> explicit_part = window_.load;
   const WindowAudit audit = window_.audit;
   answer(setup_, pressure, window_, state_.evaluations);
   const SurfaceLoad<D> load = std::exchange(window_.load, explicit_part);
   window_.audit = audit;
-  return assume_next_load(load, window_.contact, state_, window_) ? &window_.assumed_load : nullptr;
+  if (setup_.algorithm.tests) {
+    window_.answered_load = load;
+    if (window_.iterations == 1) return &window_.answered_load;  // accepts() tests it
+    window_.agreed = disagreement(setup_, state_, window_, load, window_.surface.velocity).agrees();
+    if (window_.agreed) return nullptr;
+  }
+  const bool goes_on = assume_next_load(load, window_.contact, state_, window_);
+  window_.agreed = state_.fixed_point.converged();
+  return goes_on ? &window_.assumed_load : nullptr;
+}
+
+template <int D>
+bool Coupler<D>::accepts(const std::vector<Vector<D>>& velocity) {
+  window_.velocity_at_end = velocity;
+  if (!setup_.algorithm.tests || window_.iterations > 1) return false;
+  learn_mass(window_, velocity, state_.mass);
+  window_.agreed = disagreement(setup_, state_, window_, window_.answered_load, velocity).agrees();
+  if (window_.agreed) return true;
+  state_.fixed_point.add(parts(window_.assumed_load, window_.assumed_contact), parts(window_.answered_load, window_.contact));
+  ++state_.evaluations.coupling_iterations;
+  window_.assumed_load = window_.answered_load;
+  window_.assumed_contact = window_.contact;
+  return false;
 }
 
 template <int D>
@@ -135,6 +167,7 @@ const InterfaceForce<D>& Coupler<D>::last_exchange(const InterfacePressure<D>& p
 
   state_.load = window_.load;
   state_.contact = window_.contact;
+  state_.surface_velocity = window_.velocity_at_end;
   state_.observations.duration = window_.duration;
   state_.observations.surface_area = 0;
   for (double area : window_.surface.area) state_.observations.surface_area += area;

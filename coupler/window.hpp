@@ -34,6 +34,9 @@ class Coupler {
   /// The load under which structure and fluid have to make this window again; null when they agree, or when the algorithm does not iterate.
   const SurfaceLoad<D>* next_load(const InterfacePressure<D>& pressure);
 
+  /// `velocity`: that the structure reaches under next_load(). True when the surface moves as the fluid took it to: the window is done.
+  bool accepts(const std::vector<Vector<D>>& velocity);
+
   /// The first exchange once more, with the velocities that the structure reaches under next_load() [m/s].
   const InterfaceCondition<D>& repeat_exchange(std::vector<Vector<D>> surface_velocity);
 
@@ -42,6 +45,8 @@ class Coupler {
 
   const SurfaceLoad<D>& surface_load() const { return window_.load; }
   const WindowAudit& audit() const { return window_.audit; }
+  int iterations() const { return window_.iterations; }  ///< of the last window: pressure solves, where they are counted
+  bool agreed() const { return window_.agreed; }         ///< whether fluid and structure did at its end
   const Setup<D>& setup() const { return setup_; }
   const State<D>& state() const { return state_; }
   void set_state(const State<D>& state) { state_ = state; }  ///< of another coupler of the same case, at a window's end

@@ -14,19 +14,24 @@ template <int D>
 struct Workspace {
   explicit Workspace(const Setup<D>& setup) : pairs(setup.smoothing_length, setup.spacing) {}
 
-  double begin = 0, duration = 0;    ///< [s]
-  Surface<D> surface;                ///< velocities: of the present iteration
-  InterfaceParticles<D> particles;   ///< at their predicted positions
-  InterfacePairs<D> pairs;           ///< who sees whom
-  std::vector<double> stretch;       ///< of every surface point: its area over that at the start
-  std::vector<double> share;         ///< load of each point under a uniform pressure p, over p A
-  SurfaceLoad<D> assumed_load;       ///< under which the structure has made the present iteration
-  SurfaceLoad<D> assumed_contact;    ///< the contacts in it
-  InterfaceCondition<D> condition;   ///< what the fluid is told before its pressure solve
-  std::vector<double> carried;       ///< pressure of every pair; times b_ik its force [Pa]
-  InterfaceForce<D> particle_force;  ///< of pressure and contacts on the interface particles
-  SurfaceLoad<D> load;               ///< everything that the fluid answers the present iteration with
-  SurfaceLoad<D> contact;            ///< the contacts in it; only where windows are repeated
+  double begin = 0, duration = 0;          ///< [s]
+  Surface<D> surface;                      ///< velocities: of the present iteration
+  InterfaceParticles<D> particles;         ///< at their predicted positions
+  InterfacePairs<D> pairs;                 ///< who sees whom
+  std::vector<double> stretch;             ///< of every surface point: its area over that at the start
+  std::vector<double> robin_mass;          ///< with which each point is taken to answer a pressure [kg/m^2]
+  std::vector<double> share;               ///< load of each point under a uniform pressure p, over p A
+  SurfaceLoad<D> assumed_load;             ///< under which the structure has made the present iteration
+  SurfaceLoad<D> assumed_contact;          ///< the contacts in it
+  InterfaceCondition<D> condition;         ///< what the fluid is told before its pressure solve
+  std::vector<double> carried;             ///< pressure of every pair; times b_ik its force [Pa]
+  InterfaceForce<D> particle_force;        ///< of pressure and contacts on the interface particles
+  SurfaceLoad<D> answered_load;            ///< what the fluid answers an assumed load with
+  SurfaceLoad<D> load;                     ///< everything that the fluid answers the present iteration with
+  SurfaceLoad<D> contact;                  ///< the contacts in it; only where windows are repeated
+  std::vector<Vector<D>> velocity_at_end;  ///< of the surface, as the structure has answered last [m/s]
+  int iterations = 0;                      ///< of this window: pressure solves
+  bool agreed = true;                      ///< fluid and structure, at the end
   WindowAudit audit;
 };
 

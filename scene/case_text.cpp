@@ -19,7 +19,7 @@ const char* words_of(CouplingAlgorithm algorithm) {
     case CouplingAlgorithm::semi_implicit: return "the semi-implicit coupling (predict, project, correct)";
     case CouplingAlgorithm::implicit: return "the implicit coupling (predict, project, correct, repeated until both sides agree)";
     case CouplingAlgorithm::automatic:
-      return "the semi-implicit coupling (predict, project, correct), or the implicit one (repeated) if a body is light";
+      return "one pass a window (predict, project, correct), repeated where fluid and structure do not agree after it";
   }
   return "";
 }
@@ -120,7 +120,7 @@ std::string check_text(const Case& scene, const Costs& costs) {
 
 namespace {
 
-/// Which algorithm "auto" takes, as far as that follows from the mass behind a face alone.
+/// Whether "auto" begins with one pass a window, as far as that follows from the mass behind a face alone.
 std::string algorithm_choice(const Case& scene, const Estimate& e) {
   const double layer = 0.5 * scene.fluid->density * scene.fluid->spacing;
   std::string text;
@@ -130,9 +130,9 @@ std::string algorithm_choice(const Case& scene, const Estimate& e) {
         "Behind a wet face of '{}' lie {:.3g} kg/m^2 ({:.3g} if the opposite one is wet as well), half a layer of fluid "
         "particles has {:.3g}: {}.\n",
         e.bodies[i].name, mass, 0.5 * mass, layer,
-        0.5 * mass > layer ? "one pass is enough (semi-implicit)"
-        : mass <= layer    ? "it is light, so that windows are repeated (implicit)"
-                           : "windows are repeated (implicit) if both are wet");
+        0.5 * mass > layer ? "one pass a window, repeated where it is not enough"
+        : mass <= layer    ? "it is light, so that every window is repeated"
+                           : "every window is repeated if both are wet");
   }
   return text;
 }

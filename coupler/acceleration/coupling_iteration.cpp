@@ -6,7 +6,9 @@
 namespace tern::coupler {
 
 template <int D>
-void begin_iterations(const Setup<D>& setup, const Workspace<D>& window, State<D>& state) {
+void begin_iterations(const Setup<D>& setup, Workspace<D>& window, State<D>& state) {
+  window.iterations = 0;
+  window.agreed = true;
   if (setup.algorithm.iterates) state.fixed_point.begin_window(largest_gain(setup, window), window.begin);
 }
 
@@ -23,8 +25,8 @@ bool assume_next_load(const SurfaceLoad<D>& answer, const SurfaceLoad<D>& contac
   return true;
 }
 
-template void begin_iterations<2>(const Setup<2>&, const Workspace<2>&, State<2>&);
-template void begin_iterations<3>(const Setup<3>&, const Workspace<3>&, State<3>&);
+template void begin_iterations<2>(const Setup<2>&, Workspace<2>&, State<2>&);
+template void begin_iterations<3>(const Setup<3>&, Workspace<3>&, State<3>&);
 template bool assume_next_load<2>(const SurfaceLoad<2>&, const SurfaceLoad<2>&, State<2>&, Workspace<2>&);
 template bool assume_next_load<3>(const SurfaceLoad<3>&, const SurfaceLoad<3>&, State<3>&, Workspace<3>&);
 

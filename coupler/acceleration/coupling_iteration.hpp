@@ -6,9 +6,9 @@
 
 namespace tern::coupler {
 
-/// Forgets the iterations of the window before; their changes stay. `window.stretch` and duration are known.
+/// Forgets the iterations of the window before; their changes stay. `window.stretch`, duration and Robin masses are known.
 template <int D>
-void begin_iterations(const Setup<D>& setup, const Workspace<D>& window, State<D>& state);
+void begin_iterations(const Setup<D>& setup, Workspace<D>& window, State<D>& state);
 
 /// From `answer` and `contact`, what the fluid answers the assumed load with, and the contacts in it: the load to assume next, put into
 /// the window, and true; false when fluid and structure agree. Throws NumericalFailure when the answer is not finite or they cannot

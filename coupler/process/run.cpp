@@ -33,7 +33,8 @@ template <int D>
 Coupler<D> make_coupler(const Case& scene, const SurfaceProperties& properties) {
   Coupler<D> coupler(scene, properties);
   if (scene.coupling.algorithm == CouplingAlgorithm::automatic)
-    log_info(coupler.setup().algorithm.iterates ? "Implicit coupling: a body is light." : "Semi-implicit coupling: no body is light.");
+    log_info(coupler.setup().algorithm.tests ? "Coupling: one pass a window, and iterations where the sides do not agree after it."
+                                             : "Coupling: iterations in every window, because a body is light.");
   return coupler;
 }
 
@@ -96,7 +97,7 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
     coupler.run_window(participants, now, duration);
     const wire::WindowDone& done = participants.receive_window_done();
     compute_s += watch.seconds() - (channel.wait_seconds() + channel.exchange_seconds() - waited);
-    totals.add(coupler.audit(), coupler.state().fixed_point, seconds(duration));
+    totals.add(coupler.audit(), coupler.iterations(), coupler.agreed(), seconds(duration));
     now += duration;
     accounts.recorder().step(now, duration, limit, static_cast<int>(done.iterations()), watch.seconds());
     progress.step(seconds(now), totals.windows, seconds(duration), limit, static_cast<int>(done.iterations()));

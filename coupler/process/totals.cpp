@@ -4,7 +4,7 @@
 
 namespace tern::coupler {
 
-void Totals::add(const WindowAudit& audit, const FixedPoint& fixed_point, double duration) {
+void Totals::add(const WindowAudit& audit, int iterations_of_window, bool agreed, double duration) {
   ++windows;
   work_on_fluid += audit.work_on_fluid;
   riemann += audit.riemann_dissipation;
@@ -12,9 +12,9 @@ void Totals::add(const WindowAudit& audit, const FixedPoint& fixed_point, double
   contact += audit.contact_dissipation;
   contacts += audit.contacts;
   wet_windows += audit.pairs > 0;
-  iterations += fixed_point.iterations();
-  most_iterations = std::max(most_iterations, fixed_point.iterations());
-  open_windows += !fixed_point.converged();
+  iterations += iterations_of_window;
+  most_iterations = std::max(most_iterations, iterations_of_window);
+  open_windows += !agreed;
   largest_force_error = std::max(largest_force_error, audit.force_error);
   largest_moment_error = std::max(largest_moment_error, audit.moment_error);
   impulse_sum += audit.force_sum * duration;

@@ -18,7 +18,7 @@ struct Totals {
   int most_iterations = 0;
 
   /// A window of this length [s].
-  void add(const WindowAudit& audit, const FixedPoint& fixed_point, double duration);
+  void add(const WindowAudit& audit, int iterations_of_window, bool agreed, double duration);
 
   /// Columns of energy.csv. The last is the work on both sides together: what the interface made or took because the fluid has seen
   /// another motion of the surface than the one that came about.

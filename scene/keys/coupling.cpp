@@ -17,9 +17,10 @@ const Rows<CouplingCase>& coupling_rows() {
                                          {"semi-implicit", CouplingAlgorithm::semi_implicit},
                                          {"implicit", CouplingAlgorithm::implicit}}),
        "", "\"auto\"", any,
-       "semi-implicit: predict, project, correct; implicit: the same, repeated until both sides agree, for bodies of any lightness; "
-       "explicit: staggered, unstable where the fluid's added mass exceeds the mass of the structure; auto: implicit where the mass behind "
-       "a face is at most that of half a layer of fluid particles, else semi-implicit."},
+       "auto: predict, project, correct, with the mass that the surface has been seen to answer with, and repeated in windows after which "
+       "fluid and structure do not agree; where the mass behind a face is at most that of half a layer of fluid particles, as implicit. "
+       "semi-implicit: one pass, with that mass by formula, untested; implicit: repeated in every window until the loads agree; explicit: "
+       "staggered, unstable where the fluid's added mass exceeds the mass of the structure. The last three are for studies."},
       {"acceleration", one_of(&CouplingCase::acceleration, {{"iqn-ils", Acceleration::iqn_ils}, {"aitken", Acceleration::aitken}}), "",
        "\"iqn-ils\"", any,
        "How the implicit coupling finds its next load: quasi-Newton from the iterations of this and earlier windows; or one factor."},
@@ -33,7 +34,8 @@ const Rows<CouplingCase>& coupling_rows() {
       {"riemann_limiter", &CouplingCase::riemann_limiter, "-", "3.0", not_negative,
        "Limiter eta of the Riemann dissipation, beta = min(eta max(du, 0)/c0, 1); 0 = none. Of scheme riemann only."},
       {"robin_mass_factor", &CouplingCase::robin_mass_factor, "-", "1.0", between(0, 2),
-       "Mass with which the interface yields in the pressure solve over the mass behind it, m_p/m_s; a light body needs less than 4/3."},
+       "Mass with which the interface yields in the pressure solve over the mass that answers, m_p/m_s, learnt or by formula; not of "
+       "implicit."},
   };
   // clang-format on
   return rows;
