@@ -15,6 +15,7 @@ using testing::add_particle, testing::add_point, testing::properties, testing::s
 /// One particle above one surface point; each call leaves its name.
 struct BothSides {
   std::optional<FluidExtent<2>> fluid_extent;
+  Vector<2> velocity = Vector<2>::Zero();  ///< of the surface under the answer of the fluid
   std::vector<std::string> calls;
 
   void begin_window(Ticks, Ticks) { calls.push_back("begin_window"); }
@@ -39,20 +40,32 @@ struct BothSides {
   void pass_window() { calls.push_back("pass_window"); }
   std::vector<Vector<2>> respond(const SurfaceLoad<2>&) {
     calls.push_back("respond");
-    return {Vector<2>::Zero()};
+    return {velocity};
   }
   void apply(const SurfaceLoad<2>&) { calls.push_back("apply"); }
 };
 
-std::vector<std::string> calls_of_one_window(BothSides sides) {
-  Coupler<2> coupler(scene(2, 0.1), properties(1, 1e3));
+std::vector<std::string> calls_of_one_window(BothSides sides, CouplingAlgorithm algorithm = CouplingAlgorithm::automatic) {
+  Case c = scene(2, 0.1);
+  c.coupling.algorithm = algorithm;
+  Coupler<2> coupler(c, properties(1, 1e3));
   run_window<2>(sides, sides, coupler, 0, to_ticks(1e-3));
   return sides.calls;
 }
 
 TEST(Window, TheFluidEndsItsWindowBeforeTheStructureBecauseItComputesLonger) {
-  EXPECT_EQ(calls_of_one_window({}),
+  EXPECT_EQ(calls_of_one_window({}, CouplingAlgorithm::semi_implicit),
             (std::vector<std::string>{"begin_window", "predict_surface", "see_surface", "solve_pressure", "end_window", "apply"}));
+}
+
+// Seen to fail: with every pass accepted, with none accepted (then the quasi-Newton steps go on to the limit).
+TEST(Window, IsDoneAfterOnePassWhereTheSurfaceMovesAsTheFluidTookItTo) {
+  BothSides sides;
+  EXPECT_EQ(calls_of_one_window(sides), (std::vector<std::string>{"begin_window", "predict_surface", "see_surface", "solve_pressure",
+                                                                  "respond", "end_window", "apply"}));
+  sides.velocity = {0, -1};
+  EXPECT_EQ(calls_of_one_window(sides), (std::vector<std::string>{"begin_window", "predict_surface", "see_surface", "solve_pressure",
+                                                                  "respond", "solve_pressure", "end_window", "apply"}));
 }
 
 TEST(Window, ASurfaceOutOfReachIsPassedByTheFluidBeforeTheStructureGetsItsLoad) {
