@@ -27,6 +27,7 @@ ANSWER_S = 20.0      # for any answer to an order
 START_S = 60.0       # for the first message of a participant
 BY_HAND_S = 600.0    # the same when a person starts it
 LEAVE_S = 2.0        # from an Abort, a fault or Ctrl-C to the end of the process (5.5)
+LARGEST_S = 10.0     # for 256 MiB on their way to it, on a busy machine
 ROLES = {"fluid": wire.FLUID, "structure": wire.STRUCTURE}
 
 
@@ -65,6 +66,7 @@ class Session:
         self.step = self.begin_ticks = 0
         self.hello = None
         self.points = self.interface_particles = 0
+        self.on_its_way_s = 0.0  # of what was sent last, beside the time that an answer takes
         self._sent = self._received = 0
         self._peer = None
         self._left = False
@@ -232,7 +234,7 @@ class Session:
 
     def expect_abort(self, exit_code):
         """Abort with this code and a sentence, then the end with the same code."""
-        abort = self.receive("abort", deadline_s=LEAVE_S, paragraph="5.2").abort
+        abort = self.receive("abort", deadline_s=LEAVE_S + self.on_its_way_s, paragraph="5.2").abort
         if abort.exit_code != exit_code:
             raise Breach("5.2", f"Abort has exit_code {abort.exit_code}; it must be {exit_code} ({abort.sentence})")
         self.expect_end(exit_code)
@@ -547,6 +549,7 @@ def _frames(*frames):
 
 def _oversized(s, body):
     del body
+    s.on_its_way_s = LARGEST_S
     s.send(frames=[bytes(MAX_MESSAGE_BYTES + 1)])
 
 
