@@ -32,7 +32,7 @@ std::vector<double> zero_crossings(Case c, double until) {
 TEST(BendingFrequency, OfThePlateOfTheDamBreakFourParticlesAcross) {
   const auto times = zero_crossings(plate(4), 0.35);
   ASSERT_GE(times.size(), 3u);
-  const double frequency = 0.5 * (times.size() - 1) / (times.back() - times.front());
+  const double frequency = 0.5 * static_cast<double>(times.size() - 1) / (times.back() - times.front());
   RecordProperty("frequency_Hz", std::to_string(frequency));
   EXPECT_NEAR(frequency, 4.881, 0.005 * 4.881);
 }
