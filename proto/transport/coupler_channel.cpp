@@ -250,7 +250,7 @@ std::map<wire::Role, wire::Hello> CouplerChannel::accept(const std::set<wire::Ro
     const wire::Hello& hello = message.hello();
     log_info(fmt::format("{} joined: process {}, version {}, {} particles, {} surface points", name(role), hello.process_id(),
                          hello.version(), hello.particles(), hello.surface().body_size()));
-    state_->peers.emplace(role, Peer{arrived.peer, arrived.connection, hello.process_id(), std::move(session), {}});
+    state_->peers.emplace(role, Peer{arrived.peer, arrived.connection, hello.process_id(), session, {}});
     hellos.emplace(role, hello);
   };
 
