@@ -613,7 +613,8 @@ TEST(Estimate, SaysWhichAlgorithmTheMassBehindAFaceCallsFor) {
     const CaseOptions options{.overrides = {{"structure.body.0.density", density}, {"coupling.algorithm", "auto"}}, .preset = ""};
     return explain_text(read_case(TERN_SOURCE_DIR "/cases/dam_break_plate", options));
   };
-  EXPECT_NE(text("7800").find("one pass a window, repeated where it is not enough"), std::string::npos);         // 31 kg/m^2, half a layer of 4 mm has 2
+  // 31 kg/m^2, half a layer of 4 mm has 2
+  EXPECT_NE(text("7800").find("one pass a window, repeated where it is not enough"), std::string::npos);
   EXPECT_NE(text("700").find("every window is repeated if both are wet"), std::string::npos);  // 2.8, 1.4
   EXPECT_NE(text("100").find("it is light, so that every window is repeated"), std::string::npos);
 }
