@@ -43,7 +43,7 @@ def costs(runs):
             line("steps", lambda run: number(run.contents.get("steps"))),
             line("pressure iterations, mean", measured("pressure_iterations_mean", "{:.1f}")),
             line("sub-steps of the structure, mean", measured("sub_steps_mean", "{:.1f}")),
-            line("trials per window, mean", measured("coupling_iterations_mean", "{:.2f}")),
+            line("coupling iterations per window, mean", measured("coupling_iterations_mean", "{:.2f}")),
             *(line(text(label), measured(name, form)) for name, label, form in summary.CONSERVATION),
             line("tern", lambda run: text(" ".join(filter(None, (run.contents.get("version"), run.contents.get("git"))))))]
     return markup.table(["", *(text(run.label()) for run in runs)], [row for row in rows if any(row[1:])])
