@@ -9,9 +9,8 @@
 namespace tern::structure::testing {
 namespace {
 
-// 100 + 7000 y Pa press on the left face of the plate of the dam break and 30 Pa on the right one, while it bends. It fails with
-// the points of both faces taken, with areas and normals of the undeformed plate under a load that turned it, and with the sum of
-// the loads not divided by the area.
+// 100 + 7000 y Pa press on the left face of the plate of the dam break and 30 Pa on the right one, while it bends. Seen to fail: with
+// the points of both faces taken; with the sum of the loads not divided by the area.
 TEST(BodyPressure, IsTheMeanLoadOverTheSensorOnItsSideOfThePlate) {
   Case c = plate();
   c.gauges.push_back({"body_pressure", "left", {{"body", "plate"}}, {{"diameter", 0.01}}, {{"at", {0.596, 0.05, 0}}}});
@@ -38,8 +37,8 @@ TEST(BodyPressure, IsTheMeanLoadOverTheSensorOnItsSideOfThePlate) {
   EXPECT_NEAR(values[2].value(), 100 + 7000 * 0.0205, 3) << "the nearest point";
 }
 
-// A bar that is clamped but for its end; the clamp turns and shifts. Deep in it the body moves rigidly with it. It fails with
-// the shift left out, with the turn left out, and with the motion at the begin of the window.
+// A bar that is clamped but for its end; the clamp turns and shifts. Deep in it the body moves rigidly with it. Seen to fail: with the
+// frame left out; with its motion at the begin of the window.
 TEST(Displacement, InTheFrameOfItsClampIsZeroWhereTheBodyMovesRigidlyWithIt) {
   StructureBody b = body("bar", {0, 0, 0}, {20, 4, 0}, 1);
   b.density = 10;
