@@ -125,10 +125,9 @@ const SurfaceLoad<D>* Coupler<D>::next_load(const InterfacePressure<D>& pressure
   const SurfaceLoad<D> explicit_part = window_.load;
   const WindowAudit audit = window_.audit;
   answer(setup_, pressure, window_, state_.evaluations);
-  const SurfaceLoad<D> load = std::exchange(window_.load, explicit_part);
-  window_.audit = audit;
+  const SurfaceLoad<D>& load = window_.answered_load = std::exchange(window_.load, explicit_part);
+  window_.answered_audit = std::exchange(window_.audit, audit);
   if (setup_.algorithm.tests) {
-    window_.answered_load = load;
     if (window_.iterations == 1) return &window_.answered_load;  // accepts() tests it
     window_.agreed = disagreement(setup_, state_, window_, load, window_.surface.velocity).agrees();
     if (window_.agreed) return nullptr;
@@ -161,7 +160,12 @@ const InterfaceCondition<D>& Coupler<D>::repeat_exchange(std::vector<Vector<D>> 
 
 template <int D>
 const InterfaceForce<D>& Coupler<D>::last_exchange(const InterfacePressure<D>& pressure) {
-  answer(setup_, pressure, window_, state_.evaluations);
+  if (window_.iterations == 0) {
+    answer(setup_, pressure, window_, state_.evaluations);
+  } else {  // next_load() has asked for it
+    window_.load = window_.answered_load;
+    window_.audit = window_.answered_audit;
+  }
   audit_balance(window_);
   watch_load(setup_, window_, state_.observations);
 

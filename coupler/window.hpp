@@ -40,7 +40,8 @@ class Coupler {
   /// The first exchange once more, with the velocities that the structure reaches under next_load() [m/s].
   const InterfaceCondition<D>& repeat_exchange(std::vector<Vector<D>> surface_velocity);
 
-  /// Pressure and contact forces on the particles; surface_load() is the load of the structure now. Audit and observers.
+  /// Pressure and contact forces on the particles, where windows are repeated those of the last next_load(); surface_load() is the load
+  /// of the structure now. Audit and observers.
   const InterfaceForce<D>& last_exchange(const InterfacePressure<D>& pressure);
 
   const SurfaceLoad<D>& surface_load() const { return window_.load; }

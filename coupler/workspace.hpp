@@ -33,6 +33,7 @@ struct Workspace {
   int iterations = 0;                      ///< of this window: pressure solves
   bool agreed = true;                      ///< fluid and structure, at the end
   WindowAudit audit;
+  WindowAudit answered_audit;  ///< with the answered load
 };
 
 /// Puts +f on a surface point and -f on an interface particle.

@@ -19,7 +19,7 @@
 namespace tern {
 
 enum class GradientForm { sum, blend };  ///< pairwise sum form, or corrected interior blended with it
-/// Staggered; predict, project, correct; the same, repeated until both sides agree; implicit for light bodies, else semi-implicit.
+/// Staggered; predict, project, correct; the same, repeated until both sides agree; one pass that is tested, and repeated where it must.
 enum class CouplingAlgorithm { explicit_staggering, semi_implicit, implicit, automatic };
 enum class Acceleration { iqn_ils, aitken };  ///< of the coupling iterations of implicit
 enum class Integrator { explicit_steps, implicit_steps, automatic };

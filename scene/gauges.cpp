@@ -6,6 +6,12 @@ namespace tern {
 
 GaugeOwner owner(const GaugeCase& gauge) { return gauge_definition(gauge.kind).owner; }
 
+std::uint32_t body_index(const GaugeCase& gauge, const Case& scene) {
+  std::uint32_t index = 0;
+  while (scene.structure->bodies[index].name != gauge.text("body")) ++index;
+  return index;
+}
+
 std::vector<std::string> gauge_columns(const GaugeCase& gauge, int dimension) {
   std::vector<std::string> columns;
   for (const std::string& column : gauge_definition(gauge.kind).columns(dimension)) columns.push_back(gauge.name + "." + column);

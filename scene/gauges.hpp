@@ -13,6 +13,9 @@ namespace tern {
 /// The process that evaluates a gauge.
 GaugeOwner owner(const GaugeCase& gauge);
 
+/// Index of the elastic body that a gauge of a checked case names with `body`.
+std::uint32_t body_index(const GaugeCase& gauge, const Case& scene);
+
 /// Names with units of the columns one gauge fills, in order.
 std::vector<std::string> gauge_columns(const GaugeCase& gauge, int dimension);
 

@@ -5,9 +5,7 @@ namespace {
 
 template <int D>
 void append_interface_force(const GaugeCase& gauge, const Coupler<D>& coupler, const Case& scene, GaugeValues& values) {
-  std::uint32_t body = 0;
-  while (scene.structure->bodies[body].name != gauge.text("body")) ++body;
-  const Vector<D> load = coupler.total_load(body);
+  const Vector<D> load = coupler.total_load(body_index(gauge, scene));
   values.insert(values.end(), load.data(), load.data() + D);
 }
 

@@ -59,10 +59,8 @@ std::vector<std::size_t> points_of_sensor(const Surface<D>& surface, const std::
 /// p = -sum f . n / sum a over the points k of the sensor.
 template <int D>
 Append<D> body_pressure(const GaugeCase& gauge, const Case& scene, const Structure<D>& at_start) {
-  std::uint32_t body = 0;
-  while (scene.structure->bodies[body].name != gauge.text("body")) ++body;
-  const auto points =
-      points_of_sensor(at_start.surface(), at_start.surface_properties().body, body, gauge.place<D>("at"), gauge.number("diameter"));
+  const auto points = points_of_sensor(at_start.surface(), at_start.surface_properties().body, body_index(gauge, scene),
+                                       gauge.place<D>("at"), gauge.number("diameter"));
   return [points](const Structure<D>& structure, GaugeValues& values) {
     const Surface<D> surface = structure.surface();
     double load = 0, area = 0;
