@@ -57,6 +57,7 @@ Setup<D>::Setup(const Case& scene, const SurfaceProperties& of_surface)
       least_robin_mass(algorithm.iterates && !algorithm.tests ? robin_layers * density * spacing : 0),
       gravity(scene.gravity),
       properties(of_surface),
+      meetable(scene, of_surface.body),
       kernel(smoothing_length),
       fluid_weight(weight_of_fluid<D>(scene)) {
   for (const StructureBody& body : scene.structure->bodies) {

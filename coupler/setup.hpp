@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "coupler/stability/added_mass.hpp"
+#include "meeting/meeting.hpp"
 #include "proto/interface.hpp"
 #include "scene/case_file.hpp"
 #include "sph/kernel.hpp"
@@ -36,6 +37,7 @@ struct Setup {
   std::vector<std::string> body_name;
   VectorExpression gravity;
   SurfaceProperties properties;
+  Meetable meetable;
   Kernel<D> kernel;
   FluidWeight fluid_weight;
 };

@@ -7,6 +7,8 @@
 #include "coupler/acceleration/learnt_mass.hpp"
 #include "coupler/setup.hpp"
 #include "coupler/stability/observations.hpp"
+#include "coupler/totals.hpp"
+#include "meeting/meeting.hpp"
 #include "proto/interface.hpp"
 
 namespace tern::coupler {
@@ -29,7 +31,9 @@ struct State {
   std::vector<double> area_at_start;        ///< of every surface point [m^(D-1)]
   FixedPoint fixed_point;                   ///< what the iterations of the last windows have shown of the answer to a load
   Observations observations;                ///< what has been seen by those who watch for divergence
+  MeetingState<D> meeting;                  ///< of bodies with each other and with walls
   Evaluations evaluations;
+  Totals totals;
 };
 
 }  // namespace tern::coupler

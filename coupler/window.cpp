@@ -20,6 +20,7 @@ void Coupler<D>::run_window(Participants<D>& participants, Ticks begin, Ticks du
   // Opening: the fluid finds its neighbours while the structure predicts where its surface will be.
   participants.begin_window(begin, duration);
   const Surface<D> surface = participants.predict_surface(begin, duration);
+  watch_meetings(setup_.meetable, seconds(begin) + 0.5 * seconds(duration), surface, state_.meeting);
   if (const auto energies = participants.energies()) watch_energy(setup_, seconds(begin), *energies, state_.observations);
   if (const auto extent = participants.extent(); extent && out_of_reach(*extent, surface, duration)) {
     pass_window(seconds(begin), seconds(duration), surface);
@@ -65,6 +66,7 @@ void Coupler<D>::pass_window(double begin, double duration, const Surface<D>& su
   state_.surface_velocity = surface.velocity;
   for (LoadAlternation& alternation : state_.observations.alternation) alternation = {};
   ++state_.evaluations.windows_without_exchange;
+  state_.totals.add(window_.audit, window_.iterations, window_.agreed, window_.duration);
 }
 
 namespace {
@@ -168,6 +170,7 @@ const InterfaceForce<D>& Coupler<D>::last_exchange(const InterfacePressure<D>& p
   }
   audit_balance(window_);
   watch_load(setup_, window_, state_.observations);
+  state_.totals.add(window_.audit, window_.iterations, window_.agreed, window_.duration);
 
   state_.load = window_.load;
   state_.contact = window_.contact;

@@ -13,6 +13,7 @@
 
 #include "scene/expression.hpp"
 #include "scene/geometry.hpp"
+#include "scene/interface_schemes.hpp"
 #include "scene/rigid_motion.hpp"
 #include "structure/material/parameters.hpp"
 
@@ -23,7 +24,6 @@ enum class GradientForm { sum, blend };  ///< pairwise sum form, or corrected in
 enum class CouplingAlgorithm { explicit_staggering, semi_implicit, implicit, automatic };
 enum class Acceleration { iqn_ils, aitken };  ///< of the coupling iterations of implicit
 enum class Integrator { explicit_steps, implicit_steps, automatic };
-enum class InterfaceScheme { fsa, pi, riemann };  ///< corrected gradient, surface integral of the pressure, pairs with dissipation
 enum class VemForm { seed, sum, pairmax };        ///< which of the two pressures of a pair pull
 
 /// Rigid walls. A container holds the fluid inside its shape; an obstacle is solid itself.

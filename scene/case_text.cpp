@@ -24,15 +24,6 @@ const char* words_of(CouplingAlgorithm algorithm) {
   return "";
 }
 
-const char* words_of(InterfaceScheme scheme) {
-  switch (scheme) {
-    case InterfaceScheme::riemann: return "Riemann pressure of every pair";
-    case InterfaceScheme::pi: return "surface integral of the mean pressure";
-    case InterfaceScheme::fsa: return "corrected pressure gradient at the structure (FSA)";
-  }
-  return "";
-}
-
 std::string duration(double seconds) {
   if (seconds < 1) return "less than a second";
   if (seconds < 120) return fmt::format("{:.0f} s", seconds);
@@ -213,7 +204,8 @@ std::string explain_text(const Case& scene, const Costs& costs) {
     return list;
   }());
   if (coupled) {
-    text += fmt::format("* Their interaction through {}, {}, {}.\n", words_of(scene.coupling.algorithm), words_of(scene.coupling.scheme),
+    text += fmt::format("* Their interaction through {}; loads {}; {}.\n", words_of(scene.coupling.algorithm),
+                        name_of(scene.coupling.scheme).meaning,
                         scene.coupling.vem_coefficient ? fmt::format("with the VEM term, C = {}", *scene.coupling.vem_coefficient)
                                                        : "without the VEM term");
   }

@@ -18,5 +18,7 @@ bool is_open(const WallCase& wall, const std::string& face);
 
 /// Where fluid may start: the container with its open faces moved to infinity; nothing if there is no container.
 std::optional<Shape> fluid_region(const Case& scene);
+/// The shape of a wall, which goes on without end where it has an open face.
+Shape without_open_faces(const WallCase& wall);
 
 }  // namespace tern

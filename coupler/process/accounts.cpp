@@ -51,12 +51,12 @@ double Accounts<D>::work_on_structure(const wire::Account& structure) const {
 }
 
 template <int D>
-void Accounts<D>::record(Ticks now, const wire::Account& fluid, const wire::Account& structure, const Coupler<D>& coupler,
-                         const Totals& totals) {
+void Accounts<D>::record(Ticks now, const wire::Account& fluid, const wire::Account& structure, const Coupler<D>& coupler) {
   const GaugeValues own = gauge_values(coupler, scene_);
   evaluated_gauges_ += static_cast<long>(own.size());
-  recorder_.account(now, joined(proto::gauge_values(fluid), proto::gauge_values(structure), own),
-                    joined(proto::energies(fluid), proto::energies(structure), totals.energies(work_on_structure(structure))));
+  recorder_.account(
+      now, joined(proto::gauge_values(fluid), proto::gauge_values(structure), own),
+      joined(proto::energies(fluid), proto::energies(structure), coupler.state().totals.energies(work_on_structure(structure))));
 }
 
 template <int D>

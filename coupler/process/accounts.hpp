@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "coupler/process/totals.hpp"
 #include "coupler/window.hpp"
 #include "proto/wire/account.hpp"
 #include "run/recorder.hpp"
@@ -22,7 +21,7 @@ class Accounts {
   Accounts(const std::string& directory, const Case& scene);
 
   /// A row of both sides at the instant `now`, when one is due.
-  void record(Ticks now, const wire::Account& fluid, const wire::Account& structure, const Coupler<D>& coupler, const Totals& totals);
+  void record(Ticks now, const wire::Account& fluid, const wire::Account& structure, const Coupler<D>& coupler);
 
   /// What watch_energy() sees; empty where walls move, for nobody counts what these give the fluid, and where a foreign participant keeps
   /// no account.

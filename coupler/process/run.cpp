@@ -8,7 +8,6 @@
 #include "base/timing.hpp"
 #include "coupler/process/accounts.hpp"
 #include "coupler/process/remote_participants.hpp"
-#include "coupler/process/totals.hpp"
 #include "proto/participant/participant.hpp"
 #include "proto/wire/convert.hpp"
 #include "run/progress.hpp"
@@ -38,6 +37,21 @@ Coupler<D> make_coupler(const Case& scene, const SurfaceProperties& properties) 
   return coupler;
 }
 
+/// `iterates`: whether windows are repeated.
+void report_totals(const Totals& totals, bool iterates, RunReport& report) {
+  report.set_measure("momentum_audit_max", totals.largest_force_error);
+  // Of the impulses exchanged, the part that the two sides did not receive alike.
+  report.set_measure("momentum_audit_mean", totals.impulse_size > 0 ? totals.impulse_sum / totals.impulse_size : 0);
+  report.set_measure("moment_audit_max", totals.largest_moment_error);
+  report.set_count("contacts", totals.contacts);
+  report.set_count("wet_windows", totals.wet_windows);
+  if (!iterates) return;
+  report.set_measure("coupling_iterations_mean",
+                     totals.windows ? static_cast<double>(totals.iterations) / static_cast<double>(totals.windows) : 0);
+  report.set_count("coupling_iterations_max", totals.most_iterations);
+  report.set_count("coupling_windows_open", totals.open_windows);
+}
+
 void report_evaluations(const Evaluations& evaluations, long gauges, RunReport& report) {
   report.set_evaluations("pressure", evaluations.pressure);
   report.set_evaluations("riemann_dissipation", evaluations.riemann_dissipation);
@@ -61,7 +75,7 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
   Progress progress(scene.end_time, command.quiet);
   channel.welcome(static_cast<std::uint32_t>(properties.body.size()));
 
-  Totals totals;
+  const Totals& totals = coupler.state().totals;
   StepControl control;
   const Ticks end = to_ticks(scene.end_time);
   const FrameSchedule schedule(scene.output.frame_interval, end);
@@ -75,13 +89,13 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
   // The structure reports its state at the begin of a window, the fluid at the end of the one before: the same instant.
   const auto record = [&](const wire::Account& structure_account) {
     ScopedTimer timer(output_s);
-    accounts.record(now, fluid_account, structure_account, coupler, totals);
+    accounts.record(now, fluid_account, structure_account, coupler);
     return accounts.energies(now, fluid_account, structure_account, coupler.setup().fluid_weight.pressure > 0);
   };
   RemoteParticipants<D> participants(channel, record);
   const auto report_now = [&] {
     report.set_time(seconds(now), totals.windows);
-    totals.report(report, coupler.setup().algorithm.iterates);
+    report_totals(totals, coupler.setup().algorithm.iterates, report);
     report_evaluations(coupler.state().evaluations, accounts.evaluated_gauges(), report);
     proto::report_traffic(channel, report);
     report.update();
@@ -97,7 +111,6 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
     coupler.run_window(participants, now, duration);
     const wire::WindowDone& done = participants.receive_window_done();
     compute_s += watch.seconds() - (channel.wait_seconds() + channel.exchange_seconds() - waited);
-    totals.add(coupler.audit(), coupler.iterations(), coupler.agreed(), seconds(duration));
     now += duration;
     accounts.recorder().step(now, duration, limit, static_cast<int>(done.iterations()), watch.seconds());
     progress.step(seconds(now), totals.windows, seconds(duration), limit, static_cast<int>(done.iterations()));

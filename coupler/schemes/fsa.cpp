@@ -69,7 +69,7 @@ void pair_pressures(const PairView<D>& view, std::vector<double>& carried) {
 
 template <int D>
 Scheme<D> fsa() {
-  return {InterfaceScheme::fsa, wet_share, pair_pressures<D>, nullptr};
+  return {wet_share, pair_pressures<D>, nullptr};
 }
 
 template Scheme<2> fsa<2>();

@@ -23,11 +23,11 @@ void pair_pressures(const PairView<D>& view, std::vector<double>& carried) {
 }  // namespace
 
 template <int D>
-Scheme<D> pressure_integration() {
-  return {InterfaceScheme::pi, wet_share, pair_pressures<D>, nullptr};
+Scheme<D> pi() {
+  return {wet_share, pair_pressures<D>, nullptr};
 }
 
-template Scheme<2> pressure_integration<2>();
-template Scheme<3> pressure_integration<3>();
+template Scheme<2> pi<2>();
+template Scheme<3> pi<3>();
 
 }  // namespace tern::coupler

@@ -1,21 +1,19 @@
-#include "base/error.hpp"
 #include "coupler/schemes/scheme.hpp"
 
 namespace tern::coupler {
 
-template <int D>
-Scheme<D> fsa();
-template <int D>
-Scheme<D> pressure_integration();
-template <int D>
-Scheme<D> riemann();
+#define LINE(name, meaning) \
+  template <int D>          \
+  Scheme<D> name();
+TERN_INTERFACE_SCHEMES(LINE)
+#undef LINE
 
 template <int D>
-const Scheme<D>& scheme_of(InterfaceScheme name) {
-  static const Scheme<D> schemes[] = {fsa<D>(), pressure_integration<D>(), riemann<D>()};
-  for (const Scheme<D>& scheme : schemes)
-    if (scheme.name == name) return scheme;
-  throw BadInput("The coupler does not know the interface scheme of the case (coupler/schemes/registry.cpp).");
+const Scheme<D>& scheme_of(InterfaceScheme scheme) {
+#define LINE(name, meaning) name<D>(),
+  static const Scheme<D> schemes[] = {TERN_INTERFACE_SCHEMES(LINE)};
+#undef LINE
+  return schemes[static_cast<int>(scheme)];
 }
 
 template <int D>

@@ -38,7 +38,7 @@ void add_dissipation(const Setup<D>& setup, Workspace<D>& window, Evaluations& e
 
 template <int D>
 Scheme<D> riemann() {
-  return {InterfaceScheme::riemann, load_share, nullptr, add_dissipation<D>};
+  return {load_share, nullptr, add_dissipation<D>};
 }
 
 template Scheme<2> riemann<2>();

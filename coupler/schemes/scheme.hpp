@@ -1,6 +1,6 @@
 #pragma once
 // Interface schemes: how the pressures of fluid particles become forces on faces and on the particles. One file each, one line in
-// registry.cpp.
+// scene/interface_schemes.hpp.
 
 #include <span>
 #include <vector>
@@ -26,7 +26,6 @@ struct PairView {
 
 template <int D>
 struct Scheme {
-  InterfaceScheme name;
   /// Load of a surface point under a uniform pressure p, over p A, where particles fill this part of its half space (1: all of it).
   double (*load_share)(double filled);
   /// Replaces the carried pressures q_i [Pa] of all pairs by those which, times b_ik, are the pair forces. Null: they are already.

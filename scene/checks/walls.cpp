@@ -30,16 +30,18 @@ bool is_open(const WallCase& wall, const std::string& face) {
   return std::find(wall.open.begin(), wall.open.end(), face) != wall.open.end();
 }
 
-std::optional<Shape> fluid_region(const Case& scene) {
-  for (const WallCase& wall : scene.walls) {
-    if (!wall.container) continue;
-    Shape shape = wall.shape;
-    for (int d = 0; d < scene.dimension && shape.kind == Shape::Kind::box; ++d) {
-      if (is_open(wall, std::string(1, "xyz"[d]) + "_min")) shape.min[d] = -1e30;
-      if (is_open(wall, std::string(1, "xyz"[d]) + "_max")) shape.max[d] = 1e30;
-    }
-    return shape;
+Shape without_open_faces(const WallCase& wall) {
+  Shape shape = wall.shape;
+  for (int d = 0; d < 3; ++d) {
+    if (is_open(wall, std::string(1, "xyz"[d]) + "_min")) shape.min[d] = -1e30;
+    if (is_open(wall, std::string(1, "xyz"[d]) + "_max")) shape.max[d] = 1e30;
   }
+  return shape;
+}
+
+std::optional<Shape> fluid_region(const Case& scene) {
+  for (const WallCase& wall : scene.walls)
+    if (wall.container) return without_open_faces(wall);
   return std::nullopt;
 }
 

@@ -1,5 +1,8 @@
 // [coupling] and [coupling.vem]
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "scene/keys/row.hpp"
 #include "scene/keys/tables.hpp"
 
@@ -7,6 +10,18 @@ namespace tern {
 namespace {
 
 using Presence = TableDefinition::Presence;
+
+std::vector<std::pair<std::string, InterfaceScheme>> scheme_keys() {
+  std::vector<std::pair<std::string, InterfaceScheme>> keys;
+  for (const auto& [scheme, key, meaning] : interface_schemes) keys.emplace_back(key, scheme);
+  return keys;
+}
+
+std::string scheme_meanings() {
+  std::vector<std::string> meanings;
+  for (const auto& [scheme, key, meaning] : interface_schemes) meanings.push_back(fmt::format("{}: {}", key, meaning));
+  return fmt::format("{}", fmt::join(meanings, "; "));
+}
 
 const Rows<CouplingCase>& coupling_rows() {
   // clang-format off
@@ -26,11 +41,8 @@ const Rows<CouplingCase>& coupling_rows() {
        "How the implicit coupling finds its next load: quasi-Newton from the iterations of this and earlier windows; or one factor."},
       {"tolerance", &CouplingCase::tolerance, "-", "1e-4", between(0, 1),
        "Change of the load in one coupling iteration of the implicit coupling, over the load, at which the window is done."},
-      {"scheme",
-       one_of(&CouplingCase::scheme, {{"fsa", InterfaceScheme::fsa}, {"pi", InterfaceScheme::pi}, {"riemann", InterfaceScheme::riemann}}),
-       "", "\"riemann\"", any,
-       "How the fluid's pressure becomes a load (docs/SCHEMES.md). riemann: particle by particle, with Riemann dissipation; pi: the mean"
-       " pressure at a face times its area; fsa: the same with the corrected pressure gradient of the fluid."},
+      {"scheme", one_of(&CouplingCase::scheme, scheme_keys()), "", "\"riemann\"", any,
+       "How the fluid's pressure becomes a load (docs/SCHEMES.md). " + scheme_meanings() + "."},
       {"riemann_limiter", &CouplingCase::riemann_limiter, "-", "3.0", not_negative,
        "Limiter eta of the Riemann dissipation, beta = min(eta max(du, 0)/c0, 1); 0 = none. Of scheme riemann only."},
       {"robin_mass_factor", &CouplingCase::robin_mass_factor, "-", "1.0", between(0, 2),

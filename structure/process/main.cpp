@@ -4,6 +4,7 @@
 
 #include "base/error.hpp"
 #include "base/timing.hpp"
+#include "meeting/meeting.hpp"
 #include "run/solo_run.hpp"
 #include "scene/estimate.hpp"
 #include "structure/process/participant.hpp"
@@ -18,6 +19,9 @@ void run_without_fluid(const CommandLine& command, const Case& scene, RunReport&
   structure::Structure<D> structure(scene);
   const FrameSchedule gauge_times(scene.output.gauge_interval, to_ticks(scene.end_time));
   const double sub_steps = sub_steps_per_window(scene);
+  const Meetable meetable(scene, structure.surface_properties().body);
+  MeetingState<D> meeting;
+  watch_meetings(meetable, 0, structure.surface(), meeting);
   double& compute_s = report.timing("compute");
   const auto advance = [&](Ticks now, Ticks target) -> SoloStep {
     const Ticks left = std::min(target, gauge_times.next(now)) - now;
@@ -25,6 +29,7 @@ void run_without_fluid(const CommandLine& command, const Case& scene, RunReport&
     const Ticks duration = std::max<Ticks>(left / windows, 1);
     ScopedTimer timer(compute_s);
     structure.trial(now, duration);
+    watch_meetings(meetable, seconds(now + duration), structure.surface(), meeting);
     return {duration, "output", -1};
   };
   run_alone(command, scene, report, structure::StructureSide<D>(scene, structure), gauge_columns(scene, GaugeOwner::structure),

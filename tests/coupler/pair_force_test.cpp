@@ -136,7 +136,7 @@ void check_balance(unsigned seed, InterfaceScheme scheme) {
 // Seen to fail: with 1 - 1e-9 of the force on one side; with the force put on another point than the pair's; with a Riemann
 // pressure that pulls when the sides part.
 TEST(PairForces, CancelInAnyState) {
-  for (auto scheme : {InterfaceScheme::fsa, InterfaceScheme::pi, InterfaceScheme::riemann})
+  for (const auto& [scheme, key, meaning] : interface_schemes)
     for (unsigned seed : {1u, 2u, 3u}) {
       check_balance<2>(seed, scheme);
       check_balance<3>(seed, scheme);

@@ -96,7 +96,7 @@ TEST(RobinReferencePressure, IsWhatTheLastLoadCarriedLessTheNewDissipativePart) 
 // Whatever the scheme, what the trial carries is the load of the last window.
 // Seen to fail: with nothing carried.
 TEST(RobinReferencePressure, IsTheLastLoadOfEveryScheme) {
-  for (auto scheme : {InterfaceScheme::fsa, InterfaceScheme::pi, InterfaceScheme::riemann}) {
+  for (const auto& [scheme, key, meaning] : interface_schemes) {
     Case c = scene(2, dx);
     c.coupling.scheme = scheme;
     const auto surface = flat_plate<2>(12 * dx, 4 * dx, 0.5 * dx);
@@ -130,7 +130,7 @@ void disordered_corner(Surface<2>& surface, InterfaceParticles<2>& particles) {
 // of them beyond x = 0.16, nothing beyond 0.2.
 // Seen to fail: with the load over the area as reference; without the images in the share.
 TEST(RobinReferencePressure, LeavesABodyAloneThatCarriesAUniformPressure) {
-  for (auto scheme : {InterfaceScheme::fsa, InterfaceScheme::pi, InterfaceScheme::riemann}) {
+  for (const auto& [scheme, key, meaning] : interface_schemes) {
     SCOPED_TRACE("scheme " + std::to_string(static_cast<int>(scheme)));
     Surface<2> surface;
     InterfaceParticles<2> particles;

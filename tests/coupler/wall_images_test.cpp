@@ -50,7 +50,7 @@ std::vector<double> loads(InterfaceScheme scheme, bool images, double& unbalance
 // Each point within one support of the wall has less than its load without images: over the face 0.278 dx are missing.
 // Seen to fail: with the images left out of the pairs; with images before faces that their particles do not see.
 TEST(WallImages, CompleteTheLoadOfAFaceThatMeetsAWall) {
-  for (auto scheme : {InterfaceScheme::fsa, InterfaceScheme::pi, InterfaceScheme::riemann}) {
+  for (const auto& [scheme, key, meaning] : interface_schemes) {
     SCOPED_TRACE("scheme " + std::to_string(static_cast<int>(scheme)));
     double unbalanced;
     const auto without = loads(scheme, false, unbalanced), with = loads(scheme, true, unbalanced);

@@ -1,4 +1,4 @@
-#include "coupler/process/totals.hpp"
+#include "coupler/totals.hpp"
 
 #include <algorithm>
 
@@ -27,19 +27,6 @@ std::vector<std::string> Totals::columns() {
 
 std::vector<double> Totals::energies(double work_on_structure) const {
   return {work_on_fluid, riemann, mitigation, contact, work_on_structure + work_on_fluid};
-}
-
-void Totals::report(RunReport& report, bool iterates) const {
-  report.set_measure("momentum_audit_max", largest_force_error);
-  // Of the impulses exchanged, the part that the two sides did not receive alike.
-  report.set_measure("momentum_audit_mean", impulse_size > 0 ? impulse_sum / impulse_size : 0);
-  report.set_measure("moment_audit_max", largest_moment_error);
-  report.set_count("contacts", contacts);
-  report.set_count("wet_windows", wet_windows);
-  if (!iterates) return;
-  report.set_measure("coupling_iterations_mean", windows ? static_cast<double>(iterations) / static_cast<double>(windows) : 0);
-  report.set_count("coupling_iterations_max", most_iterations);
-  report.set_count("coupling_windows_open", open_windows);
 }
 
 }  // namespace tern::coupler

@@ -4,9 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "coupler/acceleration/fixed_point.hpp"
 #include "coupler/audit.hpp"
-#include "run/run_report.hpp"
 
 namespace tern::coupler {
 
@@ -24,9 +22,6 @@ struct Totals {
   /// another motion of the surface than the one that came about.
   static std::vector<std::string> columns();
   std::vector<double> energies(double work_on_structure) const;
-
-  /// `iterates`: whether windows are repeated.
-  void report(RunReport& report, bool iterates) const;
 };
 
 }  // namespace tern::coupler
