@@ -8,7 +8,7 @@ template <int D>
 State<D> initial_state(const Case& scene) {
   State<D> state;
   for (const FluidBody& body : scene.fluid->bodies)
-    for (const Vector<D>& x : fill_lattice<D>(body.shape, scene.fluid->spacing)) {
+    for (const Vector<D>& x : fill_with_fluid<D>(body.shape, scene.fluid->spacing)) {
       Vector<D> u;
       for (int c = 0; c < D; ++c) u[c] = body.velocity[c](0, x[0], x[1], D == 3 ? x[D - 1] : 0);
       state.id.push_back(static_cast<std::uint32_t>(state.id.size()));

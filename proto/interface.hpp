@@ -9,10 +9,13 @@
 
 namespace tern {
 
+/// Section mass from which a point counts as held: no pressure moves it [kg/m^2].
+inline constexpr double held_mass = 1e12;
+
 /// Constant properties of the structure's surface points, sent once in the handshake.
 struct SurfaceProperties {
   std::vector<std::uint32_t> body;   ///< index of the elastic body
-  std::vector<double> section_mass;  ///< mass per area behind the point shared by its wet faces, rho T / N_wet [kg/m^2]
+  std::vector<double> section_mass;  ///< mass per area behind the point shared by its wet faces, rho T / N_wet; or held_mass [kg/m^2]
   std::vector<double> impedance;     ///< rho c_p of the material [kg/(m^2 s)]; times the window length it bounds the responding mass
   std::vector<double> least_mass;    ///< rho dx_s, mass per area of one particle layer [kg/m^2]
 };

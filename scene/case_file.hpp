@@ -24,7 +24,7 @@ enum class GradientForm { sum, blend };  ///< pairwise sum form, or corrected in
 enum class CouplingAlgorithm { explicit_staggering, semi_implicit, implicit, automatic };
 enum class Acceleration { iqn_ils, aitken };  ///< of the coupling iterations of implicit
 enum class Integrator { explicit_steps, implicit_steps, automatic };
-enum class VemForm { seed, sum, pairmax };        ///< which of the two pressures of a pair pull
+enum class VemForm { seed, sum, pairmax };  ///< which of the two pressures of a pair pull
 
 /// Rigid walls. A container holds the fluid inside its shape; an obstacle is solid itself.
 struct WallCase {

@@ -85,7 +85,7 @@ void estimate_fluid(const Case& scene, Estimate& result) {
   result.settled = result.gravity > 0 && is_settled<D>(scene, gravity);
   double initial_speed = 0, top = -infinity, bottom = infinity;
   for (const FluidBody& body : fluid.bodies) {
-    for (const Vector<D>& x : fill_lattice<D>(body.shape, fluid.spacing)) {
+    for (const Vector<D>& x : fill_with_fluid<D>(body.shape, fluid.spacing)) {
       ++result.fluid_particles;
       initial_speed = std::max(initial_speed, value<D>(body.velocity, x).norm());
       if (result.gravity > 0) {

@@ -135,26 +135,80 @@ bool contains(const Shape& shape, const Vector<D>& x) {
   return signed_distance<D>(shape, x) <= 1e-12 * (bounds.max - bounds.min).maxCoeff();
 }
 
+namespace {
+
+constexpr double round_off = 1e-6;  // in spacings: sides given in decimal are whole multiples only to round-off
+
+/// Whole spacings in a length.
+long cells_in(double length, double spacing) { return static_cast<long>(std::floor(length / spacing + 0.5 + round_off)); }
+
+/// Points of a lattice with these steps from the corner of the bounding box, inside the shape.
 template <int D>
-std::vector<Vector<D>> fill_lattice(const Shape& shape, double spacing) {
+std::vector<Vector<D>> fill(const Shape& shape, const Vector<D>& step, double spacing) {
   const Bounds<D> bounds = bounding_box<D>(shape);
-  const double tolerance = 1e-6;  // in spacings: sides given in decimal are whole multiples only to round-off
   std::array<long, 3> count{1, 1, 1};
-  for (int d = 0; d < D; ++d) {
-    count[d] = static_cast<long>(std::floor((bounds.max[d] - bounds.min[d]) / spacing + 0.5 + tolerance));
-  }
+  for (int d = 0; d < D; ++d) count[d] = cells_in(bounds.max[d] - bounds.min[d], step[d]);
   std::vector<Vector<D>> points;
   for (long k = 0; k < count[2]; ++k) {
     for (long j = 0; j < count[1]; ++j) {
       for (long i = 0; i < count[0]; ++i) {
         const std::array<long, 3> index{i, j, k};
         Vector<D> x;
-        for (int d = 0; d < D; ++d) x[d] = bounds.min[d] + (static_cast<double>(index[d]) + 0.5) * spacing;
-        if (signed_distance<D>(shape, x) <= tolerance * spacing) points.push_back(x);
+        for (int d = 0; d < D; ++d) x[d] = bounds.min[d] + (static_cast<double>(index[d]) + 0.5) * step[d];
+        if (signed_distance<D>(shape, x) <= round_off * spacing) points.push_back(x);
       }
     }
   }
   return points;
+}
+
+/// The box that a shape is, or is cut out of.
+const Shape* box_of(const Shape& shape) {
+  if (shape.kind == Shape::Kind::difference) return box_of(shape.parts[0]);
+  return shape.kind == Shape::Kind::box ? &shape : nullptr;
+}
+
+}  // namespace
+
+template <int D>
+std::vector<Vector<D>> fill_lattice(const Shape& shape, double spacing) {
+  return fill<D>(shape, Vector<D>::Constant(spacing), spacing);
+}
+
+template <int D>
+std::vector<Vector<D>> fill_with_fluid(const Shape& shape, double spacing) {
+  Vector<D> step = Vector<D>::Constant(spacing);
+  if (const Shape* box = box_of(shape))
+    for (int d = 0; d < D; ++d) {
+      const double length = box->max[d] - box->min[d];
+      const long cells = cells_in(length, spacing);
+      if (cells > 0 && std::abs(length - static_cast<double>(cells) * spacing) > round_off * spacing)
+        step[d] = length / static_cast<double>(cells);
+    }
+  return fill<D>(shape, step, spacing);
+}
+
+template <int D>
+double fitted_spacing(const std::vector<Shape>& shapes, double spacing) {
+  double fitted = spacing;
+  constexpr int rounds = 4;  // another spacing may be another number of cells
+  for (int round = 0; round < rounds; ++round) {
+    double volume = 0, cells = 0;
+    for (const Shape& shape : shapes) {
+      const Shape* box = box_of(shape);
+      if (!box) continue;
+      double of_box = 1, in_box = 1;
+      for (int d = 0; d < D; ++d) {
+        of_box *= box->max[d] - box->min[d];
+        in_box *= static_cast<double>(cells_in(box->max[d] - box->min[d], fitted));
+      }
+      if (in_box > 0) volume += of_box, cells += in_box;
+    }
+    const double next = cells > 0 ? std::pow(volume / cells, 1.0 / D) : spacing;
+    if (std::abs(next - fitted) <= round_off * spacing) break;
+    fitted = next;
+  }
+  return fitted;
 }
 
 template <int D>
@@ -177,11 +231,15 @@ template double signed_distance<2>(const Shape&, const Vector<2>&);
 template Bounds<2> bounding_box<2>(const Shape&);
 template bool contains<2>(const Shape&, const Vector<2>&);
 template std::vector<Vector<2>> fill_lattice<2>(const Shape&, double);
+template std::vector<Vector<2>> fill_with_fluid<2>(const Shape&, double);
+template double fitted_spacing<2>(const std::vector<Shape>&, double);
 template double thickness<2>(const Shape&, const Vector<2>&, const Vector<2>&);
 template double signed_distance<3>(const Shape&, const Vector<3>&);
 template Bounds<3> bounding_box<3>(const Shape&);
 template bool contains<3>(const Shape&, const Vector<3>&);
 template std::vector<Vector<3>> fill_lattice<3>(const Shape&, double);
+template std::vector<Vector<3>> fill_with_fluid<3>(const Shape&, double);
+template double fitted_spacing<3>(const std::vector<Shape>&, double);
 template double thickness<3>(const Shape&, const Vector<3>&, const Vector<3>&);
 
 }  // namespace tern

@@ -49,6 +49,16 @@ Bounds<D> bounding_box(const Shape& shape);
 template <int D>
 std::vector<Vector<D>> fill_lattice(const Shape& shape, double spacing);
 
+/// The same for a fluid, whose walls shall be half a step away on all sides: in a box, or what is cut out of one, the steps are stretched
+/// so that whole ones fill each side.
+template <int D>
+std::vector<Vector<D>> fill_with_fluid(const Shape& shape, double spacing);
+
+/// The spacing near `spacing` whose D-th power is the volume of a cell of these lattices, on average over all boxes: with it the fluid
+/// begins at its density. `spacing` itself where whole multiples of it fill the boxes.
+template <int D>
+double fitted_spacing(const std::vector<Shape>& shapes, double spacing);
+
 /// Boundary of the shape cut into flat patches of about `spacing`, one point at the middle of each. Every straight edge
 /// (box face, polygon side) is divided evenly with its own rounded count; a ball evenly in angle (2D) or area (3D).
 /// In union and difference only the parts on the final boundary remain; normals point out of the final solid.

@@ -17,6 +17,17 @@ namespace {
 // More than this is a slip of the spacing, not a scene: the state of as many fluid particles fills 100 GB.
 constexpr double most_particles = 5e7;
 
+constexpr double said_mass_error = 0.01, refused_mass_error = 0.05;  ///< of a body
+
+/// Volume of a shape by Gauss' theorem over patches of a quarter of the spacing [m^D].
+template <int D>
+double volume(const Shape& shape, double spacing) {
+  const SurfacePoints<D> surface = sample_surface<D>(shape, 0.25 * spacing);
+  double sum = 0;
+  for (std::size_t k = 0; k < surface.area.size(); ++k) sum += surface.position[k].dot(surface.normal[k]) * surface.area[k];
+  return sum / D;
+}
+
 template <int D>
 class PlacementCheck {
  public:
@@ -24,6 +35,7 @@ class PlacementCheck {
 
   void run() {
     check_particles_exist();
+    check_mass();
     check_fluid_place();
     check_structure_place();
     check_clamps();
@@ -50,14 +62,16 @@ class PlacementCheck {
     return scene_.structure ? scene_.structure->bodies : none;
   }
 
-  std::vector<Vector<D>> fill(const Shape& shape, double spacing, const std::string& where) const {
+  using Fill = std::vector<Vector<D>> (*)(const Shape&, double);
+
+  std::vector<Vector<D>> fill(Fill lattice, const Shape& shape, double spacing, const std::string& where) const {
     const Bounds<D> bounds = bounding_box<D>(shape);
     const double cells = ((bounds.max - bounds.min) / spacing).prod();
     if (cells > most_particles) {
       fail(where, fmt::format("the spacing {} m would make up to {:.3g} particles, but at most {:.0g} are allowed; use a larger one.",
                               spacing, cells, most_particles));
     }
-    auto points = fill_lattice<D>(shape, spacing);
+    auto points = lattice(shape, spacing);
     if (points.empty()) {
       fail(where, fmt::format("the body holds no particle at the spacing {} m, its bounding box measures {}; use a smaller spacing "
                               "or a larger shape.",
@@ -68,11 +82,43 @@ class PlacementCheck {
 
   void check_particles_exist() {
     for (std::size_t i = 0; i < fluid().size(); ++i) {
-      fluid_points_.push_back(fill(fluid()[i].shape, scene_.fluid->spacing, where_fluid(i)));
+      fluid_points_.push_back(fill(fill_with_fluid<D>, fluid()[i].shape, scene_.fluid->spacing, where_fluid(i)));
     }
     for (std::size_t i = 0; i < structure().size(); ++i) {
-      structure_points_.push_back(fill(structure()[i].shape, structure()[i].spacing, where_body(i)));
+      structure_points_.push_back(fill(fill_lattice<D>, structure()[i].shape, structure()[i].spacing, where_body(i)));
     }
+  }
+
+  void check_mass() {
+    for (std::size_t i = 0; i < fluid().size(); ++i)
+      check_mass_of(fill_with_fluid<D>, fmt::format("fluid body {}", i + 1), fluid()[i].shape, fluid_points_[i].size(),
+                    scene_.fluid->spacing, where_fluid(i));
+    for (std::size_t i = 0; i < structure().size(); ++i)
+      check_mass_of(fill_lattice<D>, fmt::format("the elastic body '{}'", structure()[i].name), structure()[i].shape,
+                    structure_points_[i].size(), structure()[i].spacing, where_body(i));
+  }
+
+  // The particles have the mass of their cells of the lattice, whatever the shape cuts off.
+  void check_mass_of(Fill lattice, const std::string& label, const Shape& shape, std::size_t particles, double spacing,
+                     const std::string& where) {
+    const double whole = volume<D>(shape, spacing);
+    const auto error = [&](double count, double dx) { return count * std::pow(dx, D) / whole - 1; };
+    const double now = error(static_cast<double>(particles), spacing);
+    if (std::abs(now) <= said_mass_error) return;
+    double fits = spacing;  // the largest one below that brings the error down
+    constexpr double finer = 0.98;
+    while (fits > 0.25 * spacing) {
+      fits *= finer;
+      const double rounded = std::stod(fmt::format("{:.3g}", fits));
+      if (std::abs(error(static_cast<double>(lattice(shape, rounded).size()), rounded)) > 0.5 * said_mass_error) continue;
+      fits = rounded;
+      break;
+    }
+    const std::string sentence =
+        fmt::format("the {} particles of {} have {:.2g} % {} mass than its shape; a spacing of {:.3g} m fits better than {:.3g} m.",
+                    particles, label, 100 * std::abs(now), now > 0 ? "more" : "less", fits, spacing);
+    if (std::abs(now) > refused_mass_error) fail(where, sentence);
+    scene_.warnings.push_back(fmt::format("{}: {}", where, sentence));
   }
 
   // First of the points that lies in the shape by more than round-off of the spacing.

@@ -12,6 +12,11 @@ void check_scene_in(Case& scene, const Setting& settings) {
   check_walls(scene, settings);
   set_default_domain<D>(scene, settings);
   check_domain<D>(scene, settings);
+  if (scene.fluid) {
+    std::vector<Shape> shapes;
+    for (const FluidBody& body : scene.fluid->bodies) shapes.push_back(body.shape);
+    scene.fluid->spacing = fitted_spacing<D>(shapes, scene.fluid->spacing);
+  }
   check_structure<D>(scene, settings);
   check_placement<D>(scene, settings);
   check_gauges(scene, settings);

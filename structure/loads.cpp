@@ -23,7 +23,8 @@ Loads<D>::Loads(const StructureCase& structure, const Reference<D>& reference, c
       }
     } else {
       for (std::size_t k = 0; k < attachment.row.size(); ++k)
-        if (is_loaded(attachment.properties.body[k], reference.position_of(attachment.row[k]) + attachment.offset[k]))
+        if (attachment.clamp[k] < 0 &&
+            is_loaded(attachment.properties.body[k], reference.position_of(attachment.row[k]) + attachment.offset[k]))
           load.point.push_back(k);
     }
     loads_.push_back(std::move(load));

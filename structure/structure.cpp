@@ -42,7 +42,7 @@ struct Structure<D>::Parts {
 
   explicit Parts(const Case& scene)
       : reference(build_reference<D>(scene.structure.value())),
-        attachment(attach_surface(reference, scene.fluid)),
+        attachment(attach_surface(reference, scene)),
         gravity(scene.gravity),
         loads(*scene.structure, reference, attachment),
         courant(scene.structure->numerics.courant),
@@ -130,14 +130,16 @@ struct Structure<D>::Parts {
     advance_window(reference, duration, sub_steps, implicit_window ? implicit.get() : nullptr, state, work);
     if (implicit_window)
       choice.add(implicit->memory().counts.evaluations - before.evaluations, implicit->memory().counts.factors - before.factors);
-    double total = 0, by_gravity = 0, by_loads = 0;
+    double total = 0, by_gravity = 0, by_loads = 0, held = 0;
     for (int a = 0; a < D; ++a)
       for (const auto row : reference.particle_row) {
         const double moved = state.displacement[a][row] - saved.displacement[a][row];
         total += work.external_force[a][row] * moved;
+        if (reference.inverse_mass[row] == 0) held += work.external_force[a][row] * moved;
         by_gravity += weight[a][row] * moved;
         if (loads.any()) by_loads += loads.force()[a][row] * moved;
       }
+    state.clamp_work -= held;  // what the fluid does on a clamp that moves, the clamp takes
     state.gravity_work += by_gravity;
     state.load_work += by_loads;
     state.interface_work += total - by_gravity - by_loads;
@@ -289,12 +291,17 @@ Vector<D> Structure<D>::displacement(const MaterialPoint& point) const {
 template <int D>
 Reaction Structure<D>::reaction(const std::string& body, const std::string& clamp, const std::array<double, 3>& about) const {
   const Reference<D>& reference = parts_->reference;
+  const SurfaceAttachment<D>& attachment = parts_->attachment;
+  RowVectors<D> by_fluid;  // on what is clamped
+  for (auto& axis : by_fluid) axis.assign(reference.rows, 0);
+  for (std::size_t k = 0; k < attachment.row.size(); ++k)
+    for (int a = 0; a < D && attachment.clamp[k] >= 0; ++a) by_fluid[a][attachment.row[k]] += parts_->state.load.force[k][a];
   Reaction reaction;
   const auto add = [&](std::int32_t row) {
     std::array<double, 3> arm{}, force{};
     for (int a = 0; a < D; ++a) {
       arm[a] = reference.position[a][row] + parts_->state.displacement[a][row] - about[a];
-      force[a] = -parts_->state.internal_force[a][row];
+      force[a] = -parts_->state.internal_force[a][row] - by_fluid[a][row];
     }
     for (int a = 0; a < 3; ++a) {
       const int b = (a + 1) % 3, c = (a + 2) % 3;

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "scene/geometry.hpp"
+#include "scene/scene_check.hpp"
 #include "structure/time_step.hpp"
 
 namespace tern::structure {
@@ -18,14 +19,24 @@ bool inside_any(const std::vector<Shape>& shapes, const auto& x) {
   return std::any_of(shapes.begin(), shapes.end(), [&](const Shape& s) { return contains<D>(s, x); });
 }
 
-/// Row of the free particle of the body nearest to x, -1 when all are clamped.
+/// Whether fluid can come to x at t = 0, closer to it than to any wall.
 template <int D>
-std::int32_t nearest_free_row(const Reference<D>& reference, const Body& body, const Vector<D>& x) {
+bool is_within_reach(const Case& scene, const Vector<D>& x, double slack) {
+  if (!scene.fluid) return false;
+  const auto region = fluid_region(scene);
+  if (region && signed_distance<D>(*region, x) > -slack) return false;
+  return std::none_of(scene.walls.begin(), scene.walls.end(),
+                      [&](const WallCase& wall) { return !wall.container && signed_distance<D>(wall.shape, x) < slack; });
+}
+
+/// Row of the particle of the body nearest to x, of those that are clamped or of those that are not; -1 when there is none.
+template <int D>
+std::int32_t nearest_row(const Reference<D>& reference, const Body& body, const Vector<D>& x, bool clamped) {
   std::int32_t nearest = -1;
   double least = std::numeric_limits<double>::max();
   for (std::size_t p = body.first; p < body.first + body.count; ++p) {
     const auto row = reference.particle_row[p];
-    if (reference.inverse_mass[row] == 0) continue;
+    if ((reference.inverse_mass[row] == 0) != clamped) continue;
     const double squared = (reference.position_of(row) - x).squaredNorm();
     if (squared < least) {
       least = squared;
@@ -35,32 +46,40 @@ std::int32_t nearest_free_row(const Reference<D>& reference, const Body& body, c
   return nearest;
 }
 
+template <int D>
+std::int32_t clamp_of(const Reference<D>& reference, std::int32_t row) {
+  const auto holds = [&](const Clamp& clamp) { return std::find(clamp.row.begin(), clamp.row.end(), row) != clamp.row.end(); };
+  return static_cast<std::int32_t>(std::find_if(reference.clamps.begin(), reference.clamps.end(), holds) - reference.clamps.begin());
+}
+
 }  // namespace
 
 template <int D>
-SurfaceAttachment<D> attach_surface(const Reference<D>& reference, const std::optional<FluidCase>& fluid) {
+SurfaceAttachment<D> attach_surface(const Reference<D>& reference, const Case& scene) {
   SurfaceAttachment<D> attachment;
   for (std::uint32_t b = 0; b < reference.bodies.size(); ++b) {
     const Body& body = reference.bodies[b];
-    const auto points = sample_surface<D>(body.shape, patch_length(body.spacing, fluid));
+    const auto points = sample_surface<D>(body.shape, patch_length(body.spacing, scene.fluid));
     for (std::size_t k = 0; k < points.position.size(); ++k) {
       const Vector<D>& x = points.position[k];
       const Vector<D>& normal = points.normal[k];
-      if (inside_any(body.clamps, x)) continue;
-      const auto row = nearest_free_row<D>(reference, body, x);
-      if (row < 0) continue;  // the whole body is clamped
+      const bool clamped = inside_any(body.clamps, x);
+      if (clamped && !is_within_reach<D>(scene, x, 1e-3 * body.spacing)) continue;
+      const auto row = nearest_row<D>(reference, body, x, clamped);
+      if (row < 0) continue;  // the whole body is clamped, or the clamp holds no particle here
       const double depth = thickness<D>(body.shape, x, normal);
       // A hair inside the opposite face: on it, whether a clamp contains the point would be a matter of round-off.
       const Vector<D> opposite = x - (depth - 1e-3 * body.spacing) * normal;
       const int wet_faces = inside_any(body.clamps, opposite) ? 1 : 2;
       attachment.properties.body.push_back(b);
-      attachment.properties.section_mass.push_back(body.material.density * depth / wet_faces);
+      attachment.properties.section_mass.push_back(clamped ? held_mass : body.material.density * depth / wet_faces);
       attachment.properties.impedance.push_back(body.material.density * body.material.pressure_wave_speed());
-      attachment.properties.least_mass.push_back(body.material.density * body.spacing);
+      attachment.properties.least_mass.push_back(clamped ? held_mass : body.material.density * body.spacing);
       attachment.row.push_back(row);
       attachment.offset.push_back(x - reference.position_of(row));
       attachment.normal.push_back(normal);
       attachment.area.push_back(points.area[k]);
+      attachment.clamp.push_back(clamped ? clamp_of(reference, row) : -1);
     }
   }
   return attachment;
@@ -83,8 +102,18 @@ Surface<D> present_surface(const SurfaceAttachment<D>& attachment, const Referen
   surface.position.resize(count);
   surface.normal.resize(count);
   surface.area.resize(count);
+  std::vector<Placement<D>> place(reference.clamps.size() + 1);  // the last: of those without a name, which do not move
+  for (std::size_t c = 0; c < reference.clamps.size(); ++c)
+    if (reference.clamps[c].motion) place[c] = placement<D>(*reference.clamps[c].motion, seconds(state.time));
   for (std::size_t k = 0; k < count; ++k) {
     const auto row = attachment.row[k];
+    if (attachment.clamp[k] >= 0) {
+      const Placement<D>& rigid = place[attachment.clamp[k]];
+      surface.position[k] = rigid(reference.position_of(row) + attachment.offset[k]);
+      surface.normal[k] = rigid.turn * attachment.normal[k];
+      surface.area[k] = attachment.area[k];
+      continue;
+    }
     Vector<D> d;
     for (int a = 0; a < D; ++a) d[a] = state.displacement[a][row];
     const Matrix<D> f = deformation_gradient_of<D>(work, row);
@@ -97,8 +126,8 @@ Surface<D> present_surface(const SurfaceAttachment<D>& attachment, const Referen
   return surface;
 }
 
-template SurfaceAttachment<2> attach_surface<2>(const Reference<2>&, const std::optional<FluidCase>&);
-template SurfaceAttachment<3> attach_surface<3>(const Reference<3>&, const std::optional<FluidCase>&);
+template SurfaceAttachment<2> attach_surface<2>(const Reference<2>&, const Case&);
+template SurfaceAttachment<3> attach_surface<3>(const Reference<3>&, const Case&);
 template std::vector<Vector<2>> surface_velocity<2>(const SurfaceAttachment<2>&, const State<2>&);
 template std::vector<Vector<3>> surface_velocity<3>(const SurfaceAttachment<3>&, const State<3>&);
 template Surface<2> present_surface<2>(const SurfaceAttachment<2>&, const Reference<2>&, const State<2>&, const Workspace<2>&);

@@ -10,11 +10,11 @@
 namespace tern::coupler {
 namespace {
 
-/// Grows a box by the points of a lattice in the shape that `counts`.
+/// Grows a box by the points of a lattice for which `counts` is true.
 template <int D, class Counts>
-void enclose(Bounds<D>& box, const Shape& shape, double spacing, Counts&& counts) {
+void enclose(Bounds<D>& box, const std::vector<Vector<D>>& lattice, double spacing, Counts&& counts) {
   const Vector<D> half = Vector<D>::Constant(0.5 * spacing);
-  for (const Vector<D>& x : fill_lattice<D>(shape, spacing)) {
+  for (const Vector<D>& x : lattice) {
     if (!counts(x)) continue;
     box.min = box.min.cwiseMin(x - half);
     box.max = box.max.cwiseMax(x + half);
@@ -31,7 +31,7 @@ Bounds<D> nothing() {
 double section_mass(const SurfaceProperties& properties, std::size_t body) {
   std::vector<double> masses;
   for (std::size_t k = 0; k < properties.body.size(); ++k)
-    if (properties.body[k] == body) masses.push_back(properties.section_mass[k]);
+    if (properties.body[k] == body && properties.section_mass[k] < held_mass) masses.push_back(properties.section_mass[k]);
   if (masses.empty()) return 0;
   const auto middle = masses.begin() + static_cast<std::ptrdiff_t>(masses.size() / 2);
   std::nth_element(masses.begin(), middle, masses.end());
@@ -42,7 +42,7 @@ template <int D>
 AddedMass predict_added_mass(const Case& scene, const SurfaceProperties& properties) {
   auto water = nothing<D>();
   for (const FluidBody& body : scene.fluid->bodies)
-    enclose<D>(water, body.shape, scene.fluid->spacing, [](const Vector<D>&) { return true; });
+    enclose<D>(water, fill_with_fluid<D>(body.shape, scene.fluid->spacing), scene.fluid->spacing, [](const Vector<D>&) { return true; });
   const double depth = (water.max - water.min).minCoeff();
 
   AddedMass largest;
@@ -52,7 +52,7 @@ AddedMass predict_added_mass(const Case& scene, const SurfaceProperties& propert
     if (mass == 0) continue;
 
     auto free = nothing<D>();
-    enclose<D>(free, body.shape, body.spacing, [&](const Vector<D>& x) {
+    enclose<D>(free, fill_lattice<D>(body.shape, body.spacing), body.spacing, [&](const Vector<D>& x) {
       return std::none_of(body.clamps.begin(), body.clamps.end(), [&](const Shape& s) { return contains<D>(s, x); });
     });
     const double wave = (free.max - free.min).maxCoeff() / 1.875104;
@@ -68,7 +68,7 @@ FluidWeight weight_of_fluid(const Case& scene) {
   FluidWeight weight;
   auto water = nothing<D>();
   for (const FluidBody& body : scene.fluid->bodies)
-    enclose<D>(water, body.shape, scene.fluid->spacing, [&](const Vector<D>&) {
+    enclose<D>(water, fill_with_fluid<D>(body.shape, scene.fluid->spacing), scene.fluid->spacing, [&](const Vector<D>&) {
       weight.volume += std::pow(scene.fluid->spacing, D);
       return true;
     });

@@ -200,10 +200,12 @@ def parser():
     one.add_argument("runs", metavar="RUN", nargs="+", help="directory of a run")
 
     one = _add(commands, "extremes", _extremes, "map where the method holds and how it fails, by some hundred short runs",
-               ["./tern extremes --quick", "./tern extremes --only spray",
+               ["./tern extremes --quick", "./tern extremes --only spray", "./tern extremes --random 30 --seed 1",
                 "./tern extremes                    (all of it; begun again after Ctrl-C, it goes on where it was)"])
     one.add_argument("--quick", action="store_true", help="one or two cells of most families, less than a minute")
     one.add_argument("--only", metavar="FAMILY", help="this family only: plates, poisson, ... (a wrong name lists them), or boundary")
+    one.add_argument("--random", metavar="N", type=int, help="N random scenes with all defaults in place of the map")
+    one.add_argument("--seed", metavar="S", type=int, help="of the random scenes (default: drawn and said)")
     one.add_argument("--out", metavar="DIR", help="where table, page and pictures go (default runs/extremes)")
     one.add_argument("--page", metavar="FILE", help="also put the result into a page, between its markers (docs/STABILITY.md)")
     one.add_argument("--quiet", action="store_true", help="print what is wrong, nothing else")

@@ -43,7 +43,9 @@ TEST(SurfacePoints, KnowTheMassBehindThem) {
 template <int D>
 void follow_an_affine_deformation(const std::optional<FluidCase>& fluid) {
   const auto reference = build_reference<D>(block<D>(6));
-  const auto attachment = attach_surface(reference, fluid);
+  Case scene;
+  scene.fluid = fluid;
+  const auto attachment = attach_surface(reference, scene);
   auto state = state_at_rest(reference, attachment.row.size());
   auto work = workspace_for(reference);
   deformation_gradient(reference, state, work);
@@ -79,9 +81,9 @@ TEST(SurfacePoints, AreNoCoarserThanTheFluid) {
   const auto reference = build_reference<2>(block<2>(6));
   const double dx = reference.bodies[0].spacing;
   const auto points = [&](double fluid_spacing) {
-    FluidCase fluid;
-    fluid.spacing = fluid_spacing;
-    const auto attachment = attach_surface(reference, fluid);
+    Case scene;
+    scene.fluid.emplace().spacing = fluid_spacing;
+    const auto attachment = attach_surface(reference, scene);
     double area = 0;
     for (std::size_t k = 0; k < attachment.row.size(); ++k) {
       area += attachment.area[k];

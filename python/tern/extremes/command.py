@@ -1,11 +1,12 @@
 """./tern extremes: the map, cell by cell; its table, page and pictures."""
 
+import random
 import time
 from pathlib import Path
 
 from tern.launch import build
 from tern.errors import BAD_INPUT, DONE, NUMERICAL_FAILURE, Error
-from tern.extremes import bisection, families, page
+from tern.extremes import bisection, families, page, random_scenes
 from tern.extremes.run_cell import run_cell
 from tern.extremes.table import Table
 
@@ -52,6 +53,15 @@ class Map:
         return boundary, bisection.text(*found)
 
 
+def _random(count, seed):
+    """The cells of so many random scenes; the seed is said, so that they can be asked for again."""
+    if count < 1:
+        raise Error(BAD_INPUT, f"--random {count}: give the number of scenes, at least 1.")
+    seed = random.SystemRandom().randrange(10**6) if seed is None else seed
+    print(f"random scenes 1 to {count} of --seed {seed}", flush=True)
+    return [random_scenes.scene(seed, number) for number in range(1, count + 1)], []
+
+
 def _chosen(only, quick):
     """(cells, boundaries) that were asked for."""
     names = list(families.FAMILIES)
@@ -65,7 +75,8 @@ def _chosen(only, quick):
 
 def extremes(arguments):
     """The map or a part of it; DONE when nothing of it is wrong."""
-    cells, boundaries = _chosen(arguments.only, arguments.quick)
+    chosen = _random(arguments.random, arguments.seed) if arguments.random is not None else _chosen(arguments.only, arguments.quick)
+    cells, boundaries = chosen
     if arguments.page:
         page.check(Path(arguments.page))
     directory = build.ensure(arguments.build)

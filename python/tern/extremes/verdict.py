@@ -17,7 +17,7 @@ from tern.errors import BAD_INPUT, DONE, NUMERICAL_FAILURE, ReductionError, Unre
 from tern.results import report, series, summary
 
 FIGURES = ("speed", "energy", "volume", "unrest")
-KEY = re.compile(r"\b(fluid|structure|coupling|domain)(\.\w+)+|\[(fluid|structure|domain)\]|\bspacing\b")
+KEY = re.compile(r"\b(fluid|structure|coupling|domain)(\.\w+)+|\[(fluid|structure|domain)\]|\b(spacing|end_time)\b")
 LEAST_UNREST, GROWTH = 0.1, 1.5
 LOADS = ("load.Fx_N_per_m", "load.Fy_N_per_m", "load.Fx_N", "load.Fy_N", "load.Fz_N")  # per metre in 2D
 # What makes the total of the energy account, with its sign.
