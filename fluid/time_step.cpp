@@ -99,7 +99,11 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
     if (!first) return_to_unprojected_velocity(load.surface_velocity);
     const bool pushed = push(load.force);  // u* += dt a_dissipative
     if (pushed || !first) compute_divergence();
-    if (first) complete_pressure_matrix(constants, load, neighbours_, boundary_, correction_, at_structure_, state_, system_);
+    if (first) {
+      complete_pressure_matrix(constants, load, neighbours_, boundary_, correction_, at_structure_, state_, system_);
+      // Where no surface lets a pool change its volume, its own mean density is the one to keep.
+      if (!density_source_.empty() && system_.without_surface.any()) system_.without_surface.subtract_means(density_source_);
+    }
     assemble_pressure_source(constants, window_.duration, load, state_, prediction_, boundary_, divergence_, density_source_, system_);
   }
   {

@@ -214,7 +214,7 @@ std::string explain_text(const Case& scene, const Costs& costs) {
     text += fmt::format("* {}urbulence, surface tension, and air: a closed air pocket is empty space.\n",
                         scene.fluid->viscosity ? "T" : "Viscosity, t");
   if (scene.structure && scene.fluid && scene.fluid->viscosity) text += "* Friction between the fluid and elastic bodies.\n";
-  if (scene.structure) text += "* Plasticity, damage, material damping, contact between elastic bodies.\n";
+  if (scene.structure) text += "* Plasticity, damage, material damping, contact: bodies that enter each other or a wall stop the run.\n";
   if (!scene.structure) text += "* Elastic bodies: no [structure] in the case, so no structure and no coupler process.\n";
   if (!scene.fluid) text += "* A fluid: no [fluid] in the case, so no fluid and no coupler process.\n";
   if (const std::string changes = preset_text(scene); !changes.empty()) text += "\nChanged by the " + changes;

@@ -35,11 +35,11 @@ class PlacementCheck {
 
   void run() {
     check_particles_exist();
-    check_mass();
     check_fluid_place();
     check_structure_place();
     check_clamps();
     check_thickness();
+    check_mass();
     check_initial_values();
   }
 

@@ -8,7 +8,8 @@
 
 namespace tern {
 
-/// Sets the default domain, fits the spacing of the fluid to its boxes (fitted_spacing()) and collects warnings. Throws BadInput if names repeat or lead nowhere, bodies overlap or
+/// Sets the default domain, fits the spacing of the fluid to its boxes (fitted_spacing()) and collects warnings.
+/// Throws BadInput if names repeat or lead nowhere, bodies overlap or
 /// stand outside the walls, a body or clamp holds no particle, or a body is fewer than 2 particles thick. `settings`
 /// are the effective settings the case was read from; they give the places for the sentences.
 void check_scene(Case& scene, const Setting& settings);

@@ -116,6 +116,7 @@ void complete_pressure_matrix(const Constants<D>& constants, const InterfaceCond
                               const Boundary<D>& boundary, const Corrections<D>& correction, const std::vector<int>& at_structure,
                               State<D>& state, PressureSystem<D>& system) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(at_structure.size()), all = static_cast<std::ptrdiff_t>(state.size());
+  system.without_surface.size.clear();
   const bool yields = n > 0 && mark_yielding_regions(constants, load, neighbours, boundary, correction, at_structure, state, system);
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (std::ptrdiff_t m = 0; m < n; ++m)

@@ -12,7 +12,8 @@ const Rows<FluidCase>& fluid_rows() {
   // clang-format off
   static const Rows<FluidCase> rows = {
       {"density", &FluidCase::density, "kg/m^3", required, positive, "Density."},
-      {"spacing", &FluidCase::spacing, "m", required, positive, "Particle spacing dx."},
+      {"spacing", &FluidCase::spacing, "m", required, positive,
+       "Particle spacing dx; stretched by a little where the boxes of the fluid are no whole multiples of it."},
       {"viscosity", &FluidCase::viscosity, "Pa s", absent, positive,
        "Dynamic viscosity mu; absent = inviscid. The fluid then sticks to walls without `slip`; elastic bodies stay frictionless."},
   };

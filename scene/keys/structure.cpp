@@ -33,7 +33,7 @@ const Rows<StructureBody>& body_rows() {
       {"poisson_ratio", &StructureBody::poisson_ratio, "-", required, between(-1, 0.5), "Poisson's ratio nu."},
       {"clamp", &StructureBody::clamps, "", "[]", any,
        "Particles inside any of these shapes are fixed; one layer of them is enough. The outermost ones are moved onto the face of the "
-       "region."},
+       "region. Where fluid can come to it, its surface is wet."},
       {"material", one_of(&StructureBody::material, structure::material_keys()), "", "\"neo_hookean\"", any,
        "Law of the material: " + material_meanings() + "."},
       {"mooney_ratio", &StructureBody::mooney_ratio, "-", absent, from_to(0, 1),

@@ -26,10 +26,12 @@ NEEDS = {
     "scene": ("base", "material"),
     "run": ("base", "scene"),
     "interface": ("base",),
+    "meeting": ("scene", "interface"),
     "wire": ("interface", "scene"),
     "transport": ("wire",),
     "participant": ("transport", "run"),
-    **{numerics: ("sph", "scene", "interface") for numerics in NUMERICS},
+    "fluid": ("sph", "scene", "interface"),
+    **{numerics: ("sph", "scene", "interface", "meeting") for numerics in ("structure", "coupler")},
     **{f"{numerics}_process": (numerics, "participant") for numerics in NUMERICS},
     "fixtures": (),  # of the tests
 }

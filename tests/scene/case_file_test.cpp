@@ -2,6 +2,7 @@
 
 #include "scene/case_file.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -398,9 +399,36 @@ TEST_F(CaseFile, WhoseGaugesOfABodyMakeNoSenseIsRefused) {
 // Seen to fail with the warning's limit at 3.
 TEST_F(CaseFile, WarnsOfABodyFewerThanFourParticlesThick) {
   EXPECT_TRUE(read(small_case).warnings.empty());
-  const Case c = read(with("spacing = 0.025", "spacing = 0.03"));
+  const Case c = read(with("spacing = 0.025", "spacing = 0.0334"));
   ASSERT_EQ(c.warnings.size(), 1u);
-  EXPECT_NE(c.warnings[0].find("3.33 particles across"), std::string::npos) << c.warnings[0];
+  EXPECT_NE(c.warnings[0].find("2.99 particles across"), std::string::npos) << c.warnings[0];
+}
+
+// Seen to fail: without check_mass().
+TEST_F(CaseFile, WarnsOfParticlesThatHaveAnotherMassThanTheBodyAndRefusesThemFromFivePercentOn) {
+  const Case c = read(with("spacing = 0.025", "spacing = 0.0335"));
+  ASSERT_EQ(c.warnings.size(), 2u);
+  EXPECT_NE(c.warnings[1].find("the 54 particles of the elastic body 'plate' have 1 % more mass than its shape"), std::string::npos)
+      << c.warnings[1];
+  EXPECT_NE(c.warnings[1].find("fits better than 0.0335 m"), std::string::npos) << c.warnings[1];
+  expect_refused(with("spacing = 0.025", "spacing = 0.03"), {"10 % less mass than its shape", "a spacing of 0.025 m"});
+}
+
+// Seen to fail: with steps that are not stretched.
+TEST_F(CaseFile, FitsTheSpacingOfTheFluidToItsBoxes) {
+  for (double spacing : {0.05, 0.047, 0.053}) {
+    const Case c = read(with("spacing = 0.05", fmt::format("spacing = {}", spacing)));
+    const Shape& box = c.fluid->bodies[0].shape;
+    const auto points = fill_with_fluid<2>(box, c.fluid->spacing);
+    const double area = (box.max[0] - box.min[0]) * (box.max[1] - box.min[1]);
+    EXPECT_NEAR(static_cast<double>(points.size()) * c.fluid->spacing * c.fluid->spacing, area, 1e-5 * area);
+    for (int d : {0, 1}) {
+      double low = 1e30, high = -1e30;
+      for (const auto& x : points) low = std::min(low, x[d]), high = std::max(high, x[d]);
+      EXPECT_NEAR(low - box.min[d], box.max[d] - high, 1e-9) << "as far from both ends";
+      EXPECT_NEAR(low - box.min[d], 0.5 * c.fluid->spacing, 0.03 * c.fluid->spacing);
+    }
+  }
 }
 
 // Seen to fail with the tenth-thinnest part of the whole surface as thickness: the tip of the triangle was too thin.

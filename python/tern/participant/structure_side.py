@@ -23,6 +23,8 @@ from tern.participant.frames import FrameWriter
 from tern.participant.schema import wire
 from tern.participant.side import TICKS_PER_SECOND, bad_input, finite, run_participant
 
+KEPT = 0.8  # of the velocity at the begin, see interface_velocity()
+
 
 @dataclass
 class Surface:
@@ -59,11 +61,11 @@ def cut_box(low, high, spacing, clamps=()):
     return tuple(numpy.array(column) for column in zip(*rows))
 
 
-def interface_velocity(mean, at_begin, rate):
-    """(velocity of the surface for the fluid at the end of a window, rate) from its mean velocity in it, and from what both were at its
-    begin. A vibration that the window does not resolve may end it moving against the load; its mean velocity never does, so that the
+def interface_velocity(mean, at_begin):
+    """Velocity of the surface for the fluid at the end of a window, from its mean in it and what was sent for its begin. A
+    vibration that the window does not resolve may end it moving against the load; its mean velocity never does, so that the
     coupling is stable for every stiffness and mass (structure/coupled_structure.hpp, docs/THEORY.md section 3)."""
-    return 1.68 * mean - 0.48 * rate - 0.2 * at_begin, 1.2 * mean - 0.2 * rate
+    return (1 + KEPT) * mean - KEPT * at_begin
 
 
 class _Coupled:
@@ -72,7 +74,6 @@ class _Coupled:
     def __init__(self, solver, explicit):
         self.solver, self._explicit = solver, explicit
         self._begin, self._state = solver.surface(), solver.state
-        self._rate = self._begin.velocity
         self.load = numpy.zeros_like(self._begin.position)
         self.interface_work = 0.0
 
@@ -97,7 +98,7 @@ class _Coupled:
         end = self._advance(load)
         self.interface_work += float((load * (end.position - self._begin.position)).sum())
         if not self._explicit:
-            end.velocity, self._rate = self._given(end)
+            end.velocity = self._velocity(end)
         self._begin, self._state, self.load = end, self.solver.state, load
 
     def _advance(self, load):
@@ -105,11 +106,8 @@ class _Coupled:
         self.solver.advance(*self._window, load)
         return self.solver.surface()
 
-    def _given(self, end):
-        return interface_velocity((end.position - self._begin.position) / self._window[1], self._begin.velocity, self._rate)
-
     def _velocity(self, end):
-        return self._given(end)[0]
+        return interface_velocity((end.position - self._begin.position) / self._window[1], self._begin.velocity)
 
 
 def _has_loads(settings):
