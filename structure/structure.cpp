@@ -130,16 +130,20 @@ struct Structure<D>::Parts {
     advance_window(reference, duration, sub_steps, implicit_window ? implicit.get() : nullptr, state, work);
     if (implicit_window)
       choice.add(implicit->memory().counts.evaluations - before.evaluations, implicit->memory().counts.factors - before.factors);
-    double total = 0, by_gravity = 0, by_loads = 0, held = 0;
+    double total = 0, by_gravity = 0, by_loads = 0;
     for (int a = 0; a < D; ++a)
       for (const auto row : reference.particle_row) {
         const double moved = state.displacement[a][row] - saved.displacement[a][row];
         total += work.external_force[a][row] * moved;
-        if (reference.inverse_mass[row] == 0) held += work.external_force[a][row] * moved;
         by_gravity += weight[a][row] * moved;
         if (loads.any()) by_loads += loads.force()[a][row] * moved;
       }
-    state.clamp_work -= held;  // what the fluid does on a clamp that moves, the clamp takes
+    for (std::size_t k = 0; k < attachment.row.size(); ++k) {
+      const auto row = attachment.row[k];
+      if (attachment.clamp[k] < 0) continue;
+      for (int a = 0; a < D; ++a)  // what the fluid does on a clamp that moves, the clamp takes
+        state.clamp_work -= state.load.force[k][a] * (state.displacement[a][row] - saved.displacement[a][row]);
+    }
     state.gravity_work += by_gravity;
     state.load_work += by_loads;
     state.interface_work += total - by_gravity - by_loads;
