@@ -31,6 +31,10 @@ std::string duration(double seconds) {
   return fmt::format("{:.1f} h", seconds / 3600);
 }
 
+std::string iterations_text(const Estimate& e) {
+  return e.iterations > 1 ? fmt::format(" of about {:.0f} coupling iterations", e.iterations) : "";
+}
+
 std::string step_limits(const Case& scene, const Estimate& e) {
   std::string text;
   if (scene.fluid) {
@@ -44,7 +48,7 @@ std::string step_limits(const Case& scene, const Estimate& e) {
       text +=
           fmt::format("  speed            {:.3g} s = {} dx/|u| at {:.3g} m/s, {}\n", e.flow_step, scene.fluid->numerics.courant, e.speed,
                       e.settled ? "half of sqrt(|g| H), the least that is reckoned with"
-                                : "the free fall over the height of the scene, or the initial speed");
+                                : "the free fall over the height of the scene, the initial speed, or walls and clamps that move");
     }
   }
   for (const BodyEstimate& body : e.bodies) {
@@ -96,7 +100,7 @@ std::string check_text(const Case& scene, const Costs& costs) {
     }
   }
   const double cpu = e.fluid_cpu + e.structure_cpu + e.coupler_cpu;
-  text += fmt::format("expected for {} s: about {:.0f} steps, {} of CPU", scene.end_time, e.steps, duration(cpu));
+  text += fmt::format("expected for {} s: about {:.0f} steps{}, {} of CPU", scene.end_time, e.steps, iterations_text(e), duration(cpu));
   if (scene.fluid && scene.structure) {
     text += fmt::format(" (fluid {}, structure {}, coupler {})", duration(e.fluid_cpu), duration(e.structure_cpu), duration(e.coupler_cpu));
   }
@@ -130,8 +134,8 @@ std::string algorithm_choice(const Case& scene, const Estimate& e) {
 
 std::string what_it_costs(const Case& scene, const Estimate& e, const Costs& costs) {
   const double total = e.fluid_cpu + e.structure_cpu + e.coupler_cpu;
-  std::string text = fmt::format("\nWhat it costs: about {:.0f} steps, {} of CPU, {:.0f} MB ({})\n", e.steps, duration(total),
-                                 e.memory / 1e6, origin(costs));
+  std::string text = fmt::format("\nWhat it costs: about {:.0f} steps{}, {} of CPU, {:.0f} MB ({})\n", e.steps, iterations_text(e),
+                                 duration(total), e.memory / 1e6, origin(costs));
   const auto line = [&](const char* name, double seconds, const std::string& of_what) {
     if (seconds > 0) text += fmt::format("  {:<16} {:<10} {:>3.0f} %  {}\n", name, duration(seconds), 100 * seconds / total, of_what);
   };

@@ -1,6 +1,6 @@
-// Step limits: dt = C sqrt(dx/|g|), dt = C dx/u with u = sqrt(2 |g| H) for a fluid that is free to fall by H, and for
-// a viscous one dt = C h^2/nu, and for the structure dt_s = C dx_s/c_p, c_p^2 = E (1 - nu)/(rho (1 + nu)(1 - 2 nu)), in plane
-// stress E/(rho (1 - nu^2)).
+// Step limits: dt = C sqrt(dx/|g|); dt = C dx/u with u = sqrt(2 |g| H) for a fluid that is free to fall by H, and with the speeds
+// of walls, clamps and bodies; for a viscous one dt = C h^2/nu; and for the structure dt_s = C dx_s/c_p,
+// c_p^2 = E (1 - nu)/(rho (1 + nu)(1 - 2 nu)), in plane stress E/(rho (1 - nu^2)).
 // Added mass of a cantilever of free length L in its first mode: rho_f L/1.875 per wet face, over rho_s T.
 
 #include "scene/estimate.hpp"
@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "scene/placement.hpp"
 
@@ -53,11 +54,11 @@ BodyEstimate estimate_body(const Case& scene, const StructureBody& body) {
   return result;
 }
 
-// One body that fills the container from wall to wall, stands on its floor, starts at rest and is not disturbed.
+// One body that fills the container from wall to wall but for what is cut out of it, stands on its floor and starts at rest.
 template <int D>
 bool is_settled(const Case& scene, const Vector<D>& gravity) {
-  if (scene.structure || scene.walls.size() != 1 || !scene.walls[0].container || scene.walls[0].motion || scene.fluid->bodies.size() != 1 ||
-      scene.fluid->bodies[0].shape.kind != Shape::Kind::box) {
+  if (scene.walls.size() != 1 || !scene.walls[0].container || scene.walls[0].motion || scene.fluid->bodies.size() != 1 ||
+      (scene.fluid->bodies[0].shape.kind != Shape::Kind::box && scene.fluid->bodies[0].shape.kind != Shape::Kind::difference)) {
     return false;
   }
   const FluidBody& body = scene.fluid->bodies[0];
@@ -72,6 +73,39 @@ bool is_settled(const Case& scene, const Vector<D>& gravity) {
     if (along ? !(gravity[d] < 0 ? low : high) : !(low && high)) return false;
   }
   return true;
+}
+
+constexpr int instants = 500;  ///< of the run at which motions are looked at
+
+/// Adds the largest speed that a motion gives the corners of the shape between one instant and the next, where it is larger [m/s].
+template <int D>
+void raise_to_motion(const std::optional<RigidMotion>& motion, const Shape& shape, double end_time, std::vector<double>& speed) {
+  if (!motion) return;
+  const Bounds<D> bounds = bounding_box<D>(shape);
+  Placement<D> before = placement<D>(*motion, 0);
+  for (int k = 0; k < instants; ++k) {
+    const Placement<D> now = placement<D>(*motion, end_time * (k + 1) / instants);
+    for (int corner = 0; corner < (1 << D); ++corner) {
+      Vector<D> x = bounds.min;
+      for (int d = 0; d < D; ++d)
+        if (corner & (1 << d)) x[d] = bounds.max[d];
+      speed[k] = std::max(speed[k], (now(x) - before(x)).norm() * instants / end_time);
+    }
+    before = now;
+  }
+}
+
+/// Mean over the run of the largest of `least` and the speeds of bodies at the start, walls and clamps [m/s].
+template <int D>
+double mean_of_largest_speed(const Case& scene, double least) {
+  if (scene.structure)
+    for (const StructureBody& body : scene.structure->bodies)
+      for (const Vector<D>& x : fill_lattice<D>(body.shape, body.spacing)) least = std::max(least, value<D>(body.velocity, x).norm());
+  std::vector<double> speed(instants, least);
+  for (const WallCase& wall : scene.walls) raise_to_motion<D>(wall.motion, wall.shape, scene.end_time, speed);
+  if (scene.structure)
+    for (const ClampCase& clamp : scene.structure->clamps) raise_to_motion<D>(clamp.motion, clamp.region, scene.end_time, speed);
+  return std::accumulate(speed.begin(), speed.end(), 0.0) / instants;
 }
 
 template <int D>
@@ -107,12 +141,26 @@ void estimate_fluid(const Case& scene, Estimate& result) {
     }
     fall = std::sqrt(2 * result.gravity * std::max(0.0, top - bottom));
   }
-  result.speed = std::max({initial_speed, fall, least});
+  result.speed = mean_of_largest_speed<D>(scene, std::max({initial_speed, fall, least}));
   result.gravity_step = result.gravity > 0 ? fluid.numerics.gravity_courant * std::sqrt(fluid.spacing / result.gravity) : infinity;
   result.flow_step = result.speed > 0 ? fluid.numerics.courant * fluid.spacing / result.speed : infinity;
   const double h = fluid.numerics.smoothing_length_ratio * fluid.spacing;
   result.viscous_step = fluid.viscosity ? fluid.numerics.viscous_courant * h * h * fluid.density / *fluid.viscosity : infinity;
-  result.step = std::min({result.gravity_step, result.flow_step, result.viscous_step, scene.end_time});
+  const double longest = scene.output.frame_interval > 0 ? std::min(scene.output.frame_interval, scene.end_time) : scene.end_time;
+  result.step = std::min({result.gravity_step, result.flow_step, result.viscous_step, longest});
+}
+
+constexpr double pressure_share = 0.4;  ///< of the cost of a step of the fluid, paid once more in each coupling iteration
+
+/// Mean in a window. Bodies that are light for a layer of fluid particles take 3 to 10 (`./tern verify rising_disc rising_ball_3d`).
+double coupling_iterations(const Case& scene, const std::vector<BodyEstimate>& bodies) {
+  constexpr double of_light = 6, of_heavy = 2;
+  const bool every_window = scene.coupling.algorithm == CouplingAlgorithm::implicit;
+  if (!every_window && scene.coupling.algorithm != CouplingAlgorithm::automatic) return 1;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (0.5 * scene.structure->bodies[b].density * bodies[b].thickness <= 0.5 * scene.fluid->density * scene.fluid->spacing)
+      return of_light;
+  return every_window ? of_heavy : 1;
 }
 
 // The windows of a structure alone are equal parts of the time from one output to the next.
@@ -142,10 +190,12 @@ Estimate estimate_in(const Case& scene, const Costs& costs) {
   const double paid_sub_steps = integrator == Integrator::explicit_steps   ? result.sub_steps
                                 : integrator == Integrator::implicit_steps ? implicit_window
                                                                            : std::min(result.sub_steps, implicit_window);
-  const double passes = !scene.fluid || scene.coupling.algorithm == CouplingAlgorithm::explicit_staggering ? 1 : 2;
+  result.iterations = scene.fluid && scene.structure ? coupling_iterations(scene, result.bodies) : 1;
+  const double passes = !scene.fluid || scene.coupling.algorithm == CouplingAlgorithm::explicit_staggering ? 1 : 1 + result.iterations;
+  const double solves = 1 + pressure_share * (result.iterations - 1);
   const auto particles = static_cast<double>(result.fluid_particles);
   result.coupler_cpu = scene.fluid && scene.structure ? costs.window * result.steps : 0;
-  result.fluid_cpu = costs.fluid * (D == 3 ? 3 : 1) * particles * result.steps;
+  result.fluid_cpu = costs.fluid * (D == 3 ? 3 : 1) * particles * result.steps * solves;
   result.structure_cpu = costs.structure * (D == 3 ? 14 : 1) * structure_particles * result.steps * paid_sub_steps * passes;
   const double process = 30e6;
   result.memory = (scene.fluid ? process : 0) + (scene.structure ? process : 0) + (scene.fluid && scene.structure ? process : 0) +

@@ -39,8 +39,8 @@ struct BodyEstimate {
 struct Estimate {
   long fluid_particles = 0;
   double gravity = 0;       ///< |g| at t = 0 in the middle of the fluid [m/s^2]
-  bool settled = false;     ///< the fluid fills the container from wall to wall and starts at rest
-  double speed = 0;         ///< free-fall speed from the top of the fluid to the lowest wall, and initial speed [m/s]
+  bool settled = false;     ///< the fluid fills the container from wall to wall, but for what is cut out, and starts at rest
+  double speed = 0;         ///< of free fall to the lowest wall, of the start, of walls and clamps: mean of the largest [m/s]
   double gravity_step = 0;  ///< limit gravity_courant sqrt(dx/|g|) [s]; infinite without gravity
   double flow_step = 0;     ///< limit courant dx/speed [s]; infinite at rest
   double viscous_step = 0;  ///< limit viscous_courant h^2/nu [s]; infinite without viscosity
@@ -48,6 +48,7 @@ struct Estimate {
   double steps = 0;         ///< in the whole run
   std::vector<BodyEstimate> bodies;
   double sub_steps = 0;                                      ///< of the structure in one step
+  double iterations = 1;                                     ///< of the coupling in one step
   double memory = 0;                                         ///< all processes [bytes]
   double fluid_cpu = 0, structure_cpu = 0, coupler_cpu = 0;  ///< [s]
 };
