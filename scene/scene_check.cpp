@@ -1,5 +1,10 @@
 #include "scene/scene_check.hpp"
 
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
 #include "scene/checks/checks.hpp"
 #include "scene/placement.hpp"
 
@@ -15,7 +20,13 @@ void check_scene_in(Case& scene, const Setting& settings) {
   if (scene.fluid) {
     std::vector<Shape> shapes;
     for (const FluidBody& body : scene.fluid->bodies) shapes.push_back(body.shape);
-    scene.fluid->spacing = fitted_spacing<D>(shapes, scene.fluid->spacing);
+    const double asked = std::exchange(scene.fluid->spacing, fitted_spacing<D>(shapes, scene.fluid->spacing));
+    constexpr double said = 0.01;
+    if (std::abs(scene.fluid->spacing - asked) > said * asked)
+      scene.warnings.push_back(
+          fmt::format("{}: the boxes of the fluid are no whole multiples of the spacing {:.4g} m; {:.4g} m is taken, with "
+                      "which their particles have their mass.",
+                      settings.at("fluid").at("spacing").where, asked, scene.fluid->spacing));
   }
   check_structure<D>(scene, settings);
   check_placement<D>(scene, settings);

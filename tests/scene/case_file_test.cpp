@@ -428,6 +428,9 @@ TEST_F(CaseFile, FitsTheSpacingOfTheFluidToItsBoxes) {
       EXPECT_NEAR(low - box.min[d], box.max[d] - high, 1e-9) << "as far from both ends";
       EXPECT_NEAR(low - box.min[d], 0.5 * c.fluid->spacing, 0.03 * c.fluid->spacing);
     }
+    const bool said = std::any_of(c.warnings.begin(), c.warnings.end(),
+                                  [](const std::string& warning) { return warning.find("no whole multiples") != std::string::npos; });
+    EXPECT_EQ(said, std::abs(c.fluid->spacing / spacing - 1) > 0.01);
   }
 }
 
@@ -498,7 +501,10 @@ TEST_F(CaseFile, WithAPeriodicDirectionThatCannotRepeatItselfIsRefused) {
                      "[[structure.body]]\nname = \"plate\"\nspacing = 0.05\ndensity = 1000\nyoung_modulus = 1e6\n"
                      "poisson_ratio = 0.4\nshape = { box = { min = [0.4, 0], max = [0.6, 0.5] } }\n",
                  {"case.toml:7:", "periodic", "[structure]"});
-  EXPECT_EQ(read(changed("spacing = 0.05", "spacing = 0.03")).warnings.size(), 1u);
+  const auto warnings = read(changed("spacing = 0.05", "spacing = 0.03")).warnings;
+  ASSERT_EQ(warnings.size(), 2u);
+  EXPECT_NE(warnings[0].find("the period in direction x is 33.3"), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[1].find("no whole multiples"), std::string::npos) << warnings[1];
 }
 
 constexpr const char* pulled_case = R"(dimension = 2
