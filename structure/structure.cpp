@@ -296,16 +296,13 @@ template <int D>
 Reaction Structure<D>::reaction(const std::string& body, const std::string& clamp, const std::array<double, 3>& about) const {
   const Reference<D>& reference = parts_->reference;
   const SurfaceAttachment<D>& attachment = parts_->attachment;
-  RowVectors<D> by_fluid;  // on what is clamped
-  for (auto& axis : by_fluid) axis.assign(reference.rows, 0);
-  for (std::size_t k = 0; k < attachment.row.size(); ++k)
-    for (int a = 0; a < D && attachment.clamp[k] >= 0; ++a) by_fluid[a][attachment.row[k]] += parts_->state.load.force[k][a];
+  const State<D>& state = parts_->state;
   Reaction reaction;
-  const auto add = [&](std::int32_t row) {
+  const auto add = [&](std::int32_t row, const auto& held) {  // the force that has to be borne there
     std::array<double, 3> arm{}, force{};
     for (int a = 0; a < D; ++a) {
-      arm[a] = reference.position[a][row] + parts_->state.displacement[a][row] - about[a];
-      force[a] = -parts_->state.internal_force[a][row] - by_fluid[a][row];
+      arm[a] = reference.position[a][row] + state.displacement[a][row] - about[a];
+      force[a] = -held(a);
     }
     for (int a = 0; a < 3; ++a) {
       const int b = (a + 1) % 3, c = (a + 2) % 3;
@@ -313,19 +310,28 @@ Reaction Structure<D>::reaction(const std::string& body, const std::string& clam
       reaction.moment[a] += arm[b] * force[c] - arm[c] * force[b];
     }
   };
+  const auto add_row = [&](std::int32_t row) { add(row, [&](int a) { return state.internal_force[a][row]; }); };
+  const auto add_fluid = [&](const auto& bears) {
+    for (std::size_t k = 0; k < attachment.row.size(); ++k)
+      if (attachment.clamp[k] >= 0 && bears(k)) add(attachment.row[k], [&](int a) { return state.load.force[k][a]; });
+  };
   bool found = false;
-  for (const Clamp& known : reference.clamps) {
+  for (std::size_t n = 0; n < reference.clamps.size(); ++n) {
+    const Clamp& known = reference.clamps[n];
     if (clamp.empty() || known.name != clamp || reference.bodies[known.body].name != body) continue;
     found = true;
-    for (const auto row : known.row) add(row);
+    for (const auto row : known.row) add_row(row);
+    add_fluid([&](std::size_t k) { return attachment.clamp[k] == static_cast<std::int32_t>(n); });
   }
-  for (const Body& known : reference.bodies) {
+  for (std::size_t n = 0; n < reference.bodies.size(); ++n) {
+    const Body& known = reference.bodies[n];
     if (!clamp.empty() || known.name != body) continue;
     found = true;
     for (std::size_t p = known.first; p < known.first + known.count; ++p) {
       const auto row = reference.particle_row[p];
-      if (reference.inverse_mass[row] == 0) add(row);
+      if (reference.inverse_mass[row] == 0) add_row(row);
     }
+    add_fluid([&](std::size_t k) { return attachment.properties.body[k] == n; });
   }
   if (!found)
     throw BadInput(

@@ -19,11 +19,10 @@ bool inside_any(const std::vector<Shape>& shapes, const auto& x) {
   return std::any_of(shapes.begin(), shapes.end(), [&](const Shape& s) { return contains<D>(s, x); });
 }
 
-/// Whether fluid can come to x at t = 0, closer to it than to any wall.
+/// Whether fluid can come to x at t = 0, closer to it than to any wall. `region`: of the container.
 template <int D>
-bool is_within_reach(const Case& scene, const Vector<D>& x, double slack) {
+bool is_within_reach(const Case& scene, const std::optional<Shape>& region, const Vector<D>& x, double slack) {
   if (!scene.fluid) return false;
-  const auto region = fluid_region(scene);
   if (region && signed_distance<D>(*region, x) > -slack) return false;
   return std::none_of(scene.walls.begin(), scene.walls.end(),
                       [&](const WallCase& wall) { return !wall.container && signed_distance<D>(wall.shape, x) < slack; });
@@ -57,6 +56,7 @@ std::int32_t clamp_of(const Reference<D>& reference, std::int32_t row) {
 template <int D>
 SurfaceAttachment<D> attach_surface(const Reference<D>& reference, const Case& scene) {
   SurfaceAttachment<D> attachment;
+  const std::optional<Shape> region = fluid_region(scene);
   for (std::uint32_t b = 0; b < reference.bodies.size(); ++b) {
     const Body& body = reference.bodies[b];
     const auto points = sample_surface<D>(body.shape, patch_length(body.spacing, scene.fluid));
@@ -64,7 +64,7 @@ SurfaceAttachment<D> attach_surface(const Reference<D>& reference, const Case& s
       const Vector<D>& x = points.position[k];
       const Vector<D>& normal = points.normal[k];
       const bool clamped = inside_any(body.clamps, x);
-      if (clamped && !is_within_reach<D>(scene, x, 1e-3 * body.spacing)) continue;
+      if (clamped && !is_within_reach<D>(scene, region, x, 1e-3 * body.spacing)) continue;
       const auto row = nearest_row<D>(reference, body, x, clamped);
       if (row < 0) continue;  // the whole body is clamped, or the clamp holds no particle here
       const double depth = thickness<D>(body.shape, x, normal);
