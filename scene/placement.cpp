@@ -179,9 +179,9 @@ class PlacementCheck {
       for (const Vector<D>& x : structure_points_[i]) {
         if (clamped(body, x)) continue;
         if (walls && signed_distance<D>(*walls, x) > 1e-6 * body.spacing) {
-          fail(where_body(i), fmt::format("{} stands outside the container at {}, where it is not clamped; move it inside, or clamp "
-                                          "what is outside.",
-                                          label, text(x)));
+          fail(where_body(i), fmt::format("{0} stands outside the container at {1}, where it is not clamped; move it inside "
+                                          "(structure.body.{2}.shape), or clamp what is outside (structure.body.{2}.clamp).",
+                                          label, text(x), body.name));
         }
         for (const WallCase& wall : scene_.walls) {
           if (!wall.container && signed_distance<D>(wall.shape, x) < -1e-6 * body.spacing) {

@@ -305,7 +305,8 @@ TEST_F(CaseFile, WhoseSceneMakesNoSenseIsRefused) {
   expect_refused(with("max = [0.4, 0.5]", "max = [1.1, 0.5]"), {"fluid body 1 reaches out of the container"});
   expect_refused(with("max = [0.4, 0.5]", "max = [0.75, 0.5]"), {"'plate' and fluid body 1 overlap"});
   expect_refused(with("max = [0.4, 0.5]", "max = [0.02, 0.02]"), {"holds no particle"});
-  expect_refused(with("[0.7, -0.1], max = [0.8, 0.5]", "[0.7, -0.1], max = [1.2, 0.5]"), {"'plate' stands outside the container"});
+  expect_refused(with("[0.7, -0.1], max = [0.8, 0.5]", "[0.7, -0.1], max = [1.2, 0.5]"),
+                 {"'plate' stands outside the container", "structure.body.plate.shape", "structure.body.plate.clamp"});
   expect_refused(with("{ box = { min = [0.6, -0.2], max = [0.9, 0] } }", ""), {"'plate' stands outside the container"});
   expect_refused(with("min = [0.6, -0.2], max = [0.9, 0]", "min = [2, 2], max = [3, 3]"), {"stands outside"});
   expect_refused(with("[{ box = { min = [0.6", "[{ ball = { center = [9, 9], radius = 1 } }, { box = { min = [0.6"),
