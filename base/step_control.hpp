@@ -12,6 +12,12 @@ class StepControl {
   /// Next window length [ticks] for a proposal [s], from `now` towards the next time that must be met.
   Ticks next(double proposed_seconds, Ticks now, Ticks target);
 
+  /// The list of the members: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("previous", all.previous_...);
+  }
+
  private:
   double previous_ = 0;  ///< [s]
 };

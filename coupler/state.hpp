@@ -17,6 +17,16 @@ namespace tern::coupler {
 /// leaves out counts nothing.
 struct Evaluations {
   long pressure = 0, riemann_dissipation = 0, vem = 0, coupling_iterations = 0, windows_without_exchange = 0;
+
+  /// The list of the members: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("pressure", all.pressure...);
+    visit("riemann_dissipation", all.riemann_dissipation...);
+    visit("vem", all.vem...);
+    visit("coupling_iterations", all.coupling_iterations...);
+    visit("windows_without_exchange", all.windows_without_exchange...);
+  }
 };
 
 template <int D>
@@ -34,6 +44,21 @@ struct State {
   MeetingState<D> meeting;                  ///< of bodies with each other and with walls
   Evaluations evaluations;
   Totals totals;
+
+  /// The list of the members: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("load", all.load.force...);
+    visit("contact", all.contact.force...);
+    visit("surface_velocity", all.surface_velocity...);
+    visit("mass", all.mass...);
+    visit("area_at_start", all.area_at_start...);
+    visit("fixed_point", all.fixed_point...);
+    visit("observations", all.observations...);
+    visit("meeting", all.meeting...);
+    visit("evaluations", all.evaluations...);
+    visit("totals", all.totals...);
+  }
 };
 
 }  // namespace tern::coupler

@@ -22,6 +22,25 @@ struct Totals {
   /// another motion of the surface than the one that came about.
   static std::vector<std::string> columns();
   std::vector<double> energies(double work_on_structure) const;
+
+  /// The list of the members: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("work_on_fluid", all.work_on_fluid...);
+    visit("riemann", all.riemann...);
+    visit("mitigation", all.mitigation...);
+    visit("contact", all.contact...);
+    visit("largest_force_error", all.largest_force_error...);
+    visit("largest_moment_error", all.largest_moment_error...);
+    visit("impulse_sum", all.impulse_sum...);
+    visit("impulse_size", all.impulse_size...);
+    visit("windows", all.windows...);
+    visit("contacts", all.contacts...);
+    visit("wet_windows", all.wet_windows...);
+    visit("iterations", all.iterations...);
+    visit("open_windows", all.open_windows...);
+    visit("most_iterations", all.most_iterations...);
+  }
 };
 
 }  // namespace tern::coupler

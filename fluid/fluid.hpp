@@ -22,12 +22,6 @@ struct StepTiming {
   double neighbours = 0, boundary = 0, assembly = 0, pressure_solve = 0, correction = 0;
 };
 
-/// How often each term was evaluated, in particles (walls, faces of the structure), since construction. What a case leaves out
-/// counts nothing.
-struct Evaluations {
-  long viscosity = 0, noise_damping = 0, density_source = 0, shifting = 0, moving_walls = 0, structure_surface = 0;
-};
-
 struct Energies {
   double kinetic = 0;    ///< [J/m^(3-D)]
   double potential = 0;  ///< minus the work of gravity since t = 0 [J/m^(3-D)]
@@ -85,7 +79,7 @@ class Fluid {
     return {{{&boundary_.seen_walls(), &boundary_.wall_finder}, {&boundary_.surface, &boundary_.surface_finder}}};
   }
   const StepTiming& timing() const { return timing_; }
-  const Evaluations& evaluations() const { return evaluations_; }
+  const Evaluations& evaluations() const { return state_.evaluations; }
 
   // What the state says of itself.
   /// Whether the state has a pressure: not before the first solve.
@@ -135,7 +129,6 @@ class Fluid {
   bool pressure_prepared_ = false, velocity_complete_ = false;  ///< by the functions of this name, in this window
 
   StepTiming timing_;
-  Evaluations evaluations_;
 };
 
 extern template class Fluid<2>;

@@ -16,7 +16,7 @@ State<D> initial_state(const Case& scene) {
       state.velocity.push_back(u);
     }
   if (state.size() == 0) throw BadInput(scene.path + ": the fluid bodies hold no particle; make them larger than fluid.spacing.");
-  for_each_field(state, [n = state.size()](const char*, const char*, auto& values) { values.resize(n); });
+  for_each_particle_field(state, [n = state.size()](const char*, const char*, auto& values) { values.resize(n); });
   return state;
 }
 

@@ -18,13 +18,40 @@ struct EnclosedAccount {
   double volume_error = 0;  ///< volume that faces have pushed into a region over its volume, largest by size [-]
   bool warned = false;
   std::vector<double> pushed;  ///< volume error by label of the particle, which keeps it while regions join and part; empty: none yet
+
+  /// The list of the members: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("any", all.any...);
+    visit("largest_flux", all.largest_flux...);
+    visit("volume_error", all.volume_error...);
+    visit("warned", all.warned...);
+    visit("pushed", all.pushed...);
+  }
+};
+
+/// How often each term was evaluated, in particles (walls, faces of the structure), over the run so far. What a case leaves out
+/// counts nothing.
+struct Evaluations {
+  long viscosity = 0, noise_damping = 0, density_source = 0, shifting = 0, moving_walls = 0, structure_surface = 0;
+
+  /// The list of the members: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("viscosity", all.viscosity...);
+    visit("noise_damping", all.noise_damping...);
+    visit("density_source", all.density_source...);
+    visit("shifting", all.shifting...);
+    visit("moving_walls", all.moving_walls...);
+    visit("structure_surface", all.structure_surface...);
+  }
 };
 
 template <int D>
 struct State {
   Ticks time = 0;
 
-  // One value per particle: for_each_field() lists them.
+  // One value per particle: for_each_particle_field() lists them.
   std::vector<Vector<D>> position;            ///< [m]
   std::vector<Vector<D>> velocity;            ///< [m/s]
   std::vector<double> pressure;               ///< [Pa]
@@ -42,14 +69,38 @@ struct State {
   std::size_t removed = 0;         ///< particles that left the domain
   std::size_t leaked = 0;          ///< that went through a wall or the structure
   double potential = 0;            ///< minus the work of gravity since t = 0 [J/m^(3-D)]
+  Evaluations evaluations;
 
   std::size_t size() const { return id.size(); }
+
+  /// The list of the members: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("time", all.time...);
+    visit("position", all.position...);
+    visit("velocity", all.velocity...);
+    visit("pressure", all.pressure...);
+    visit("id", all.id...);
+    visit("particle_class", all.particle_class...);
+    visit("wall_velocity", all.wall_velocity...);
+    visit("has_pressure", all.has_pressure...);
+    visit("fills_enclosure", all.fills_enclosure...);
+    visit("enclosed", all.enclosed...);
+    visit("reference_speed", all.reference_speed...);
+    visit("windows_of_collapse", all.windows_of_collapse...);
+    visit("windows_of_lost_volume", all.windows_of_lost_volume...);
+    visit("fallback_solves", all.fallback_solves...);
+    visit("removed", all.removed...);
+    visit("leaked", all.leaked...);
+    visit("potential", all.potential...);
+    visit("evaluations", all.evaluations...);
+  }
 };
 
 /// Calls visit(name, unit, values) for each array with one value per particle: what sorting by cell, the removal of escaped
 /// particles, frames and comparisons go through.
 template <class AnyState, class Visit>
-void for_each_field(AnyState& state, Visit&& visit) {
+void for_each_particle_field(AnyState& state, Visit&& visit) {
   visit("position", "m", state.position);
   visit("velocity", "m/s", state.velocity);
   visit("pressure", "Pa", state.pressure);

@@ -50,10 +50,10 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   ScopedTimer timer(timing_.boundary);
   const Constants<D>& constants = reference_.constants;
   if (boundary_.walls.moving()) {
-    evaluations_.moving_walls += static_cast<long>(boundary_.walls.faces().size());
+    state_.evaluations.moving_walls += static_cast<long>(boundary_.walls.faces().size());
     move_walls(constants, window_, boundary_, state_.wall_velocity);
   }
-  evaluations_.structure_surface += static_cast<long>(surface.position.size());
+  state_.evaluations.structure_surface += static_cast<long>(surface.position.size());
   set_surface(constants, surface, boundary_);
   see_boundary(constants, reference_.period, prediction_.position, boundary_, neighbours_);
   sum_over_hidden_side(constants, prediction_.position, prediction_.gravity, boundary_);
@@ -61,11 +61,11 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   correct_moments(neighbours_, boundary_, state_.particle_class, correction_);  // M, C, C^F
   classify_particles(constants, neighbours_, boundary_, correction_, state_);   // free surface, spray
   if (constants.viscosity > 0) {                                                // u* += dt nu lap u^n
-    evaluations_.viscosity += static_cast<long>(state_.size());
+    state_.evaluations.viscosity += static_cast<long>(state_.size());
     add_viscosity(constants, window_.duration, neighbours_, boundary_, prediction_.position, state_.velocity, prediction_.velocity);
   }
   if (const double share = damped_share(reference_, window_.duration, prediction_.bulk_speed); share > 0) {
-    evaluations_.noise_damping += static_cast<long>(state_.size());
+    state_.evaluations.noise_damping += static_cast<long>(state_.size());
     damp_velocity_noise(share, reference_.period, neighbours_, correction_, state_.particle_class, prediction_.position, packed_,
                         prediction_.velocity);
   }
@@ -81,7 +81,7 @@ template <int D>
 void Fluid<D>::prepare_pressure() {
   ScopedTimer timer(timing_.assembly);
   if (reference_.constants.numerics.density_relaxation > 0) {
-    evaluations_.density_source += static_cast<long>(state_.size());
+    state_.evaluations.density_source += static_cast<long>(state_.size());
     compute_density_source(reference_, prediction_.bulk_speed, neighbours_, boundary_, correction_, state_.particle_class, density_source_);
   }
   assemble_pressure_matrix(reference_.constants, state_, neighbours_, boundary_, correction_, system_.matrix);
@@ -147,7 +147,7 @@ void Fluid<D>::end_window(const InterfaceForce<D>& force) {
   advance(window_.duration, prediction_, state_);  // r^{n+1} = r* + dt/2 u^{n+1}
   move_off_structure(constants, boundary_, at_structure_, prediction_.position, state_.position);
   if (const double coefficient = shifting_coefficient(constants, window_.duration, prediction_.bulk_speed); coefficient != 0) {
-    evaluations_.shifting += static_cast<long>(state_.size());
+    state_.evaluations.shifting += static_cast<long>(state_.size());
     shift_particles(coefficient, constants, neighbours_, boundary_, correction_, state_.particle_class, prediction_.position,
                     state_.position);
   }

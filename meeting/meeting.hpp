@@ -31,6 +31,17 @@ struct MeetingState {
   std::vector<std::vector<double>> in_walls;  ///< the same of each wall; infinite where it started beyond its face or is held there
   std::vector<Vector<D>> compared;            ///< where every point was when distances between bodies were computed last [m]
   double clearance = 0;                       ///< no two bodies meet before a point has moved as far as this from there [m]
+
+  /// The list of the members: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("start", all.start...);
+    visit("length", all.length...);
+    visit("depth_in_bodies", all.depth_in_bodies...);
+    visit("in_walls", all.in_walls...);
+    visit("compared", all.compared...);
+    visit("clearance", all.clearance...);
+  }
 };
 
 /// A look at the surface at the instant `time` [s]; the first one is what later ones are compared with: it tells nothing. Throws

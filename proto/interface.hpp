@@ -28,6 +28,15 @@ struct Surface {
   std::vector<Vector<D>> velocity;  ///< end-of-window velocity u [m/s]
   std::vector<Vector<D>> normal;    ///< unit, pointing out of the structure into the fluid
   std::vector<double> area;         ///< current area [m^(D-1)]
+
+  /// The list of the members: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("position", all.position...);
+    visit("velocity", all.velocity...);
+    visit("normal", all.normal...);
+    visit("area", all.area...);
+  }
 };
 
 /// Fluid particles within the kernel support of the interface, at their predicted positions.

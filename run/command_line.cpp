@@ -67,6 +67,7 @@ CommandLine parse_command_line(int argc, const char* const* argv, const std::str
                                    : "give the coupler up that leaves a message out for 2 S seconds (default S = 300): it waits itself")
       ->type_name("S");
   app.add_flag("--force", result.force, "replace the results of an earlier run in DIR");
+  app.add_flag("--resume", result.resume, "go on from the newest checkpoint in DIR; all processes of the run have to");
   app.add_flag("--allow-unstable", result.allow_unstable, "run the explicit coupling although the added mass predicts that it is unstable");
   app.add_flag("--quiet", result.quiet, "no progress lines");
   if (role == "coupler") app.add_flag("--record", result.record, "write every message of the participants to DIR/interface.record");

@@ -22,6 +22,7 @@ struct CommandLine {
   double deadline_s = 300;      ///< a peer that leaves a message out for so long is given up
   bool force = false;           ///< replace the results of an earlier run in `out`
   bool allow_unstable = false;  ///< run a coupling that is predicted to be unstable
+  bool resume = false;          ///< go on from the newest checkpoint in `out`
   bool quiet = false;           ///< no progress lines
   bool record = false;          ///< coupler only: keep what the participants send in `out`/interface.record
 

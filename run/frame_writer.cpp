@@ -7,6 +7,7 @@
 
 #include <cassert>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <numeric>
 #include <variant>
@@ -31,6 +32,8 @@ hid_t hdf5_type(float) { return H5T_NATIVE_FLOAT; }
 hid_t hdf5_type(double) { return H5T_NATIVE_DOUBLE; }
 hid_t hdf5_type(int) { return H5T_NATIVE_INT; }
 hid_t hdf5_type(std::uint32_t) { return H5T_NATIVE_UINT32; }
+
+std::string frame_name(std::uint64_t index) { return fmt::format("frame_{:06}", index); }
 
 XdmfField xdmf_field(const Field& field) {
   constexpr const char* types[] = {"Float", "Float", "Int", "UInt"};
@@ -72,9 +75,9 @@ struct FrameWriter::Index {
   int frames = 0;
 };
 
-FrameWriter::FrameWriter(const std::string& out_dir, const std::string& name) : data_path_(out_dir + "/" + name + ".h5") {
-  Hdf5File(data_path_, Hdf5File::Mode::create).close();
-  index_ = std::make_unique<Index>(Index{XdmfWriter(out_dir + "/" + name + ".xmf", name + ".h5")});
+FrameWriter::FrameWriter(const std::string& out_dir, const std::string& name, bool anew) : data_path_(out_dir + "/" + name + ".h5") {
+  if (anew) Hdf5File(data_path_, Hdf5File::Mode::create).close();
+  index_ = std::make_unique<Index>(Index{XdmfWriter(out_dir + "/" + name + ".xmf", name + ".h5", anew)});
 }
 
 FrameWriter::~FrameWriter() = default;
@@ -122,7 +125,7 @@ void FrameWriter::side_vector(const std::string& field, const std::string& unit,
 
 void FrameWriter::end() {
   assert(frame_ && !frame_->fields.empty());
-  const std::string name = fmt::format("frame_{:06}", index_->frames);
+  const std::string name = frame_name(static_cast<std::uint64_t>(index_->frames));
   const std::size_t particles = frame_->particles();
   std::vector<int> connectivity(particles);
   std::iota(connectivity.begin(), connectivity.end(), 0);
@@ -150,6 +153,36 @@ void FrameWriter::end() {
   index_->xdmf.add_frame(frame_->time_s, name, particles, indexed);
   ++index_->frames;
   frame_.reset();
+}
+
+FrameWriter::Mark FrameWriter::mark() const {
+  std::error_code error;
+  const auto bytes = std::filesystem::file_size(data_path_, error);
+  if (error) throw InputOutputError(fmt::format("Cannot look at {}: {}.", data_path_, error.message()));
+  return {static_cast<std::uint64_t>(index_->frames), bytes, index_->xdmf.end()};
+}
+
+void FrameWriter::go_back(const Mark& mark) {
+  std::error_code error;
+  const auto bytes = std::filesystem::file_size(data_path_, error);
+  if (error || bytes < mark.data_bytes)
+    throw InputOutputError(
+        fmt::format("{} has less than {} bytes, which it had at the checkpoint; it was changed or lost.", data_path_, mark.data_bytes));
+  if (bytes > mark.data_bytes) {
+    const std::string temporary = data_path_ + ".tmp";
+    Hdf5File(temporary, Hdf5File::Mode::create).close();
+    Hdf5File source(data_path_, Hdf5File::Mode::read);
+    for (std::uint64_t n = 0; n < mark.frames; ++n) {
+      Hdf5File file(temporary, Hdf5File::Mode::append);
+      file.copy_group(source, frame_name(n));
+      file.close();
+    }
+    source.close();
+    std::filesystem::rename(temporary, data_path_, error);
+    if (error) throw InputOutputError(fmt::format("Cannot replace {}: {}.", data_path_, error.message()));
+  }
+  index_->xdmf.go_back(mark.index_bytes);
+  index_->frames = static_cast<int>(mark.frames);
 }
 
 template void FrameWriter::vector<2>(const std::string&, const std::string&, std::span<const Vector<2>>);

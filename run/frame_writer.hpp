@@ -25,8 +25,9 @@ namespace tern {
 
 class FrameWriter {
  public:
-  /// Starts both files anew; `name` is "fluid" or "structure". Throws InputOutputError naming the file.
-  FrameWriter(const std::string& out_dir, const std::string& name);
+  /// `name` is "fluid" or "structure". `anew`: starts both files; otherwise they are there, and go_back() follows. Throws
+  /// InputOutputError naming the file.
+  FrameWriter(const std::string& out_dir, const std::string& name, bool anew = true);
   ~FrameWriter();
   FrameWriter(const FrameWriter&) = delete;
   FrameWriter& operator=(const FrameWriter&) = delete;
@@ -50,6 +51,23 @@ class FrameWriter {
   void end();
 
   int frames() const;
+
+  /// Where the files are, to come back to.
+  struct Mark {
+    std::uint64_t frames = 0, data_bytes = 0, index_bytes = 0;
+
+    /// The list of the members: visit(name, member of each) for every one.
+    template <class Visit, class... Same>
+    static void for_each_field(Visit&& visit, Same&... all) {
+      visit("frames", all.frames...);
+      visit("data_bytes", all.data_bytes...);
+      visit("index_bytes", all.index_bytes...);
+    }
+  };
+  Mark mark() const;
+  /// Makes both files what they were, byte for byte. A data file that has become longer is written anew with the frames it had then,
+  /// for HDF5 does not give back what was added. Throws InputOutputError.
+  void go_back(const Mark& mark);
 
  private:
   struct Frame;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -30,13 +31,18 @@ hid_t open_file(const std::string& path, Hdf5File::Mode mode) {
   // A viewer that has the file open for reading must not stop the run.
   H5Pset_file_locking(access.id(), false, true);
   errno = 0;
-  return mode == Hdf5File::Mode::create ? create_file(path, access.id()) : H5Fopen(path.c_str(), H5F_ACC_RDWR, access.id());
+  if (mode == Hdf5File::Mode::create_compact) {
+    H5Pset_libver_bounds(access.id(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
+    return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id());
+  }
+  if (mode == Hdf5File::Mode::create) return create_file(path, access.id());
+  return H5Fopen(path.c_str(), mode == Hdf5File::Mode::append ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access.id());
 }
 
 }  // namespace
 
 Hdf5File::Hdf5File(std::string path, Mode mode) : path_(std::move(path)), file_(open_file(path_, mode), H5Fclose) {
-  if (file_.id() < 0) fail(mode == Mode::create ? "create" : "open");
+  if (file_.id() < 0) fail(mode == Mode::create || mode == Mode::create_compact ? "create" : "open");
 }
 
 void Hdf5File::fail(const std::string& what) const {
@@ -50,11 +56,14 @@ Hdf5Handle Hdf5File::checked(hid_t id, Hdf5Handle::Close closer, const std::stri
   return Hdf5Handle(id, closer);
 }
 
+Hdf5Handle Hdf5File::root() { return checked(H5Gopen2(file_.id(), "/", H5P_DEFAULT), H5Gclose, "open the root of"); }
+
 Hdf5Handle Hdf5File::create_group() {
   // Tracking the order makes HDF5 keep the links in the group's header: no separate tree and heap per frame.
   const Hdf5Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
   H5Pset_link_creation_order(creation.id(), H5P_CRT_ORDER_TRACKED);
   H5Pset_link_phase_change(creation.id(), 64, 32);
+  H5Pset_obj_track_times(creation.id(), false);
   return checked(H5Gcreate_anon(file_.id(), creation.id(), H5P_DEFAULT), H5Gclose, "write a group to");
 }
 
@@ -68,8 +77,11 @@ void Hdf5File::write_dataset(const Hdf5Handle& group, const std::string& name, c
   const std::string what = "write dataset " + name + " to";
   const std::array<hsize_t, 2> extent{rows, columns};
   const Hdf5Handle space = checked(H5Screate_simple(columns > 0 ? 2 : 1, extent.data(), nullptr), H5Sclose, what);
+  const Hdf5Handle linking(H5Pcreate(H5P_LINK_CREATE), H5Pclose), creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_create_intermediate_group(linking.id(), 1);
+  H5Pset_obj_track_times(creation.id(), false);
   Hdf5Handle dataset =
-      checked(H5Dcreate2(group.id(), name.c_str(), type, space.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose, what);
+      checked(H5Dcreate2(group.id(), name.c_str(), type, space.id(), linking.id(), creation.id(), H5P_DEFAULT), H5Dclose, what);
   if (H5Dwrite(dataset.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) fail(what);
   if (!unit.empty()) write_attribute(dataset, "unit", unit);
   if (!dataset.close()) fail(what);
@@ -95,6 +107,75 @@ void Hdf5File::write_attribute(const Hdf5Handle& object, const std::string& name
   H5Tset_size(type.id(), text.size());
   H5Tset_cset(type.id(), H5T_CSET_UTF8);
   write_attribute(object, name, type.id(), text.data());
+}
+
+std::optional<Hdf5File::Shape> Hdf5File::shape(const std::string& path, hid_t type) {
+  const Hdf5Handle dataset(H5Dopen2(file_.id(), path.c_str(), H5P_DEFAULT), H5Dclose);
+  if (dataset.id() < 0) return std::nullopt;
+  const Hdf5Handle stored(H5Dget_type(dataset.id()), H5Tclose), space(H5Dget_space(dataset.id()), H5Sclose);
+  if (H5Tequal(stored.id(), type) <= 0) return std::nullopt;
+  std::array<hsize_t, 2> extent{};
+  const int dimensions = H5Sget_simple_extent_ndims(space.id());
+  if (dimensions < 1 || dimensions > 2) return std::nullopt;
+  H5Sget_simple_extent_dims(space.id(), extent.data(), nullptr);
+  return Shape{extent[0], dimensions == 2 ? extent[1] : 0};
+}
+
+void Hdf5File::read_dataset(const std::string& path, hid_t type, void* values) {
+  const Hdf5Handle dataset = checked(H5Dopen2(file_.id(), path.c_str(), H5P_DEFAULT), H5Dclose, "open " + path + " in");
+  if (H5Dread(dataset.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) fail("read " + path + " of");
+}
+
+namespace {
+
+std::vector<std::string> names_in_order_of_making(hid_t group) {
+  std::vector<std::string> names;
+  H5Literate(
+      group, H5_INDEX_CRT_ORDER, H5_ITER_INC, nullptr,
+      [](hid_t, const char* name, const H5L_info_t*, void* found) {
+        static_cast<std::vector<std::string>*>(found)->emplace_back(name);
+        return herr_t{0};
+      },
+      &names);
+  return names;
+}
+
+std::string text_attribute(hid_t object, const char* name) {
+  const Hdf5Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  const Hdf5Handle type(H5Aget_type(attribute.id()), H5Tclose);
+  std::string text(H5Tget_size(type.id()), '\0');
+  H5Aread(attribute.id(), type.id(), text.data());
+  return text;
+}
+
+}  // namespace
+
+void Hdf5File::copy_group(Hdf5File& source, const std::string& name) {
+  const Hdf5Handle from = source.checked(H5Gopen2(source.file_.id(), name.c_str(), H5P_DEFAULT), H5Gclose, "open " + name + " in");
+  const Hdf5Handle group = create_group();
+  const auto attributes = [&](const char* attribute, auto value, hid_t type) {
+    const Hdf5Handle given = source.checked(H5Aopen(from.id(), attribute, H5P_DEFAULT), H5Aclose, "read " + name + " of");
+    if (H5Aread(given.id(), type, &value) < 0) source.fail("read " + name + " of");
+    write_attribute(group, attribute, value);
+  };
+  attributes("time_s", 0.0, H5T_NATIVE_DOUBLE);
+  attributes("step", 0L, H5T_NATIVE_LONG);
+  for (const std::string& member : names_in_order_of_making(from.id())) {
+    const Hdf5Handle dataset = source.checked(H5Dopen2(from.id(), member.c_str(), H5P_DEFAULT), H5Dclose, "open " + member + " in");
+    const Hdf5Handle type(H5Dget_type(dataset.id()), H5Tclose);
+    const Shape shape = source.shape(name + "/" + member, type.id()).value();
+    std::vector<std::byte> values(shape.rows * std::max<std::size_t>(shape.columns, 1) * H5Tget_size(type.id()));
+    if (H5Dread(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) source.fail("read " + member + " of");
+    const std::string unit = H5Aexists(dataset.id(), "unit") > 0 ? text_attribute(dataset.id(), "unit") : "";
+    write_dataset(group, member, unit, type.id(), values.data(), shape.rows, shape.columns);
+  }
+  link(group, name);
+}
+
+std::size_t Hdf5File::groups() {
+  H5G_info_t info{};
+  if (H5Gget_info(file_.id(), &info) < 0) fail("count the frames of");
+  return info.nlinks;
 }
 
 void Hdf5File::close() {

@@ -8,11 +8,13 @@
 //   void write_frame(FrameWriter&, long step) const;
 //   void add_window();                             a window is over: measure it
 //   void report(RunReport&) const;
+//   Side::for_each_field(visit, sides...);         the list of what add_window() has gathered
 
 #include <utility>
 #include <vector>
 
 #include "base/timing.hpp"
+#include "run/checkpoint.hpp"
 #include "run/command_line.hpp"
 #include "run/frame_writer.hpp"
 #include "run/recorder.hpp"
@@ -23,7 +25,7 @@ template <class Side>
 class ProcessOutput {
  public:
   ProcessOutput(const CommandLine& command, const Case& scene, RunReport& report, Side side)
-      : report_(report), side_(std::move(side)), frames_(command.out, Side::role), rows_(scene.output.gauge_interval) {}
+      : report_(report), side_(std::move(side)), frames_(command.out, Side::role, !command.resume), rows_(scene.output.gauge_interval) {}
 
   Ticks time() const { return side_.time(); }
   long windows() const { return windows_; }
@@ -59,7 +61,35 @@ class ProcessOutput {
     report_.set_evaluations("gauges", evaluated_gauges_);
   }
 
+  /// All of it to a checkpoint, with the report so far.
+  void save(StateWriter& file) const {
+    for_each_field([&](const char* name, const auto& own) { file(name, own); }, *this);
+    file("output/frames", frames_.mark());
+    file("output/report", report_.gathered());
+  }
+  /// Goes back to what save() has written, tables and frames as well.
+  void restore(StateReader& file) {
+    for_each_field([&](const char* name, auto& own) { file(name, own); }, *this);
+    FrameWriter::Mark mark;
+    file("output/frames", mark);
+    frames_.go_back(mark);
+    RunReport::Gathered gathered;
+    file("output/report", gathered);
+    report_.go_on_from(gathered);
+    report_.set_time(seconds(time()), windows_);
+  }
+
  private:
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("output/measures", all.side_...);
+    visit("output/rows", all.rows_...);
+    visit("output/gauges", all.gauges_...);
+    visit("output/evaluated_gauges", all.evaluated_gauges_...);
+    visit("output/windows", all.windows_...);
+    visit("output/last_frame", all.last_frame_...);
+  }
+
   RunReport& report_;
   Side side_;
   FrameWriter frames_;

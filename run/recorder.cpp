@@ -25,10 +25,10 @@ void RowSchedule::written(Ticks now) {
 }
 
 Recorder::Recorder(const std::string& directory, std::vector<std::string> gauge_columns, std::vector<std::string> energy_columns,
-                   double gauge_interval)
-    : gauges_(directory + "/gauges.csv", with_time(std::move(gauge_columns))),
-      energy_(directory + "/energy.csv", with_time(std::move(energy_columns))),
-      steps_(directory + "/steps.csv", {"t_s", "dt_s", "limit", "pressure_iterations", "wall_ms"}),
+                   double gauge_interval, bool anew)
+    : gauges_(directory + "/gauges.csv", with_time(std::move(gauge_columns)), anew),
+      energy_(directory + "/energy.csv", with_time(std::move(energy_columns)), anew),
+      steps_(directory + "/steps.csv", {"t_s", "dt_s", "limit", "pressure_iterations", "wall_ms"}, anew),
       rows_(gauge_interval) {}
 
 void Recorder::account(Ticks now, const GaugeValues& gauges, const std::vector<double>& energies) {
@@ -51,6 +51,13 @@ void Recorder::flush() {
   gauges_.flush();
   energy_.flush();
   steps_.flush();
+}
+
+void Recorder::go_back(const Mark& mark) {
+  gauges_.go_back(mark.gauges);
+  energy_.go_back(mark.energy);
+  steps_.go_back(mark.steps);
+  RowSchedule::for_each_field([](const char*, const Ticks& told, Ticks& own) { own = told; }, mark.rows, rows_);
 }
 
 Ticks FrameSchedule::next(Ticks now) const {

@@ -20,6 +20,12 @@ class RowSchedule {
   /// A row has been written at `now`.
   void written(Ticks now);
 
+  /// The list of what changes: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("next", all.next_...);
+  }
+
  private:
   double interval_;
   Ticks next_ = 0;
@@ -27,9 +33,9 @@ class RowSchedule {
 
 class Recorder {
  public:
-  /// Creates the three files in `directory`; gauge_interval [s], 0 = every step.
+  /// Creates the three files in `directory`; gauge_interval [s], 0 = every step. Not `anew`: they are there, and go_back() follows.
   Recorder(const std::string& directory, std::vector<std::string> gauge_columns, std::vector<std::string> energy_columns,
-           double gauge_interval);
+           double gauge_interval, bool anew = true);
 
   /// True when account() would write a row at `now`; no need to evaluate gauges otherwise.
   bool due(Ticks now) const { return rows_.due(now); }
@@ -41,6 +47,24 @@ class Recorder {
   void step(Ticks now, Ticks duration, const std::string& limit, int iterations, double wall_seconds);
 
   void flush();
+
+  /// Where the tables are, to come back to.
+  struct Mark {
+    std::uint64_t gauges = 0, energy = 0, steps = 0;  ///< [bytes]
+    RowSchedule rows{0};
+
+    /// The list of the members: visit(name, member of each) for every one.
+    template <class Visit, class... Same>
+    static void for_each_field(Visit&& visit, Same&... all) {
+      visit("gauges", all.gauges...);
+      visit("energy", all.energy...);
+      visit("steps", all.steps...);
+      visit("rows", all.rows...);
+    }
+  };
+  /// Throws InputOutputError, as go_back() does.
+  Mark mark() { return {gauges_.mark(), energy_.mark(), steps_.mark(), rows_}; }
+  void go_back(const Mark& mark);
 
  private:
   TableWriter gauges_, energy_, steps_;

@@ -96,7 +96,7 @@ int run_main(int argc, char** argv, const std::string& role, const Body& body) {
     }
     Case scene = read_case(command.case_path, command.options);
     if (command.until) scene.end_time = *command.until;
-    prepare_out_dir(command.out, role, command.force);
+    prepare_out_dir(command.out, role, command.force || command.resume);
     open_log(command.out, role);
     omp_set_num_threads(command.threads);
 

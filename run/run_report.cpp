@@ -90,7 +90,21 @@ void RunReport::update() {
   if (since_write_.seconds() >= write_interval_s) write();
 }
 
+RunReport::Gathered RunReport::gathered() const {
+  Gathered all{earlier_.wall + wall_.seconds(), earlier_.cpu + cpu_seconds(), timing_, measures_, counts_, evaluations_};
+  for (const auto& [part, seconds] : earlier_.timing) all.timing[part] += seconds;
+  return all;
+}
+
+void RunReport::go_on_from(const Gathered& earlier) {
+  earlier_ = earlier;
+  measures_ = earlier.measures;
+  counts_ = earlier.counts;
+  evaluations_ = earlier.evaluations;
+}
+
 std::string RunReport::json() const {
+  const Gathered all = gathered();
   using Json = nlohmann::ordered_json;
   Json settings = Json::parse(settings_, nullptr, false);
   if (settings.is_discarded()) settings = settings_;
@@ -110,12 +124,12 @@ std::string RunReport::json() const {
                  {"git", git_hash},
                  {"build", build_description()},
                  {"threads", threads_},
-                 {"wall_s", wall_.seconds()},
-                 {"cpu_s", cpu_seconds()},
+                 {"wall_s", all.wall},
+                 {"cpu_s", all.cpu},
                  {"steps", steps_},
                  {"time_s", time_s_},
                  {"end_time_s", end_time_s_},
-                 {"timing_s", timing_},
+                 {"timing_s", all.timing},
                  {"measures", measures_},
                  {"counts", counts_},
                  {"evaluations", evaluations_}};

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.hpp"
@@ -46,6 +47,27 @@ class RunReport {
   /// Writes if the last write is 2 s old; cheap enough for every step.
   void update();
 
+  /// What it has gathered, by the parts of a run before this one as well.
+  struct Gathered {
+    double wall = 0, cpu = 0;  ///< [s]
+    std::map<std::string, double> timing, measures;
+    std::map<std::string, long> counts, evaluations;
+
+    /// The list of the members: visit(name, member of each) for every one.
+    template <class Visit, class... Same>
+    static void for_each_field(Visit&& visit, Same&... all) {
+      visit("wall", all.wall...);
+      visit("cpu", all.cpu...);
+      visit("timing", all.timing...);
+      visit("measures", all.measures...);
+      visit("counts", all.counts...);
+      visit("evaluations", all.evaluations...);
+    }
+  };
+  Gathered gathered() const;
+  /// Goes on from what the earlier parts of a run have gathered.
+  void go_on_from(const Gathered& earlier);
+
   /// The report as JSON text, as written.
   std::string json() const;
 
@@ -61,6 +83,7 @@ class RunReport {
   long steps_ = 0;
   std::map<std::string, double> timing_, measures_;
   std::map<std::string, long> counts_, evaluations_;
+  Gathered earlier_;
   Stopwatch wall_, since_write_;
 };
 

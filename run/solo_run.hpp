@@ -4,7 +4,11 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "base/interrupt.hpp"
+#include "base/log.hpp"
+#include "run/checkpoint.hpp"
 #include "run/process_output.hpp"
 #include "run/progress.hpp"
 
@@ -17,17 +21,24 @@ struct SoloStep {
   int iterations;
 };
 
-/// advance(now, target) makes one step from `now` on, at most to `target`, where the next frame is due. Throws Interrupted, with
-/// all results written, and what the solver throws.
-template <class Side, class Advance>
+/// `solver` makes the steps:
+///
+///   SoloStep advance(Ticks now, Ticks target);      one step from `now` on, at most to `target`, where the next frame is due
+///   void save(StateWriter&) const;                  all from which it goes on
+///   void restore(StateReader&);
+///
+/// Throws Interrupted, with all results written, and what the solver throws.
+template <class Side, class Solver>
 void run_alone(const CommandLine& command, const Case& scene, RunReport& report, Side side, std::vector<std::string> gauge_columns,
-               std::vector<std::string> energy_columns, Advance&& advance) {
+               std::vector<std::string> energy_columns, Solver& solver) {
   ProcessOutput<Side> output(command, scene, report, std::move(side));
-  Recorder recorder(command.out, std::move(gauge_columns), std::move(energy_columns), scene.output.gauge_interval);
+  Recorder recorder(command.out, std::move(gauge_columns), std::move(energy_columns), scene.output.gauge_interval, !command.resume);
   Progress progress(scene.end_time, command.quiet);
   const Ticks end = to_ticks(scene.end_time);
   const FrameSchedule frames(scene.output.frame_interval, end);
   double& output_s = report.timing("output");
+  const CheckpointStore checkpoints(command.out, Side::role, scene);
+  CheckpointClock clock(scene.output.checkpoint_interval);
 
   const auto write = [&](bool frame) {
     ScopedTimer timer(output_s);
@@ -36,17 +47,43 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report,
     output.report();
     report.update();
   };
-  write(true);
-  for (Ticks now = 0; now < end;) {
+  const auto save = [&] {
+    ScopedTimer timer(output_s);
+    const auto step = static_cast<std::uint64_t>(output.windows());
+    const std::string hash = checkpoints.save(step, [&](StateWriter& file) {
+      solver.save(file);
+      output.save(file);
+      file("recorder", recorder.mark());
+    });
+    checkpoints.write_manifest({step, seconds(output.time()), {}, {}, {{Side::role, hash}}});
+    clock.saved();
+  };
+  if (command.resume) {
+    const Manifest manifest = checkpoints.choose({{Side::role, checkpoints.files()}});
+    checkpoints.load(manifest.step, [&](StateReader& file) {
+      solver.restore(file);
+      output.restore(file);
+      Recorder::Mark mark;
+      file("recorder", mark);
+      recorder.go_back(mark);
+    });
+    log_info(fmt::format("goes on from the checkpoint of step {}, t = {:.9g} s", manifest.step, manifest.time_s));
+  } else {
+    checkpoints.clear();
+    write(true);
+  }
+  for (Ticks now = output.time(); now < end;) {
     const Stopwatch watch;
     const Ticks target = frames.next(now);
-    const SoloStep step = advance(now, target);
+    const SoloStep step = solver.advance(now, target);
     now += step.duration;
     output.count_window();
     recorder.step(now, step.duration, step.limit, step.iterations, watch.seconds());
     progress.step(seconds(now), output.windows(), seconds(step.duration), step.limit, step.iterations);
     const bool stopping = interrupted();
-    write(now == target || stopping);
+    write(now == target);
+    if (clock.due() || (clock.on() && (stopping || now >= end))) save();
+    if (stopping) write(true);
     if (stopping) progress.finish("interrupted");
     throw_if_interrupted("between two steps");
   }

@@ -35,9 +35,11 @@ std::string number_text(const Cell& cell) {
 
 }  // namespace
 
-TableWriter::TableWriter(std::string path, std::vector<std::string> columns) : path_(std::move(path)), columns_(std::move(columns)) {
-  descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+TableWriter::TableWriter(std::string path, std::vector<std::string> columns, bool anew)
+    : path_(std::move(path)), columns_(std::move(columns)) {
+  descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC | (anew ? O_CREAT | O_TRUNC : 0), 0666);
   if (descriptor_ < 0) throw InputOutputError(fmt::format("Cannot create {}: {}; choose another --out.", path_, std::strerror(errno)));
+  if (!anew) return;
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     if (c) pending_ += ',';
     pending_ += quoted(columns_[c]);
@@ -100,6 +102,24 @@ void TableWriter::flush() {
   }
   pending_.clear();
   since_flush_.restart();
+}
+
+std::uint64_t TableWriter::mark() {
+  flush();
+  const off_t end = ::lseek(descriptor_, 0, SEEK_CUR);
+  if (end < 0 || ::fsync(descriptor_) != 0)
+    throw InputOutputError(
+        fmt::format("Cannot bring {} to the disk: {}; free space or choose another --out.", path_, std::strerror(errno)));
+  return static_cast<std::uint64_t>(end);
+}
+
+void TableWriter::go_back(std::uint64_t bytes) {
+  const off_t end = ::lseek(descriptor_, 0, SEEK_END), wanted = static_cast<off_t>(bytes);
+  if (end < wanted)
+    throw InputOutputError(fmt::format("{} has {} bytes, but had {} at the checkpoint; it was changed or lost.", path_, end, bytes));
+  if (::ftruncate(descriptor_, wanted) != 0 || ::lseek(descriptor_, wanted, SEEK_SET) != wanted)
+    throw InputOutputError(fmt::format("Cannot cut {} back: {}.", path_, std::strerror(errno)));
+  pending_.clear();
 }
 
 void TableWriter::close() {

@@ -3,6 +3,7 @@
 // Numbers have nine significant digits; an undefined value is an empty cell. Only whole lines ever reach the file.
 
 #include <concepts>
+#include <cstdint>
 #include <initializer_list>
 #include <optional>
 #include <span>
@@ -40,8 +41,9 @@ class Cell {
 
 class TableWriter {
  public:
-  /// Creates (truncates) the file and writes the header. The first column is the time. Throws InputOutputError.
-  TableWriter(std::string path, std::vector<std::string> columns);
+  /// Creates (truncates) the file and writes the header. The first column is the time. Not `anew`: the file is there, and go_back()
+  /// follows. Throws InputOutputError.
+  TableWriter(std::string path, std::vector<std::string> columns, bool anew = true);
   /// Writes what is left; a failure here is logged, not thrown (call close() to have it thrown).
   ~TableWriter();
   TableWriter(const TableWriter&) = delete;
@@ -57,6 +59,11 @@ class TableWriter {
   /// Rows reach the file at least once a second of calls to row() by themselves.
   void flush();
   void close();
+
+  /// Brings all rows to the disk; the length of the file then [bytes].
+  std::uint64_t mark();
+  /// Cuts the file back to a length that mark() has told. Throws InputOutputError when it has become shorter than that.
+  void go_back(std::uint64_t bytes);
 
   const std::vector<std::string>& columns() const { return columns_; }
 

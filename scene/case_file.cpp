@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "base/error.hpp"
+#include "base/hash.hpp"
 #include "scene/keys/tables.hpp"
 #include "scene/placement.hpp"
 #include "scene/preset.hpp"
@@ -31,13 +32,6 @@ std::string find_case_file(const std::string& name_or_path) {
                   name_or_path));
 }
 
-// Hash FNV-1a with 64 bits.
-std::string hash_of(const std::string& settings) {
-  std::uint64_t hash = 14695981039346656037ULL;
-  for (const char c : settings) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
-  return fmt::format("{:016x}", hash);
-}
-
 // Particles across each body, at the spacings of the case.
 std::vector<double> particles_across(const Setting& settings, const fs::path& folder) {
   const Case scene = read_scene(settings, folder);
@@ -45,6 +39,25 @@ std::vector<double> particles_across(const Setting& settings, const fs::path& fo
   for (const StructureBody& body : scene.structure->bodies)
     across.push_back((scene.dimension == 2 ? thin_section<2>(body) : thin_section<3>(body)) / body.spacing);
   return across;
+}
+
+// Text of all tables from which walls and clamps take their motion.
+std::string motion_tables(const Case& scene) {
+  std::string text;
+  for (const WallCase& wall : scene.walls)
+    if (wall.motion && wall.motion->table) text += wall.motion->table->text();
+  if (scene.structure) {
+    for (const ClampCase& clamp : scene.structure->clamps)
+      if (clamp.motion && clamp.motion->table) text += clamp.motion->table->text();
+  }
+  return text;
+}
+
+// The settings but for what a run that goes on may change.
+Setting without_end_and_output(Setting settings) {
+  settings.set("end_time", {});
+  settings.set("output", {});
+  return settings;
 }
 
 }  // namespace
@@ -84,14 +97,9 @@ Case read_case(const std::string& name_or_path, const CaseOptions& options) {
   scene.path = absolute.string();
   scene.name = absolute.filename() == "case.toml" ? absolute.parent_path().filename().string() : absolute.stem().string();
   scene.settings = to_json(settings);
-  std::string hashed = scene.settings;
-  for (const WallCase& wall : scene.walls)
-    if (wall.motion && wall.motion->table) hashed += wall.motion->table->text();
-  if (scene.structure) {
-    for (const ClampCase& clamp : scene.structure->clamps)
-      if (clamp.motion && clamp.motion->table) hashed += clamp.motion->table->text();
-  }
-  scene.hash = hash_of(hashed);
+  const std::string tables = motion_tables(scene);
+  scene.hash = hash_of(scene.settings + tables);
+  scene.hash_of_rest = hash_of(to_json(without_end_and_output(settings)) + tables);
   check_scene(scene, settings);
   return scene;
 }

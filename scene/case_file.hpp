@@ -148,8 +148,9 @@ struct GaugeCase {
 };
 
 struct OutputCase {
-  double frame_interval;  ///< [s]; 0 = only the first and the last frame
-  double gauge_interval;  ///< [s]; 0 = every step
+  double frame_interval;       ///< [s]; 0 = only the first and the last frame
+  double gauge_interval;       ///< [s]; 0 = every step
+  double checkpoint_interval;  ///< [wall s]; 0 = no checkpoints
 };
 OutputCase default_output();
 
@@ -157,7 +158,9 @@ struct Case {
   std::string path;  ///< of the file
   std::string name;  ///< folder name
   std::string title;
-  std::string hash;      ///< hexadecimal; of the effective settings (preset and overrides included) and of the motion files
+  std::string hash;  ///< hexadecimal; of the effective settings (preset and overrides included) and of the motion files
+  std::string
+      hash_of_rest;      ///< the same without what a run that goes on from a checkpoint may change: end_time and the intervals of output
   std::string settings;  ///< the effective settings as JSON text, for run.json
   std::string preset;    ///< the group of numerical options
   std::vector<std::string> preset_changes;  ///< what it made of the case, "key = value" each; --set goes on top

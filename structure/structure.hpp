@@ -45,6 +45,17 @@ struct MaterialPoint {
 struct Evaluations {
   long elastic_force = 0, riemann_diffusion = 0, hourglass_penalty = 0, loads = 0, moving_clamps = 0;
   long windows_at_rest = 0;
+
+  /// The list of the members: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("elastic_force", all.elastic_force...);
+    visit("riemann_diffusion", all.riemann_diffusion...);
+    visit("hourglass_penalty", all.hourglass_penalty...);
+    visit("loads", all.loads...);
+    visit("moving_clamps", all.moving_clamps...);
+    visit("windows_at_rest", all.windows_at_rest...);
+  }
 };
 
 /// Force and moment with which clamps hold a body; 2D: only the last entry of `moment` is non-zero.

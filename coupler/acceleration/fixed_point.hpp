@@ -30,6 +30,26 @@ class FixedPoint {
   double residual() const { return residual_; }   ///< of the last iteration, relative
   bool converged() const { return residual_ <= tolerance_; }
 
+  /// The list of what it has learnt: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("iterations", all.iterations_...);
+    visit("gain", all.gain_...);
+    visit("largest_gain", all.largest_gain_...);
+    visit("begin", all.begin_...);
+    visit("residual", all.residual_...);
+    visit("factor", all.factor_...);
+    visit("largest_answer", all.largest_answer_...);
+    visit("last", all.last_...);
+    visit("base", all.base_...);
+    visit("refused", all.refused_...);
+    visit("first_load", all.first_load_...);
+    visit("first_load_before", all.first_load_before_...);
+    visit("expected", all.expected_...);
+    visit("unknown", all.unknown_...);
+    visit("changes", all.changes_...);
+  }
+
  private:
   Eigen::VectorXd quasi_newton();
   Eigen::VectorXd aitken() const;
@@ -37,6 +57,13 @@ class FixedPoint {
   /// Of an iteration; or how they change between two iterations of a window.
   struct Outcome {
     Eigen::VectorXd residual, answer;
+
+    /// The list of the members: visit(name, member of each) for every one.
+    template <class Visit, class... Same>
+    static void for_each_field(Visit&& visit, Same&... all) {
+      visit("residual", all.residual...);
+      visit("answer", all.answer...);
+    }
   };
 
   Acceleration acceleration_;

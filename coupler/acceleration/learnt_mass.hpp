@@ -20,6 +20,13 @@ class LearntMass {
   /// Mass per area of point k, between a twentieth of `guess` and four times that; the guess where nothing is known [kg/m^2].
   double at(std::size_t k, double guess) const;
 
+  /// The list of the members: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("answer", all.answer_...);
+    visit("load", all.load_...);
+  }
+
  private:
   std::vector<double> answer_, load_;  ///< sums of the products and of the squares
 };

@@ -34,7 +34,7 @@ void check_accounts(const Case& scene, const wire::Account& fluid, const wire::A
 }
 
 template <int D>
-Accounts<D>::Accounts(const std::string& directory, const Case& scene)
+Accounts<D>::Accounts(const std::string& directory, const Case& scene, bool anew)
     : scene_(scene),
       structure_columns_(structure_energy_columns(scene)),
       work_column_(static_cast<std::size_t>(
@@ -43,7 +43,21 @@ Accounts<D>::Accounts(const std::string& directory, const Case& scene)
       recorder_(directory,
                 joined(gauge_columns(scene, GaugeOwner::fluid), gauge_columns(scene, GaugeOwner::structure),
                        gauge_columns(scene, GaugeOwner::coupler)),
-                joined(fluid_energy_columns(), structure_columns_, Totals::columns()), scene.output.gauge_interval) {}
+                joined(fluid_energy_columns(), structure_columns_, Totals::columns()), scene.output.gauge_interval, anew) {}
+
+template <int D>
+void Accounts<D>::save(StateWriter& file) {
+  file("recorder", recorder_.mark());
+  file("evaluated_gauges", evaluated_gauges_);
+}
+
+template <int D>
+void Accounts<D>::restore(StateReader& file) {
+  Recorder::Mark mark;
+  file("recorder", mark);
+  recorder_.go_back(mark);
+  file("evaluated_gauges", evaluated_gauges_);
+}
 
 template <int D>
 double Accounts<D>::work_on_structure(const wire::Account& structure) const {

@@ -8,6 +8,7 @@
 #include "coupler/window.hpp"
 #include "proto/wire/account.hpp"
 #include "run/recorder.hpp"
+#include "run/state_file.hpp"
 
 namespace tern::coupler {
 
@@ -17,8 +18,8 @@ void check_accounts(const Case& scene, const wire::Account& fluid, const wire::A
 template <int D>
 class Accounts {
  public:
-  /// Creates the tables of the run in `directory`.
-  Accounts(const std::string& directory, const Case& scene);
+  /// Creates the tables of the run in `directory`; not `anew`: they are there, and restore() follows.
+  Accounts(const std::string& directory, const Case& scene, bool anew);
 
   /// A row of both sides at the instant `now`, when one is due.
   void record(Ticks now, const wire::Account& fluid, const wire::Account& structure, const Coupler<D>& coupler);
@@ -26,6 +27,10 @@ class Accounts {
   /// What watch_energy() sees; empty where walls move, for nobody counts what these give the fluid, and where a foreign participant keeps
   /// no account.
   std::optional<Energies> energies(Ticks now, const wire::Account& fluid, const wire::Account& structure, bool fluid_has_weight) const;
+
+  /// Where tables and counts are, to a checkpoint and back.
+  void save(StateWriter& file);
+  void restore(StateReader& file);
 
   Recorder& recorder() { return recorder_; }
   long evaluated_gauges() const { return evaluated_gauges_; }

@@ -31,6 +31,8 @@ class RemoteParticipants final : public Participants<D> {
 
   /// Whether both sides write a frame at the end of the next window.
   void write_frame_at_end(bool write) { write_frame_ = write; }
+  /// The fluid's last answer to a window, of a run that goes on from a checkpoint.
+  void set_window_done(wire::WindowDone done) { window_done_ = std::move(done); }
   /// The fluid's answer to end_window() or pass_window(), for which a window does not wait.
   const wire::WindowDone& receive_window_done();
   /// Ends the run; the structure's last account.

@@ -10,6 +10,8 @@
 #include "coupler/process/remote_participants.hpp"
 #include "proto/participant/participant.hpp"
 #include "proto/wire/convert.hpp"
+#include "proto/wire/names.hpp"
+#include "run/checkpoint.hpp"
 #include "run/progress.hpp"
 
 namespace tern::coupler {
@@ -26,6 +28,14 @@ void refuse_predicted_instability(const CommandLine& command, const Case& scene,
       fmt::format("The explicit coupling is predicted to be unstable, whatever the step: {}, above {}. Use "
                   "coupling.algorithm = \"semi-implicit\", or --allow-unstable to see it.",
                   describe(added), explicit_limit));
+}
+
+void check_bodies(const Case& scene, const SurfaceProperties& properties) {
+  const std::size_t bodies = scene.structure->bodies.size();
+  for (std::size_t k = 0; k < properties.body.size(); ++k)
+    if (properties.body[k] >= bodies)
+      throw BadInput(fmt::format("surface.body[{}] of the structure is {}; the case has {} elastic bodies, counted from 0.", k,
+                                 properties.body[k], bodies));
 }
 
 template <int D>
@@ -61,19 +71,48 @@ void report_evaluations(const Evaluations& evaluations, long gauges, RunReport& 
   report.set_count("windows_without_exchange", evaluations.windows_without_exchange);
 }
 
+/// Within the 2 s in which Ctrl-C ends a run, there must be time for the checkpoint as well.
+constexpr double patience_after_interrupt_s = 1;
+
+using Hellos = std::map<wire::Role, wire::Hello>;
+
+/// Whether all participants keep checkpoints; the log is told of one that does not.
+bool everybody_saves(const Hellos& hellos) {
+  bool all = true;
+  for (const auto& [role, hello] : hellos) {
+    if (!hello.saves()) log_info(fmt::format("The {} does not answer Save: this run has no checkpoints.", proto::name(role)));
+    all = all && hello.saves();
+  }
+  return all;
+}
+
+Manifest choose_checkpoint(const CheckpointStore& checkpoints, const Hellos& hellos) {
+  std::map<std::string, std::vector<CheckpointFile>> offers{{"coupler", checkpoints.files()}};
+  for (const auto& [role, hello] : hellos) {
+    if (!hello.saves())
+      throw BadInput(fmt::format("The run cannot be continued: the {} keeps no checkpoints (docs/PARTICIPANTS.md).", proto::name(role)));
+    for (const wire::Checkpoint& file : hello.checkpoint()) offers[proto::name(role)].push_back({file.step(), file.hash()});
+  }
+  return checkpoints.choose(offers);
+}
+
 }  // namespace
 
 template <int D>
 void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& channel, RunReport& report) {
-  if (command.record) channel.record(command.out + "/interface.record");
+  if (command.record) channel.record(command.out + "/interface.record", !command.resume);
   const auto hello = channel.accept({wire::FLUID, wire::STRUCTURE}, scene.hash, D);
   const SurfaceProperties properties = proto::from_wire(hello.at(wire::STRUCTURE).surface());
   check_accounts(scene, hello.at(wire::FLUID).account(), hello.at(wire::STRUCTURE).account());
+  check_bodies(scene, properties);
   refuse_predicted_instability<D>(command, scene, properties, report);
   Coupler<D> coupler = make_coupler<D>(scene, properties);
-  Accounts<D> accounts(command.out, scene);
+  const CheckpointStore checkpoints(command.out, "coupler", scene);
+  CheckpointClock clock(everybody_saves(hello) ? scene.output.checkpoint_interval : 0);
+  std::optional<Manifest> manifest;
+  if (command.resume) manifest = choose_checkpoint(checkpoints, hello);
+  Accounts<D> accounts(command.out, scene, !manifest);
   Progress progress(scene.end_time, command.quiet);
-  channel.welcome(static_cast<std::uint32_t>(properties.body.size()));
 
   const Totals& totals = coupler.state().totals;
   StepControl control;
@@ -84,7 +123,9 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
   Ticks now = 0;
   wire::Account fluid_account = hello.at(wire::FLUID).account();
   double proposed = hello.at(wire::FLUID).proposed_step_s();
+  const double longest_of_structure = hello.at(wire::STRUCTURE).proposed_step_s();
   std::string limit = hello.at(wire::FLUID).limit();
+  wire::WindowDone done;
 
   // The structure reports its state at the begin of a window, the fluid at the end of the one before: the same instant.
   const auto record = [&](const wire::Account& structure_account) {
@@ -93,6 +134,57 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
     return accounts.energies(now, fluid_account, structure_account, coupler.setup().fluid_weight.pressure > 0);
   };
   RemoteParticipants<D> participants(channel, record);
+  const auto save = [&] {
+    ScopedTimer timer(output_s);
+    const std::uint64_t sent = channel.bytes_sent(), received = channel.bytes_received();
+    const auto step = static_cast<std::uint64_t>(totals.windows);
+    Manifest set{step, seconds(now), {}, {}, {}};
+    for (auto& [role, hash] : channel.save()) set.hash[proto::name(role)] = std::move(hash);
+    set.hash["coupler"] = checkpoints.save(step, [&](StateWriter& file) {
+      file("coupler", coupler.state());
+      file("control", control);
+      file("now", now);
+      file("window_done", done.SerializeAsString());
+      accounts.save(file);
+      file("traffic/sent", sent);
+      file("traffic/received", received);
+      file("record", channel.record_mark());
+      file("report", report.gathered());
+    });
+    checkpoints.write_manifest(std::move(set));
+    clock.saved();
+  };
+  const auto restore = [&] {
+    checkpoints.load(manifest->step, [&](StateReader& file) {
+      State<D> state = coupler.state();
+      file("coupler", state);
+      coupler.set_state(state);
+      file("control", control);
+      file("now", now);
+      std::string window_done;
+      file("window_done", window_done);
+      if (!done.ParseFromString(window_done)) throw BadInput("The checkpoint of the coupler has no answer of the fluid.");
+      accounts.restore(file);
+      std::uint64_t sent = 0, received = 0, record_bytes = 0;
+      file("traffic/sent", sent);
+      file("traffic/received", received);
+      file("record", record_bytes);
+      RunReport::Gathered gathered;
+      file("report", gathered);
+      report.go_on_from(gathered);
+      wire::Welcome welcome;
+      welcome.set_resume_step(manifest->step);
+      welcome.set_resume_ticks(now);
+      welcome.set_extent(done.has_extent());
+      channel.welcome(static_cast<std::uint32_t>(properties.body.size()), std::move(welcome));
+      channel.resume(manifest->step, seconds(now), sent, received, record_bytes);
+    });
+    participants.set_window_done(done);
+    fluid_account = done.account();
+    proposed = done.proposed_step_s();
+    limit = done.limit();
+    log_info(fmt::format("goes on from the checkpoint of step {}, t = {:.9g} s", manifest->step, manifest->time_s));
+  };
   const auto report_now = [&] {
     report.set_time(seconds(now), totals.windows);
     report_totals(totals, coupler.setup().algorithm.iterates, report);
@@ -101,15 +193,26 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
     report.update();
   };
 
+  if (manifest) {
+    restore();
+  } else {
+    checkpoints.clear();
+    channel.welcome(static_cast<std::uint32_t>(properties.body.size()));
+  }
+  channel.complete_windows_for(patience_after_interrupt_s);
   while (now < end && !interrupted()) {
     const Stopwatch watch;
     const Ticks target = schedule.next(now);
+    if (longest_of_structure > 0 && longest_of_structure < proposed) {
+      proposed = longest_of_structure;
+      limit = "structure";
+    }
     const Ticks duration = control.next(proposed, now, target);
     channel.set_step(static_cast<std::uint64_t>(totals.windows + 1), seconds(now));
     participants.write_frame_at_end(now + duration == target);
     const double waited = channel.wait_seconds() + channel.exchange_seconds();
     coupler.run_window(participants, now, duration);
-    const wire::WindowDone& done = participants.receive_window_done();
+    done = participants.receive_window_done();
     compute_s += watch.seconds() - (channel.wait_seconds() + channel.exchange_seconds() - waited);
     now += duration;
     accounts.recorder().step(now, duration, limit, static_cast<int>(done.iterations()), watch.seconds());
@@ -118,6 +221,7 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
     proposed = done.proposed_step_s();
     limit = done.limit();
     report_now();
+    if (clock.due() || (clock.on() && (interrupted() || now >= end))) save();
   }
 
   if (const auto energies = record(participants.finish(interrupted()))) coupler.watch(seconds(now), *energies);

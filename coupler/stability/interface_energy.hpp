@@ -20,6 +20,13 @@ class InterfaceEnergy {
   double made() const { return total_.back() - total_.front(); }  ///< by the last windows
   double present() const { return present_; }
 
+  /// The list of the members: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("total", all.total_...);
+    visit("present", all.present_...);
+  }
+
  private:
   std::deque<double> total_;
   double present_ = 0;

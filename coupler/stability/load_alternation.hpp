@@ -29,6 +29,19 @@ class LoadAlternation {
   static constexpr int reversals = 4;   ///< that are taken for proof
   static constexpr int vibration = 16;  ///< kinks that are
 
+  /// The list of the members: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("last", all.last_...);
+    visit("change", all.change_...);
+    visit("kink", all.kink_...);
+    visit("amplitudes", all.amplitudes_...);
+    visit("loads", all.loads_...);
+    visit("kinks", all.kinks_...);
+    visit("mean", all.mean_...);
+    visit("amplitude", all.amplitude_...);
+  }
+
  private:
   bool is_growing_vibration(double least);
 

@@ -28,6 +28,16 @@ struct Observations {
   std::optional<double> energy_at_start;  ///< present then [J/m^(3-D)]
   double surface_area = 0;                ///< of all bodies in the last window with an exchange [m^(D-1)]
   double duration = 0;                    ///< of the last window [s]
+
+  /// The list of the members: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("alternation", all.alternation...);
+    visit("energy", all.energy...);
+    visit("energy_at_start", all.energy_at_start...);
+    visit("surface_area", all.surface_area...);
+    visit("duration", all.duration...);
+  }
 };
 
 /// The load of a window that is settled must not turn round from window to window.

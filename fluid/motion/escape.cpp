@@ -36,13 +36,13 @@ void remove_escaped(const Reference<D>& reference, const Window& window, State<D
   std::size_t kept = 0;
   for (std::size_t i = 0; i < state.size(); ++i) {
     if (outside(state.position[i])) continue;
-    if (kept != i) for_each_field(state, [&](const char*, const char*, auto& values) { values[kept] = values[i]; });
+    if (kept != i) for_each_particle_field(state, [&](const char*, const char*, auto& values) { values[kept] = values[i]; });
     ++kept;
   }
   if (kept == 0)
     throw NumericalFailure(
         fmt::format("All fluid has left the domain by t = {:.6g} s; enlarge [domain] or close the walls.", window.begin + window.duration));
-  for_each_field(state, [&](const char*, const char*, auto& values) { values.resize(kept); });
+  for_each_particle_field(state, [&](const char*, const char*, auto& values) { values.resize(kept); });
 }
 
 template std::size_t count_leaks<2>(double, const Faces<2>&, const FaceRows&, const std::vector<Vector<2>>&, const std::vector<Vector<2>>&);

@@ -58,7 +58,7 @@ void sort_by_cell(double width, State<D>& state, Prediction<D>& prediction, Cell
     for (std::ptrdiff_t i = 0; i < n; ++i) scratch[i] = values[cells.contents.order[i]];
     values.swap(scratch);
   };
-  for_each_field(
+  for_each_particle_field(
       state, [&]<class T>(const char*, const char*, std::vector<T>& values) { reorder(values, std::get<std::vector<T>>(cells.sorted)); });
   for (auto* values : {&prediction.position, &prediction.velocity, &prediction.gravity})
     reorder(*values, std::get<std::vector<Vector<D>>>(cells.sorted));

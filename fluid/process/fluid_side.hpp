@@ -21,6 +21,12 @@ class FluidSide {
   void add_window() { measures_.add(fluid_); }
   void report(RunReport& report) const { measures_.report(fluid_, report); }
 
+  /// The list of what add_window() has gathered: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("fluid", all.measures_...);
+  }
+
  private:
   const Case& scene_;
   const Fluid<D>& fluid_;

@@ -9,21 +9,38 @@ namespace {
 
 using namespace tern;
 
+/// The fluid as run_alone() steps it.
 template <int D>
-void run_without_structure(const CommandLine& command, const Case& scene, RunReport& report) {
-  fluid::Fluid<D> fluid(scene);
-  StepControl control;
-  double& compute_s = report.timing("compute");
-  const auto advance = [&](Ticks now, Ticks target) -> SoloStep {
+struct Alone {
+  SoloStep advance(Ticks now, Ticks target) {
     const StepProposal proposal = fluid.propose_step();
     const Ticks duration = control.next(proposal.seconds, now, target);
     ScopedTimer timer(compute_s);
     fluid.begin_window(now, duration);
     fluid.pass_window();
     return {duration, proposal.limit, fluid.last_solve().iterations};
-  };
-  run_alone(command, scene, report, fluid::FluidSide<D>(scene, fluid), gauge_columns(scene, GaugeOwner::fluid), fluid_energy_columns(),
-            advance);
+  }
+  void save(StateWriter& file) const {
+    file("fluid", fluid.state());
+    file("control", control);
+  }
+  void restore(StateReader& file) {
+    fluid::State<D> state;
+    file("fluid", state);
+    fluid.set_state(std::move(state));
+    file("control", control);
+  }
+
+  fluid::Fluid<D> fluid;
+  double& compute_s;
+  StepControl control{};
+};
+
+template <int D>
+void run_without_structure(const CommandLine& command, const Case& scene, RunReport& report) {
+  Alone<D> alone{fluid::Fluid<D>(scene), report.timing("compute")};
+  run_alone(command, scene, report, fluid::FluidSide<D>(scene, alone.fluid), gauge_columns(scene, GaugeOwner::fluid),
+            fluid_energy_columns(), alone);
 }
 
 template <int D>

@@ -34,7 +34,7 @@ void write_frame(const Fluid<D>& fluid, FrameWriter& frames, long step) {
     return result;
   };
   frames.begin(seconds(state.time), step);
-  for_each_field(state, [&]<class T>(const char* name, const char* unit, const std::vector<T>& values) {
+  for_each_particle_field(state, [&]<class T>(const char* name, const char* unit, const std::vector<T>& values) {
     if constexpr (std::is_same_v<T, Vector<D>>)
       frames.vector<D>(name, unit, sorted(values));
     else if constexpr (std::is_same_v<T, double>)
@@ -52,8 +52,8 @@ void Measures<D>::add(const Fluid<D>& fluid) {
   most_iterations_ = std::max(most_iterations_, fluid.last_solve().iterations);
   if (steps_ == 1) first_angular_momentum_ = fluid.angular_momentum();
   largest_speed_ = std::max(largest_speed_, fluid.largest_speed());
-  const double drift = fluid.volume_drift();
-  if (std::abs(drift) > std::abs(largest_drift_)) largest_drift_ = drift;
+  drift_ = fluid.volume_drift();
+  if (std::abs(drift_) > std::abs(largest_drift_)) largest_drift_ = drift_;
 }
 
 template <int D>
@@ -65,7 +65,7 @@ void Measures<D>::report(const Fluid<D>& fluid, RunReport& report) const {
   report.set_count("fallback_solves", fluid.fallback_solves());
   report.set_measure("pressure_iterations_mean", steps_ ? double(iterations_) / double(steps_) : 0);
   report.set_measure("pressure_iterations_max", most_iterations_);
-  report.set_measure("volume_drift", fluid.volume_drift());
+  report.set_measure("volume_drift", drift_);
   report.set_measure("volume_drift_largest", largest_drift_);
   // Since the first step; without a spin at the start there is nothing to compare with.
   if (const double first = first_angular_momentum_.norm(); first > 0)

@@ -7,12 +7,12 @@
 namespace tern::fluid {
 
 template <int D>
-class Participant : public proto::ParticipantFrame<FluidSide<D>> {
-  using Frame = proto::ParticipantFrame<FluidSide<D>>;
+class Participant : public proto::ParticipantFrame<Participant<D>, FluidSide<D>> {
+  using Frame = proto::ParticipantFrame<Participant<D>, FluidSide<D>>;
   using Frame::timed;
 
  public:
-  Participant(const CommandLine& command, const Case& scene, RunReport& report, const proto::ParticipantChannel& channel, Fluid<D>& fluid)
+  Participant(const CommandLine& command, const Case& scene, RunReport& report, proto::ParticipantChannel& channel, Fluid<D>& fluid)
       : Frame(command, scene, report, channel, FluidSide<D>(scene, fluid)), fluid_(fluid) {}
 
   wire::Hello hello() {
@@ -48,6 +48,13 @@ class Participant : public proto::ParticipantFrame<FluidSide<D>> {
       fluid_.pass_window();
       return done();
     });
+  }
+
+  void save_solver(StateWriter& file) const { file("fluid", fluid_.state()); }
+  void restore_solver(StateReader& file) {
+    State<D> state;
+    file("fluid", state);
+    fluid_.set_state(std::move(state));
   }
 
  private:

@@ -7,6 +7,8 @@
 //   wire::Account account();                    the state as it is now
 //   void end_window(const Window&);             the window is over for good: count it, write what is due
 //   void finish();                              the run is over: write what is missing
+//   std::string save(std::uint64_t step);       optional: keep the state at the end of this window; tells it from any other
+//   void resume(const wire::Welcome&);          the same: go back to what save(resume_step) has kept
 // A structure:
 //   Surface<D> predict_surface(Ticks begin, Ticks duration);        the window under the load of the last one
 //   std::vector<Vector<D>> respond(const SurfaceLoad<D>&);          the window once more, under this load: velocities at its end
@@ -21,7 +23,9 @@
 //   wire::WindowDone pass();                                        the same of a window without surface, which comes only to a
 //                                                                   fluid whose last WindowDone had an extent
 
+#include <cstdint>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "base/error.hpp"
@@ -38,10 +42,21 @@ struct Window {
   Ticks end() const { return begin + duration; }
 };
 
-/// The window that `order` begins; empty when it ends the run: then the solver has finished and the coupler knows.
+/// The window that the coupler begins; empty when it ends the run: then the solver has finished and the coupler knows. Saves the state
+/// when asked to before that.
 template <class Solver>
 std::optional<Window> next_window(ParticipantChannel& channel, Solver& solver) {
-  const wire::Message order = channel.receive({Kind::kBeginWindow, Kind::kFinish});
+  constexpr bool saves = requires { solver.save(std::uint64_t{}); };
+  wire::Message order = channel.receive({Kind::kBeginWindow, Kind::kFinish, Kind::kSave});
+  for (; order.has_save(); order = channel.receive({Kind::kBeginWindow, Kind::kFinish, Kind::kSave})) {
+    if constexpr (saves) {
+      wire::Message answer;
+      answer.mutable_saved()->set_hash(solver.save(order.step()));
+      channel.send(std::move(answer));
+    } else {
+      throw PeerLost("The coupler asks this participant to save its state, which it has not offered.");
+    }
+  }
   if (order.has_begin_window()) {
     const wire::BeginWindow& window = order.begin_window();
     return Window{window.begin_ticks(), window.duration_ticks(), window.write_frame()};
@@ -65,11 +80,22 @@ void telling_the_coupler(ParticipantChannel& channel, Part&& part) {
   }
 }
 
+/// Joins the run, and goes back to a checkpoint if the coupler says so.
+template <class Solver>
+void join(ParticipantChannel& channel, Solver& solver) {
+  const wire::Welcome welcome = channel.handshake(solver.hello());
+  if constexpr (requires { solver.resume(welcome); }) {
+    solver.resume(welcome);
+  } else if (welcome.resume_step() > 0) {
+    throw BadInput("The coupler goes on from a checkpoint, and this participant keeps none: begin the run anew.");
+  }
+}
+
 /// Takes part until the coupler ends the run. Throws Interrupted when it was interrupted there or here, and what channel and
 /// solver throw.
 template <int D, class Solver>
 void take_part_as_structure(ParticipantChannel& channel, Solver& solver) {
-  channel.handshake(solver.hello());
+  join(channel, solver);
   while (const auto window = next_window(channel, solver)) {
     wire::Message message;
     const wire::Account at_begin = solver.account();
@@ -89,7 +115,7 @@ void take_part_as_structure(ParticipantChannel& channel, Solver& solver) {
 /// As take_part_as_structure.
 template <int D, class Solver>
 void take_part_as_fluid(ParticipantChannel& channel, Solver& solver) {
-  channel.handshake(solver.hello());
+  join(channel, solver);
   const auto end_window = [&](const Window& window, wire::WindowDone done) {
     wire::Message message;
     *done.mutable_account() = solver.account();

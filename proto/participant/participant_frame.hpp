@@ -5,18 +5,28 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "proto/participant/participant.hpp"
 #include "proto/wire/account.hpp"
 #include "run/process_output.hpp"
 
 namespace tern::proto {
 
-/// Answers for the state, and writes what is due; `Side` as in run/process_output.hpp.
-template <class Side>
+/// Answers for the state, and writes what is due; `Side` as in run/process_output.hpp. Who derives from it brings
+///
+///   void save_solver(StateWriter&) const;      all from which the solver goes on
+///   void restore_solver(StateReader&);
+template <class Derived, class Side>
 class ParticipantFrame {
  public:
-  ParticipantFrame(const CommandLine& command, const Case& scene, RunReport& report, const ParticipantChannel& channel, Side side)
-      : scene_(scene), report_(report), channel_(channel), output_(command, scene, report, std::move(side)) {}
+  ParticipantFrame(const CommandLine& command, const Case& scene, RunReport& report, ParticipantChannel& channel, Side side)
+      : scene_(scene),
+        report_(report),
+        channel_(channel),
+        resumes_(command.resume),
+        checkpoints_(command.out, Side::role, scene),
+        output_(command, scene, report, std::move(side)) {}
 
   wire::Account account() {
     ScopedTimer timer(output_s_);
@@ -36,15 +46,49 @@ class ParticipantFrame {
     report_now();
   }
 
+  std::string save(std::uint64_t step) {
+    ScopedTimer timer(output_s_);
+    return checkpoints_.save(step, [&](StateWriter& file) {
+      static_cast<const Derived*>(this)->save_solver(file);
+      output_.save(file);
+      file("traffic/sent", channel_.bytes_sent());
+      file("traffic/received", channel_.bytes_received());
+    });
+  }
+
+  void resume(const wire::Welcome& welcome) {
+    if (resumes_ != (welcome.resume_step() > 0))
+      throw BadInput(fmt::format("The coupler {}, this {} {}: start all processes of the run with --resume, or all without.",
+                                 resumes_ ? "begins anew" : "goes on from a checkpoint", Side::role,
+                                 resumes_ ? "goes on from a checkpoint" : "begins anew"));
+    if (!resumes_) return checkpoints_.clear();
+    checkpoints_.load(welcome.resume_step(), [&](StateReader& file) {
+      static_cast<Derived*>(this)->restore_solver(file);
+      output_.restore(file);
+      std::uint64_t sent = 0, received = 0;
+      file("traffic/sent", sent);
+      file("traffic/received", received);
+      channel_.resume(welcome.resume_step(), seconds(welcome.resume_ticks()), sent, received);
+    });
+  }
+
  protected:
-  /// What every participant says at first; the present state becomes the first frame.
+  /// What every participant says at first; the present state becomes the first frame, unless the run goes on from a checkpoint.
   wire::Hello hello(int dimension, std::size_t particles) {
     wire::Hello hello;
     hello.set_case_hash(scene_.hash);
     hello.set_dimension(static_cast<std::uint32_t>(dimension));
     hello.set_particles(static_cast<std::uint32_t>(particles));
     *hello.mutable_account() = account();
-    output_.write_frame();
+    hello.set_saves(true);
+    if (resumes_) {
+      for (const CheckpointFile& file : checkpoints_.files()) {
+        hello.add_checkpoint()->set_step(file.step);
+        hello.mutable_checkpoint()->rbegin()->set_hash(file.hash);
+      }
+    } else {
+      output_.write_frame();
+    }
     return hello;
   }
 
@@ -63,7 +107,9 @@ class ParticipantFrame {
 
   const Case& scene_;
   RunReport& report_;
-  const ParticipantChannel& channel_;
+  ParticipantChannel& channel_;
+  bool resumes_;
+  CheckpointStore checkpoints_;
   double& compute_s_ = report_.timing("compute");
   double& output_s_ = report_.timing("output");
   ProcessOutput<Side> output_;

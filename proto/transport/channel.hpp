@@ -57,6 +57,9 @@ class ParticipantChannel {
   /// coupler's own Abort to have an effect: that one is not sent back.
   void abort(const Error& error) noexcept;
 
+  /// Goes on from a checkpoint: number and end [s] of its window, and the traffic until then.
+  void resume(std::uint64_t step, double time_s, std::uint64_t bytes_sent, std::uint64_t bytes_received);
+
   double wait_seconds() const;      ///< waiting for messages [s]
   double exchange_seconds() const;  ///< building, checking, sending, parsing [s]
   std::uint64_t bytes_sent() const;
@@ -79,16 +82,27 @@ class CouplerChannel {
 
   const std::string& endpoint() const;  ///< as bound, with the real port
 
-  /// From here on, writes every message that is accepted from a participant to a file (message_record.hpp).
-  void record(const std::string& path);
+  /// From here on, writes every message that is accepted from a participant to a file (message_record.hpp), anew or at its end.
+  void record(const std::string& path, bool anew = true);
+  /// Length of that file [bytes]; 0 without.
+  std::uint64_t record_mark();
 
   /// Waits for one Hello of each expected role. The first difference (protocol version, case hash, dimension, counts)
   /// is sent back as Abort and thrown as BadInput; a role taken twice, not expected or not that of the key, and somebody whose
   /// first words are no message, is refused and logged, the others go on.
   std::map<wire::Role, wire::Hello> accept(const std::set<wire::Role>& expected, const std::string& case_hash, int dimension);
 
-  /// Answers every Hello: the run begins. `surface_points` is the number of points in the structure's Hello.
-  void welcome(std::uint32_t surface_points);
+  /// Answers every Hello: the run begins. `welcome` lacks the number of points in the structure's Hello, `surface_points`, and the version.
+  void welcome(std::uint32_t surface_points, wire::Welcome welcome = {});
+
+  /// Has every participant keep its state between two windows; what each answers.
+  std::map<wire::Role, std::string> save();
+
+  /// As ParticipantChannel::resume; the record goes back to a length.
+  void resume(std::uint64_t step, double time_s, std::uint64_t bytes_sent, std::uint64_t bytes_received, std::uint64_t record_bytes);
+
+  /// After a signal a window that is under way may be completed, for so long [s].
+  void complete_windows_for(double patience_s);
 
   /// As ParticipantChannel::send, to one participant.
   void send(wire::Role to, wire::Message message);

@@ -74,7 +74,7 @@ struct CouplerChannel::State {
   bool secured;
   std::string keys;  // their directory
 
-  double start_deadline_s, progress_deadline_s;
+  double start_deadline_s, progress_deadline_s, patience_s = 0;
   std::string endpoint;
   Place place;
   Socket socket;
@@ -203,7 +203,9 @@ CouplerChannel::~CouplerChannel() {
 
 const std::string& CouplerChannel::endpoint() const { return state_->endpoint; }
 
-void CouplerChannel::record(const std::string& path) { state_->record.emplace(path); }
+void CouplerChannel::record(const std::string& path, bool anew) { state_->record.emplace(path, anew); }
+
+std::uint64_t CouplerChannel::record_mark() { return state_->record ? state_->record->mark() : 0; }
 
 std::map<wire::Role, wire::Hello> CouplerChannel::accept(const std::set<wire::Role>& expected, const std::string& case_hash,
                                                          int dimension) {
@@ -246,7 +248,7 @@ std::map<wire::Role, wire::Hello> CouplerChannel::accept(const std::set<wire::Ro
     } catch (const PeerLost& fault) {
       stop(fault.what());
     }
-    if (state_->record) state_->record->write(message);
+    if (state_->record && message.hello().checkpoint().empty()) state_->record->write(message);
     const wire::Hello& hello = message.hello();
     log_info(fmt::format("{} joined: process {}, version {}, {} particles, {} surface points", name(role), hello.process_id(),
                          hello.version(), hello.particles(), hello.surface().body_size()));
@@ -266,12 +268,34 @@ std::map<wire::Role, wire::Hello> CouplerChannel::accept(const std::set<wire::Ro
   }
 }
 
-void CouplerChannel::welcome(std::uint32_t surface_points) {
+void CouplerChannel::welcome(std::uint32_t surface_points, wire::Welcome welcome) {
   wire::Message message;
+  *message.mutable_welcome() = std::move(welcome);
   message.mutable_welcome()->set_surface_points(surface_points);
   message.mutable_welcome()->set_version(fmt::format("{} {}", program_version, git_hash));
   for (const auto& [role, peer] : state_->peers) send(role, message);
 }
+
+std::map<wire::Role, std::string> CouplerChannel::save() {
+  std::map<wire::Role, std::string> answers;
+  for (const auto& [role, peer] : state_->peers) {
+    wire::Message message;
+    message.mutable_save();
+    send(role, std::move(message));
+  }
+  for (const auto& [role, peer] : state_->peers) answers[role] = receive(role, {Kind::kSaved}).saved().hash();
+  return answers;
+}
+
+void CouplerChannel::resume(std::uint64_t step, double time_s, std::uint64_t bytes_sent, std::uint64_t bytes_received,
+                            std::uint64_t record_bytes) {
+  set_step(step, time_s);
+  state_->traffic.bytes_sent = bytes_sent;
+  state_->traffic.bytes_received = bytes_received;
+  if (state_->record) state_->record->go_back(record_bytes);
+}
+
+void CouplerChannel::complete_windows_for(double patience_s) { state_->patience_s = patience_s; }
 
 void CouplerChannel::send(wire::Role to, wire::Message message) {
   const Traffic::Exchange exchange(state_->traffic);
@@ -288,6 +312,7 @@ wire::Message CouplerChannel::receive(wire::Role from, std::initializer_list<Kin
     state_->refuse(arrived.peer, error);
   };
   Waiting waiting("coupler", name(from), state_->place.step, state_->place.time_s, state_->progress_deadline_s);
+  waiting.set_patience(state_->patience_s);
   Peer& peer = state_->peer(from);
   for (;;) {
     state_->collect(waiting, ignore);
@@ -295,7 +320,7 @@ wire::Message CouplerChannel::receive(wire::Role from, std::initializer_list<Kin
       wire::Message message = std::move(peer.inbox.front());
       peer.inbox.pop_front();
       peer.session.check(message, state_->place, expected);
-      if (state_->record) state_->record->write(message);
+      if (state_->record && !message.has_saved()) state_->record->write(message);
       return message;
     }
     if (peer.gone) throw lost(from, peer.process_id, state_->place);

@@ -164,6 +164,12 @@ wire::Message ParticipantChannel::receive(std::initializer_list<Kind> expected) 
 
 void ParticipantChannel::set_step(std::uint64_t step, double time_s) { state_->place = {step, time_s}; }
 
+void ParticipantChannel::resume(std::uint64_t step, double time_s, std::uint64_t bytes_sent, std::uint64_t bytes_received) {
+  set_step(step, time_s);
+  state_->traffic.bytes_sent = bytes_sent;
+  state_->traffic.bytes_received = bytes_received;
+}
+
 void ParticipantChannel::abort(const Error& error) noexcept {
   if (state_->coupler_gone) return;
   try {

@@ -5,12 +5,20 @@
 #include "base/error.hpp"
 
 #include <fmt/format.h>
+#include <google/protobuf/io/coded_stream.h>
 
 namespace tern::proto {
 namespace {
 
 double since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+/// What of a message counts as traffic: not its sequence number, and no checkpoints, so that a run that was continued has counted what
+/// one that never stopped has.
+std::uint64_t counted_bytes(const wire::Message& message, std::size_t size) {
+  if (message.has_save() || message.has_saved()) return 0;
+  return size - (1 + google::protobuf::io::CodedOutputStream::VarintSize64(message.sequence()));
 }
 
 }  // namespace
@@ -33,9 +41,9 @@ std::optional<Arrived> take_message(Socket& socket, Traffic& traffic) {
     arrived->peer = received.peer;
     arrived->role = received.role;
     arrived->connection = received.connection;
-    traffic.bytes_received += received.bytes.size();
     arrived->fault =
         received.frames == 1 ? parse(received.bytes, arrived->message) : fmt::format("{} frames; a message is one frame", received.frames);
+    traffic.bytes_received += arrived->fault.empty() ? counted_bytes(arrived->message, received.bytes.size()) : received.bytes.size();
   });
   return arrived;
 }
@@ -49,7 +57,7 @@ bool send_message(Socket& socket, const std::string& peer, const wire::Message& 
                     size, max_message_bytes));
   const bool sent =
       socket.send(peer, size, [&](std::byte* bytes) { message.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(bytes)); });
-  if (sent) traffic.bytes_sent += size;
+  if (sent) traffic.bytes_sent += counted_bytes(message, size);
   return sent;
 }
 

@@ -17,13 +17,20 @@ namespace {
 
 constexpr double first_log_s = 5;
 
+/// Since any wait of this process has noticed a signal [s].
+double since_interrupt() {
+  static const auto noticed = std::chrono::steady_clock::now();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - noticed).count();
+}
+
 }  // namespace
 
 Waiting::Waiting(std::string who, std::string whom, std::uint64_t step, double time_s, double deadline_s)
     : who_(std::move(who)), whom_(std::move(whom)), step_(step), time_s_(time_s), deadline_s_(deadline_s) {}
 
 void Waiting::check() {
-  if (interrupted()) throw_if_interrupted(fmt::format("while waiting for {} {}", whom_, where(step_, time_s_)).c_str());
+  if (interrupted() && since_interrupt() >= patience_s_)
+    throw_if_interrupted(fmt::format("while waiting for {} {}", whom_, where(step_, time_s_)).c_str());
   const double waited = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
   if (waited > deadline_s_)
     throw PeerLost(

@@ -16,6 +16,9 @@ class Waiting {
   void check();
   void set_deadline(double deadline_s) { deadline_s_ = deadline_s; }
 
+  /// After a signal a wait may go on for so long, counted from when the first wait has noticed it: what is under way is completed [s].
+  void set_patience(double patience_s) { patience_s_ = patience_s; }
+
   /// Tells the log earlier than after 5 s.
   void speak_after(double seconds);
 
@@ -26,7 +29,7 @@ class Waiting {
   std::string who_, whom_;
   std::uint64_t step_;
   double time_s_;
-  double deadline_s_;
+  double deadline_s_, patience_s_ = 0;
   double next_log_s_ = 5;
   bool spoken_ = false;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();

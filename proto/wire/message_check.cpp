@@ -125,6 +125,9 @@ void check_hello(Check& check, const wire::Hello& hello, bool structure) {
   check.name_length("version", hello.version());
   check.name_length("limit", hello.limit());
   check.proposed_step(hello.proposed_step_s(), "finite and 0 or more", hello.proposed_step_s() >= 0);
+  if (!check.require(hello.checkpoint_size() <= max_checkpoints))
+    check.fault = fmt::format("checkpoint has {} entries; the limit is {}", hello.checkpoint_size(), max_checkpoints);
+  for (const auto& checkpoint : hello.checkpoint()) check.name_length("checkpoint.hash", checkpoint.hash());
   check.account(hello.account(), std::nullopt, std::nullopt);
   const auto& surface = hello.surface();
   const auto points = static_cast<std::size_t>(surface.body_size());
@@ -146,6 +149,8 @@ void check_welcome(Check& check, const wire::Welcome& welcome, const Agreement& 
   if (!check.require(!agreement.surface_points || *agreement.surface_points == welcome.surface_points()))
     check.fault =
         fmt::format("surface_points is {}; it must be {} as in the structure's Hello", welcome.surface_points(), *agreement.surface_points);
+  if (!check.require(welcome.resume_ticks() >= 0 && welcome.resume_ticks() <= max_ticks))
+    check.fault = fmt::format("resume_ticks is {}; it must be between 0 and 2^53", welcome.resume_ticks());
 }
 
 void check_begin_window(Check& check, const wire::BeginWindow& window, const Agreement& agreement) {
@@ -267,7 +272,11 @@ void remember(const wire::Message& message, Agreement& agreement) {
       agreement.gauges = hello.account().gauge_size();
       break;
     }
-    case Kind::kWelcome: agreement.surface_points = message.welcome().surface_points(); break;
+    case Kind::kWelcome:
+      agreement.surface_points = message.welcome().surface_points();
+      agreement.extent = message.welcome().extent();
+      if (message.welcome().resume_step() > 0) agreement.next_begin_ticks = message.welcome().resume_ticks();
+      break;
     case Kind::kBeginWindow:
       agreement.next_begin_ticks = message.begin_window().begin_ticks() + message.begin_window().duration_ticks();
       agreement.interface_particles.reset();
@@ -341,7 +350,9 @@ std::string find_body_fault(const wire::Message& message, const Agreement& agree
       check_vectors(check, "force", message.surface_load().force(), agreement.dimension, agreement.surface_points,
                     "dimension times surface points");
       break;
-    case Kind::kFinish: break;
+    case Kind::kFinish:
+    case Kind::kSave: break;
+    case Kind::kSaved: check.name_length("hash", message.saved().hash()); break;
     case Kind::kFinished: check.account(message.finished().account(), agreement.energies, agreement.gauges); break;
     case Kind::kAbort: check_abort(check, message.abort()); break;
     case Kind::BODY_NOT_SET: check.fault = "body is missing"; break;

@@ -17,6 +17,7 @@ namespace tern::proto {
 inline constexpr std::size_t max_message_bytes = std::size_t{256} << 20;  ///< about 3 million interface particles in 3D
 inline constexpr std::size_t max_sentence_bytes = 4096;
 inline constexpr std::size_t max_images = 7;        ///< of an interface particle in walls
+inline constexpr int max_checkpoints = 16;          ///< that a participant offers to go on from
 inline constexpr std::size_t max_name_bytes = 256;  ///< version, hash, name of a limit
 
 /// What both ends of one connection know about the run; grows as messages pass (see remember()).

@@ -4,10 +4,12 @@ import argparse
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 from tern import paths
-from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, INTERRUPTED, NUMERICAL_FAILURE, Error
-from tern.launch import build, cases, packages, run
+from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, INTERRUPTED, NUMERICAL_FAILURE, PEER_LOST, Error
+from tern.launch import build, cases, packages, resumption, run
+from tern.results import summary
 
 DESCRIPTION = """tern: fluid-structure simulation with three processes: an incompressible-SPH fluid, a
 total-Lagrangian-SPH structure, and a coupler between them."""
@@ -73,6 +75,11 @@ def _run_options(parser):
     parser.add_argument("--quiet", action="store_true", help="say nothing unless something fails")
 
 
+def _retries_option(parser):
+    parser.add_argument("--retries", metavar="N", type=_count, default=0,
+                        help="after a lost process or machine go on from the newest checkpoint, at most N times")
+
+
 def _network_options(parser):
     parser.add_argument("--keys", metavar="DIR", help="directory with this role's keys, made by ./tern keys: encrypts and authenticates")
     parser.add_argument("--insecure", action="store_true", help="use a network address without keys")
@@ -110,10 +117,23 @@ def parser():
     one.add_argument("--only", choices=("fluid", "structure", "coupler"), help="start this process only")
     one.add_argument("--endpoint", metavar="ADDRESS", help="where the coupler listens, e.g. ipc:///tmp/mine.sock "
                      "(default: a private socket)")
+    one.add_argument("--resume", choices=("auto",), help="auto: go on from the newest checkpoint if the results directory holds an "
+                     "earlier run of this case, otherwise begin")
+    _retries_option(one)
     _run_options(one)
     one.add_argument("--bind", metavar="ADDRESS", help="with --only coupler: the same for a network, tcp://HOST:PORT with the name "
                      "or number of this machine's interface, 0.0.0.0 for all, PORT * for any free one")
     _network_options(one)
+
+    one = _add(commands, "resume", _resume, "go on with a run from its newest checkpoint, into the same directory",
+               ["./tern resume runs/dam_break_plate", "./tern resume runs/dam_break_plate --until 2      (a longer end)",
+                "./tern resume runs/dam_break_plate --set output.frame_interval=0.01"])
+    one.add_argument("run", metavar="RUN", help="directory of a run that was interrupted, killed, or is to go on beyond its end")
+    one.add_argument("--set", metavar="KEY=VALUE", action="append", default=[],
+                     help="change end_time or an interval of [output] for the rest; all else must be as it was")
+    _retries_option(one)
+    _run_options(one)
+    one.add_argument("--build", choices=build.PRESETS, default="release", help="build to use (default release)")
 
     one = _add(commands, "join", _join, "start one participant of a run whose coupler is on another machine",
                ["./tern join fluid tcp://coupler.example.org:5555 CASE --keys DIR",
@@ -231,9 +251,12 @@ def parser():
     return whole
 
 
+def _sets(arguments):
+    return [part for override in arguments.set for part in ("--set", override)]
+
+
 def _forwarded(arguments):
-    options = [part for override in arguments.set for part in ("--set", override)]
-    return options + (["--preset", arguments.preset] if arguments.preset else [])
+    return _sets(arguments) + (["--preset", arguments.preset] if arguments.preset else [])
 
 
 def _run(arguments):
@@ -250,7 +273,28 @@ def _run(arguments):
     arguments.case_options = _forwarded(arguments)
     arguments.network_options = ["--keys", arguments.keys] if arguments.keys else []
     arguments.network_options += ["--insecure"] if arguments.insecure else []
-    cause, _ = run.run(run.Request(**{name: getattr(arguments, name) for name in run.Request.__dataclass_fields__}))
+    request = run.Request(**{name: getattr(arguments, name) for name in run.Request.__dataclass_fields__ if hasattr(arguments, name)})
+    if request.resume:
+        case = cases.read(build.ensure(request.build), cases.find(request.case), request.case_options)
+        request.resume = resumption.can_go_on(case["name"], request.out)
+    return _answer(run.run(request))
+
+
+def _resume(arguments):
+    if not (Path(arguments.run) / "run.json").exists():
+        raise Error(BAD_INPUT, f"{arguments.run} holds no run: there is no run.json in it; name the results directory of one.")
+    out = Path(arguments.run).resolve()
+    request = run.resumed(out, arguments)
+    request.case_options = request.case_options + _sets(arguments)
+    request.retries = arguments.retries
+    return _answer(run.run(request))
+
+
+def _answer(ended):
+    cause, out = ended
+    if cause.exit_code in (INTERRUPTED, PEER_LOST, INPUT_OUTPUT) and (kept := resumption.manifests(out)):
+        print(f"tern: ./tern resume {summary.shown(out)} goes on from step {kept[0]['step']}, t = {kept[0]['time_s']:.6g} s",
+              file=sys.stderr)
     if cause.exit_code != DONE:
         print(f"tern: stopped: {cause.sentence} (exit code {cause.exit_code})", file=sys.stderr)
     return cause.exit_code

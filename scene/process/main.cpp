@@ -49,6 +49,7 @@ std::string json_text(const Case& scene) {
                                {"has_fluid", scene.fluid.has_value()},
                                {"has_structure", scene.structure.has_value()},
                                {"settings", nlohmann::json::parse(scene.settings)},
+                               {"hash_of_rest", scene.hash_of_rest},
                                {"gauge_places", gauge_places(scene)},
                                {"preset_changes", scene.preset_changes},
                                {"expected_cpu_s", expected.fluid_cpu + expected.structure_cpu},

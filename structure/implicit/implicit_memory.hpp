@@ -15,12 +15,29 @@ struct ImplicitCounts {
   long failed = 0;       ///< given up, to be repeated in shorter ones
   long evaluations = 0;  ///< of the internal force
   long factors = 0;      ///< assembled and factored tangents
+
+  /// The list of the members: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("steps", all.steps...);
+    visit("failed", all.failed...);
+    visit("evaluations", all.evaluations...);
+    visit("factors", all.factors...);
+  }
 };
 
 /// A step of the quasi-Newton method: `moved` of d, `change` of minus the residual, `product` = moved . change > 0.
 struct QuasiNewtonUpdate {
   Eigen::VectorXd moved, change;
   double product;
+
+  /// The list of the members: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("moved", all.moved...);
+    visit("change", all.change...);
+    visit("product", all.product...);
+  }
 };
 
 /// What one step leaves to the next. The factor is not copied: it is made again, with the same bits, from where it was made.

@@ -13,17 +13,19 @@ namespace {
 
 using namespace tern;
 
-/// Without surface load, in windows of equal length between two instants of output.
+/// The structure as run_alone() steps it: without surface load, in windows of equal length between two instants of output.
 template <int D>
-void run_without_fluid(const CommandLine& command, const Case& scene, RunReport& report) {
-  structure::Structure<D> structure(scene);
-  const FrameSchedule gauge_times(scene.output.gauge_interval, to_ticks(scene.end_time));
-  const double sub_steps = sub_steps_per_window(scene);
-  const Meetable meetable(scene, structure.surface_properties().body);
-  MeetingState<D> meeting;
-  watch_meetings(meetable, 0, structure.surface(), meeting);
-  double& compute_s = report.timing("compute");
-  const auto advance = [&](Ticks now, Ticks target) -> SoloStep {
+struct Alone {
+  Alone(const Case& scene, RunReport& report)
+      : structure(scene),
+        gauge_times(scene.output.gauge_interval, to_ticks(scene.end_time)),
+        sub_steps(sub_steps_per_window(scene)),
+        meetable(scene, structure.surface_properties().body),
+        compute_s(report.timing("compute")) {
+    watch_meetings(meetable, 0, structure.surface(), meeting);
+  }
+
+  SoloStep advance(Ticks now, Ticks target) {
     const Ticks left = std::min(target, gauge_times.next(now)) - now;
     const auto windows = static_cast<Ticks>(seconds(left) / (sub_steps * structure.largest_sub_step())) + 1;
     const Ticks duration = std::max<Ticks>(left / windows, 1);
@@ -31,9 +33,31 @@ void run_without_fluid(const CommandLine& command, const Case& scene, RunReport&
     structure.trial(now, duration);
     watch_meetings(meetable, seconds(now + duration), structure.surface(), meeting);
     return {duration, "output", -1};
-  };
-  run_alone(command, scene, report, structure::StructureSide<D>(scene, structure), gauge_columns(scene, GaugeOwner::structure),
-            structure_energy_columns(scene), advance);
+  }
+  void save(StateWriter& file) const {
+    file("structure", structure.state());
+    file("meeting", meeting);
+  }
+  void restore(StateReader& file) {
+    structure::CompleteState<D> state = structure.state();
+    file("structure", state);
+    structure.set_state(state);
+    file("meeting", meeting);
+  }
+
+  structure::Structure<D> structure;
+  FrameSchedule gauge_times;
+  double sub_steps;
+  Meetable meetable;
+  MeetingState<D> meeting;
+  double& compute_s;
+};
+
+template <int D>
+void run_without_fluid(const CommandLine& command, const Case& scene, RunReport& report) {
+  Alone<D> alone(scene, report);
+  run_alone(command, scene, report, structure::StructureSide<D>(scene, alone.structure), gauge_columns(scene, GaugeOwner::structure),
+            structure_energy_columns(scene), alone);
 }
 
 template <int D>

@@ -42,6 +42,13 @@ class Measures {
     if (windows_ > 0) report.set_measure("sub_steps_mean", static_cast<double>(sub_steps_) / static_cast<double>(windows_));
   }
 
+  /// The list of the members: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("sub_steps", all.sub_steps_...);
+    visit("windows", all.windows_...);
+  }
+
  private:
   long sub_steps_ = 0, windows_ = 0;
 };

@@ -10,13 +10,12 @@
 namespace tern::structure {
 
 template <int D>
-class Participant : public proto::ParticipantFrame<StructureSide<D>> {
-  using Frame = proto::ParticipantFrame<StructureSide<D>>;
+class Participant : public proto::ParticipantFrame<Participant<D>, StructureSide<D>> {
+  using Frame = proto::ParticipantFrame<Participant<D>, StructureSide<D>>;
   using Frame::timed;
 
  public:
-  Participant(const CommandLine& command, const Case& scene, RunReport& report, const proto::ParticipantChannel& channel,
-              Structure<D>& structure)
+  Participant(const CommandLine& command, const Case& scene, RunReport& report, proto::ParticipantChannel& channel, Structure<D>& structure)
       : Frame(command, scene, report, channel, StructureSide<D>(scene, structure)),
         trial_s_(report.timing("compute.trial")),
         structure_(structure),
@@ -38,6 +37,13 @@ class Participant : public proto::ParticipantFrame<StructureSide<D>> {
   }
   void apply(const SurfaceLoad<D>& load) {
     timed([&] { coupled_.apply(load); });
+  }
+
+  void save_solver(StateWriter& file) const { file("structure", coupled_.state()); }
+  void restore_solver(StateReader& file) {
+    CoupledState<D> state = coupled_.state();
+    file("structure", state);
+    coupled_.set_state(state);
   }
 
  private:

@@ -21,6 +21,12 @@ class StructureSide {
   void add_window() { measures_.add(structure_); }
   void report(RunReport& report) const { measures_.report(structure_, report); }
 
+  /// The list of what add_window() has gathered: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("structure", all.measures_...);
+  }
+
  private:
   const Case& scene_;
   const Structure<D>& structure_;

@@ -1,4 +1,5 @@
-// State is complete: fluid, structure and coupler that are given the states of others at a window's end go on with the same bits as those.
+// State is complete: fluid, structure and coupler that are given the states of others at a window's end, through files as a checkpoint
+// does, go on with the same bits as those.
 
 #include <gtest/gtest.h>
 
@@ -7,7 +8,9 @@
 #include "base/step_control.hpp"
 #include "coupler/window.hpp"
 #include "fixtures/coupled_scenes.hpp"
+#include "fixtures/scratch_directory.hpp"
 #include "fluid/fluid.hpp"
+#include "run/state_file.hpp"
 #include "structure/coupled_structure.hpp"
 
 namespace tern::coupler::testing {
@@ -34,11 +37,28 @@ struct Sides {
   }
 
   void go_on_from(const Sides& other) {
-    now = other.now;
-    control = other.control;
-    fluid.set_state(other.fluid.state());
-    coupled.set_state(other.coupled.state());
-    coupler.set_state(other.coupler.state());
+    const ScratchDirectory dir;
+    {
+      StateWriter file(dir / "state.h5");
+      file("now", other.now);
+      file("control", other.control);
+      file("fluid", other.fluid.state());
+      file("structure", other.coupled.state());
+      file("coupler", other.coupler.state());
+      file.close();
+    }
+    StateReader file(dir / "state.h5");
+    fluid::State<D> of_fluid;
+    structure::CoupledState<D> of_structure = coupled.state();
+    State<D> of_coupler = coupler.state();
+    file("now", now);
+    file("control", control);
+    file("fluid", of_fluid);
+    file("structure", of_structure);
+    file("coupler", of_coupler);
+    fluid.set_state(std::move(of_fluid));
+    coupled.set_state(of_structure);
+    coupler.set_state(of_coupler);
   }
 
   fluid::Fluid<D> fluid;

@@ -67,8 +67,8 @@ template <int D>
 std::string differences(const State<D>& a, const State<D>& b, bool fields_only) {
   std::string names;
   const auto note = [&](bool same, const char* name) { names += same ? "" : std::string(" ") + name; };
-  for_each_field(a, [&](const char* name, const char*, const auto& values) {
-    for_each_field(b, [&]<class Values>(const char* other, const char*, const Values& others) {
+  for_each_particle_field(a, [&](const char* name, const char*, const auto& values) {
+    for_each_particle_field(b, [&]<class Values>(const char* other, const char*, const Values& others) {
       if constexpr (std::is_same_v<std::decay_t<decltype(values)>, Values>)
         if (std::strcmp(name, other) == 0) note(same_bits(values, others), name);
     });

@@ -6,9 +6,11 @@
 #include <hdf5.h>
 #include <signal.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <filesystem>
 #include <limits>
 
 #include "base/error.hpp"
@@ -207,6 +209,56 @@ TEST(FrameWriter, LeavesEveryFinishedFrameReadableWhenItsProcessIsKilled) {
   waitpid(child, &status, 0);
   ASSERT_TRUE(WIFSIGNALED(status));
   EXPECT_EQ(read(dir / "fluid.h5", "/frame_000001/velocity").values.size(), 3000u);
+}
+
+// Seen to fail without H5Pset_obj_track_times(false), which puts the date into every group and dataset.
+TEST(FrameWriter, GoesBackToAMarkAndOnWithTheSameBytes) {
+  const ScratchDirectory whole, cut;
+  const auto frame = [](FrameWriter& frames, int n) {
+    write_frame(frames, 0.1 * n, 10 * n, 40 + static_cast<std::size_t>(n), 1.0 / (n + 1));
+  };
+  FrameWriter one(whole.path(), "fluid");
+  for (int n = 0; n < 700; ++n) frame(one, n);  // more than the root group holds in its first leaf
+
+  FrameWriter::Mark mark;
+  {
+    FrameWriter first(cut.path(), "fluid");
+    for (int n = 0; n < 600; ++n) {
+      if (n == 550) mark = first.mark();
+      frame(first, n);
+    }
+  }
+  FrameWriter second(cut.path(), "fluid", false);
+  second.go_back(mark);
+  EXPECT_EQ(second.frames(), 550);
+  for (int n = 550; n < 700; ++n) frame(second, n);
+  EXPECT_TRUE(text_of(whole / "fluid.h5") == text_of(cut / "fluid.h5"));
+  EXPECT_EQ(text_of(whole / "fluid.xmf"), text_of(cut / "fluid.xmf"));
+}
+
+TEST(FrameWriter, RefusesToGoBackInFilesThatHaveBecomeShorter) {
+  const ScratchDirectory dir;
+  FrameWriter frames(dir.path(), "fluid");
+  write_frame(frames, 0, 0, 10);
+  const FrameWriter::Mark mark = frames.mark();
+  std::filesystem::resize_file(dir / "fluid.h5", 1000);
+  EXPECT_THROW(frames.go_back(mark), InputOutputError);
+}
+
+// The index is not rewritten for every frame: its cost does not grow.
+TEST(FrameWriter, AddsToTheIndexInPlace) {
+  const ScratchDirectory dir;
+  FrameWriter frames(dir.path(), "fluid");
+  write_frame(frames, 0, 0, 5);
+  const auto file_of = [&] {
+    struct stat file {};
+    EXPECT_EQ(::stat((dir / "fluid.xmf").c_str(), &file), 0);
+    return file.st_ino;
+  };
+  const auto before = file_of();
+  write_frame(frames, 1, 1, 5);
+  EXPECT_EQ(file_of(), before);
+  EXPECT_TRUE(text_of(dir / "fluid.xmf").ends_with("</Grid>\n</Grid>\n</Domain>\n</Xdmf>\n"));
 }
 
 }  // namespace

@@ -72,5 +72,22 @@ TEST(TableWriter, SaysWhichFileCannotBeWrittenWhenTheDiskIsFull) {
   EXPECT_THROW(TableWriter("/nowhere/gauges.csv", {"t_s"}), InputOutputError);
 }
 
+TEST(TableWriter, GoesBackToAMark) {
+  const ScratchDirectory dir;
+  std::uint64_t mark = 0;
+  {
+    TableWriter table(dir / "t.csv", {"t_s", "x"});
+    table.row({1, 2});
+    mark = table.mark();
+    table.row({2, 3});
+  }
+  TableWriter table(dir / "t.csv", {"t_s", "x"}, false);
+  EXPECT_THROW(table.go_back(mark + 1000), InputOutputError);
+  table.go_back(mark);
+  table.row({5, 6});
+  table.close();
+  EXPECT_EQ(text_of(dir / "t.csv"), "t_s,x\n1,2\n5,6\n");
+}
+
 }  // namespace
 }  // namespace tern

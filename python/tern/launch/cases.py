@@ -53,7 +53,7 @@ def results_in(directory):
     names = ["run.json", "gauges.csv", "energy.csv", "steps.csv", "interface.record"]
     for role in ("fluid", "structure", "coupler"):
         names += [f"report.{role}.json", f"{role}.h5", f"{role}.xmf", f"{role}.log"]
-    return [directory / name for name in names if (directory / name).exists()]
+    return [directory / name for name in names if (directory / name).exists()] + sorted((directory / "checkpoint").glob("*.*"))
 
 
 def make_out_directory(case_name, asked, force):

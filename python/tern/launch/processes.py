@@ -15,6 +15,7 @@ GRACE_AFTER_FAILURE_S = 5.0    # the others notice a lost peer by themselves: ki
 GRACE_NEVER_JOINED_S = 1.0     # the coupler, if it was it that refused the foreign program, ends with the cause
 GRACE_AFTER_SUCCESS_S = 60.0   # the others write their last frame
 GRACE_AFTER_INTERRUPT_S = 1.6  # Ctrl-C ends everything within 2 s
+GRACE_OF_COUPLER_S = 1.0       # of these: it completes a window, has a checkpoint made and ends the others
 GRACE_AFTER_TERMINATE_S = 2.0
 LONGEST_STOP_S = 9.0  # by SIGSTOP; connected peers notice after 5 s, but nobody misses a process that has not joined yet
 
@@ -108,18 +109,20 @@ class Group:
 
         `has_begun`: whether all have joined. The coupler does not notice a foreign program that ends before that.
         """
-        terminate_at = kill_at = float("inf")
+        terminate_at = kill_at = interrupt_others_at = float("inf")
         seen_interrupts = 0
         while self.running():
-            for process in self._reap(interrupts, min(terminate_at, kill_at)):
+            for process in self._reap(interrupts, min(terminate_at, kill_at, interrupt_others_at)):
                 process.never_joined = (process.program != f"tern-{process.role}" and not process.ended_by_launcher
                                         and not has_begun())
             now = time.monotonic()
             if interrupts.count > seen_interrupts:
                 if seen_interrupts == 0:
-                    self._signal_all(signal.SIGINT)
+                    leaders = [process for process in self.running() if process.role == "coupler"] if has_begun() else []
+                    self._signal_all(signal.SIGINT, leaders or None)
                     self._signal_all(signal.SIGCONT)
                     terminate_at, kill_at = float("inf"), now + GRACE_AFTER_INTERRUPT_S
+                    interrupt_others_at = now + GRACE_OF_COUPLER_S if leaders else float("inf")
                 seen_interrupts = interrupts.count
                 if seen_interrupts > 1:
                     kill_at = now
@@ -131,6 +134,9 @@ class Group:
                          else GRACE_AFTER_SUCCESS_S)
                 if kill_at == float("inf"):
                     terminate_at = min(terminate_at, now + grace)
+            if now >= interrupt_others_at:
+                interrupt_others_at = float("inf")
+                self._signal_all(signal.SIGINT)
             if seen_interrupts == 0 and kill_at == float("inf") and self._one_is_frozen(now):
                 terminate_at = now
             if now >= terminate_at:
@@ -178,10 +184,12 @@ class Group:
             ended.append(process)
         return ended
 
-    def _signal_all(self, number):
+    def _signal_all(self, number, only=None):
+        """Signals all that run, or those of `only`; all of them then end because the launcher wants it."""
         for process in self.running():
             process.ended_by_launcher = True
-            self._signal(process, number)
+            if only is None or process in only:
+                self._signal(process, number)
 
     @staticmethod
     def _signal(process, number):

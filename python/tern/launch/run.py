@@ -11,12 +11,13 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from tern import paths
-from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, STATUS, Error
-from tern.launch import build, cases, first_cause, packages
+from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, PEER_LOST, STATUS, Error
+from tern.launch import build, cases, first_cause, packages, resumption
 from tern.launch.processes import Group, Interrupts
 from tern.results import summary
 
 OLD_SOLVERS = Path("proto/python/participants")  # where they were one version ago
+IN_LAUNCH = ("until", "threads", "deadline", "record", "allow_unstable", "only", "endpoint", "network_options")
 ROLES = ("coupler", "fluid", "structure")  # the order of starting: the coupler binds the endpoint
 
 
@@ -40,6 +41,8 @@ class Request:
     only: str | None = None      # one role
     endpoint: str | None = None
     network_options: list = field(default_factory=list)  # --keys and --insecure, in words
+    resume: str | None = None    # directory of the run that goes on
+    retries: int = 0             # how often a run that lost a process goes on by itself
 
 
 def write_json(path, value):
@@ -113,20 +116,22 @@ def _reports(out, roles):
 
 
 def _merged(run, processes, reports, cause, wall_s):
-    """The contents of run.json after the end."""
+    """The contents of run.json after the end. Of a run that went on from a checkpoint the reports count all its parts."""
+    goes_on = "resumed" in run
     any_report = next((report for report in reports.values() if report), {})
     for process in processes:
         report = reports.setdefault(process.role, {})
         report["program"] = process.program
         report["exit_code"] = process.exit_code
-        report["cpu_s"] = process.cpu_s
+        report["cpu_s"] = max(report.get("cpu_s") or 0.0, process.cpu_s) if goes_on else process.cpu_s
         if report.get("status") in (None, "running"):
             report["status"] = "killed" if process.exit_code < 0 else "failed" if process.exit_code or process.never_joined else "done"
     return run | {
         "status": STATUS[cause.exit_code], "exit_code": cause.exit_code, "first_cause": cause.sentence,
         "first_cause_role": cause.role,
         "exit_codes": {process.role: process.exit_code for process in processes},
-        "wall_s": wall_s, "cpu_s": sum(process.cpu_s for process in processes),
+        "wall_s": max([wall_s, *(report.get("wall_s") or 0.0 for report in reports.values() if goes_on)]),
+        "cpu_s": sum(report["cpu_s"] for report in reports.values() if "cpu_s" in report),
         "steps": max((report.get("steps") or 0 for report in reports.values()), default=0),
         "version": any_report.get("version", ""), "git": any_report.get("git", ""),
         "processes": reports,
@@ -134,7 +139,33 @@ def _merged(run, processes, reports, cause, wall_s):
 
 
 def run(request):
-    """Runs a case. Returns (why it ended: first_cause.Cause, directory of the results)."""
+    """Runs a case. Returns (why it ended: first_cause.Cause, directory of the results). After a lost process a run with retries goes on
+    from its newest checkpoint."""
+    cause, out = _run_once(request)
+    for left in range(request.retries, 0, -1):
+        if cause.exit_code != PEER_LOST:
+            break
+        print(f"tern: {cause.sentence} The run goes on from its newest checkpoint ({left} of {request.retries} retries left).",
+              file=sys.stderr, flush=True)
+        try:
+            cause, out = _run_once(resumed(out, request))
+        except Error as error:
+            print(f"tern: {error}", file=sys.stderr, flush=True)
+            break
+    return cause, out
+
+
+def resumed(out, request):
+    """The request for what is left of the run in `out`; of `request` what may be new: end, threads, deadline, quiet, and more --set."""
+    contents, _ = resumption.newest(out)
+    launch = contents["launch"]
+    own = {"case": contents["case_path"], "case_options": contents["options"], "out": str(out), "resume": str(out),
+           "until": request.until or launch["until"], "threads": request.threads or launch["threads"],
+           "deadline": request.deadline or launch["deadline"], "quiet": request.quiet, "build": request.build}
+    return Request(**{**launch, **contents["commands"], **own})
+
+
+def _run_once(request):
     path = cases.find(request.case)
     directory = build.ensure(request.build)
     case = cases.read(directory, path, request.case_options)
@@ -143,10 +174,19 @@ def run(request):
                 if (command := foreign_command(getattr(request, role), role, case, roles))}
     for command in commands.values():
         packages.ensure_for(command)
-    out = cases.make_out_directory(case["name"], request.out, request.force)
+    before = None
+    if request.resume:
+        out = Path(request.resume).resolve()
+        before, checkpoint = resumption.newest(out)
+        if changed := resumption.differences(before["settings"], case.get("settings", {})):
+            raise Error(BAD_INPUT, f"{path} is not the case of {summary.shown(out)} any more: {'; '.join(changed)}. Undo that, or begin "
+                                   f"anew; only {', '.join(resumption.MAY_CHANGE)} may change.")
+    else:
+        out = cases.make_out_directory(case["name"], request.out, request.force)
     if not request.quiet:
         # Said before the first progress line: where the results appear, and under which name.
-        print(f"tern: {case['name']} ({', '.join(roles)}), results in {summary.shown(out)}", flush=True)
+        where = f", goes on from step {checkpoint['step']}, t = {checkpoint['time_s']:.6g} s" if before and checkpoint else ""
+        print(f"tern: {case['name']} ({', '.join(roles)}){where}, results in {summary.shown(out)}", flush=True)
 
         for warning in case.get("warnings", []):
             print(f"tern: warning: {warning}", file=sys.stderr, flush=True)
@@ -154,7 +194,12 @@ def run(request):
     contents = {"case": case["name"], "case_path": str(path), "title": case.get("title", ""), "case_hash": case["hash"],
                 "started": datetime.now(timezone.utc).isoformat(timespec="seconds"), "status": "running",
                 "settings": case.get("settings", {}), "gauge_places": case.get("gauge_places", []), "options": request.case_options,
-                "commands": {role: shlex.join(command) for role, command in commands.items()}}
+                "commands": {role: shlex.join(command) for role, command in commands.items()},
+                "launch": {name: getattr(request, name) for name in IN_LAUNCH}}
+    if before:
+        now = datetime.now(timezone.utc).isoformat(timespec="seconds")
+        contents["started"] = before["started"]
+        contents["resumed"] = [*before.get("resumed", []), {"date": now, **(checkpoint or {})}]
     options = [*request.case_options, "--out", str(out), *request.network_options]
     if request.until is not None:
         options += ["--until", repr(request.until)]
@@ -164,6 +209,8 @@ def run(request):
         options += ["--deadline", repr(request.deadline)]
     if request.force:
         options.append("--force")
+    if before:
+        options.append("--resume")
     if request.allow_unstable:
         options.append("--allow-unstable")
     began = time.monotonic()
@@ -193,6 +240,9 @@ def run(request):
         reports = _reports(out, roles)
         cause = first_cause.find(group.processes, reports, interrupts.count > 0)
         contents = _merged(contents, group.processes, reports, cause, wall_s)
+        refused = before and cause.exit_code == BAD_INPUT
+        if refused:
+            contents = before  # what was there is as it was
         try:
             write_json(out / "run.json", contents)
             for role in roles:
@@ -201,6 +251,6 @@ def run(request):
             if cause.exit_code == DONE:
                 raise Error(INPUT_OUTPUT, f"The results are in {out}, but run.json could not be written: "
                                                   f"{error}.") from error
-    if not request.quiet:
+    if not request.quiet and not refused:
         print(summary.text(contents, out), flush=True)
     return cause, out

@@ -41,6 +41,20 @@ def _waiting(log, newer_than):
     return found.group(2)
 
 
+def living(directory):
+    """Names of the processes of a run that live on this machine."""
+    found = []
+    for path in sorted(directory.glob("report.*.json")):
+        try:
+            contents = json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, json.JSONDecodeError):
+            continue
+        state = _process_state(contents, directory)
+        if contents.get("status") == "running" and not state.startswith(("gone", "not seen")):
+            found.append(f"{contents.get('role', path.name)}, process {contents['process_id']}")
+    return found
+
+
 def text(directory):
     """The report as lines."""
     run = run_report.read(directory)

@@ -79,6 +79,8 @@ class Participant:
         if own and own != welcome.surface_points:
             self._fail(f"surface_points is {welcome.surface_points}; it must be {own} as in Hello")
         self._surface_points = welcome.surface_points
+        if welcome.resume_step:
+            self.step, self._next_begin_ticks, self._extent = welcome.resume_step, welcome.resume_ticks, welcome.extent
         return welcome
 
     def send(self, **body):
@@ -87,7 +89,8 @@ class Participant:
         if "interface_particles" in body:
             self._interface_particles = len(body["interface_particles"].id)
         self._projected = "interface_pressure" in body
-        self._extent = "window_done" in body and body["window_done"].HasField("extent")
+        if "saved" not in body:
+            self._extent = "window_done" in body and body["window_done"].HasField("extent")
         message = wire.Message(protocol_version=PROTOCOL_VERSION, sender=self._role, sequence=self._sent, step=self.step, **body)
         self._socket.send(message.SerializeToString(), zmq.DONTWAIT)
 

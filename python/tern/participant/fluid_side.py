@@ -17,6 +17,9 @@ and may have
     extent()                           wire.Extent of the fluid at the end of the window: while the surface is out of its reach none
                                        is sent, and in place of the three calls after begin_window() there is
     pass_window()                      moves to the end of the window without a surface
+and, so that a run with it can be continued from a checkpoint (./tern resume),
+    save()                             dict of arrays by name from which it goes on after the present window, with the same bits
+    restore(saved)                     goes back to what save() has given, in a solver that was just made
 """
 
 import sys
@@ -49,8 +52,9 @@ def _obey(run, make_solver):
     case = run.case
     with run.timed("compute"):
         solver = make_solver(case, run.options)
-    frames = FrameWriter(run.options.out, "fluid", case.dimension)
+    frames = FrameWriter(run.options.out, "fluid", case.dimension, anew=not run.resumes)
     written = -1
+    saves = hasattr(solver, "save") and hasattr(solver, "restore")
 
     def account():
         return run.account(solver.energies(), solver.gauge)
@@ -78,10 +82,20 @@ def _obey(run, make_solver):
         if order.begin_window.write_frame:
             write_frame()
 
-    write_frame()
+    def keep():
+        return {f"solver.{name}": values for name, values in solver.save().items()} | {"frames": frames.mark(), "written": written}
+
+    if not run.resumes:
+        write_frame()
     proposed, limit = solver.propose_step()
-    run.handshake(wire.Hello(particles=len(solver.fields()["position"]), proposed_step_s=proposed, limit=limit, account=account()))
-    while (order := run.receive("begin_window", "finish")).WhichOneof("body") == "begin_window":
+    welcome = run.handshake(wire.Hello(particles=len(solver.fields()["position"]), proposed_step_s=proposed, limit=limit,
+                                       account=account()), saves)
+    if run.resumes:
+        kept = run.restored(welcome)
+        solver.restore({name.removeprefix("solver."): values for name, values in kept.items() if name.startswith("solver.")})
+        frames.go_back(kept["frames"])
+        written = int(kept["written"])
+    while (order := run.next_order(keep if saves else None)).WhichOneof("body") == "begin_window":
         window = order.begin_window
         with run.timed("compute"):
             solver.begin_window(window.begin_ticks / TICKS_PER_SECOND, window.duration_ticks / TICKS_PER_SECOND)

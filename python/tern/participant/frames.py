@@ -1,6 +1,5 @@
 """Frames of one side for ParaView and ./tern plot: NAME.h5 with a group per frame, and its index NAME.xmf (docs/ARCHITECTURE.md)."""
 
-import os
 from pathlib import Path
 
 import h5py
@@ -22,16 +21,30 @@ def _item(rows, columns, name, source, kind="Float", precision=4):
 class FrameWriter:
     """Writes frames of points. The file is open only while a frame is written, so that it can be read at any time."""
 
-    def __init__(self, directory, name, dimension):
+    def __init__(self, directory, name, dimension, anew=True):
+        """Not `anew`: the files are there, and go_back() follows."""
         self._data, self._index = Path(directory) / f"{name}.h5", Path(directory) / f"{name}.xmf"
         self._units = _UNITS | {"surface_force": "N/m" if dimension == 2 else "N"}
-        self._grids, self._frames = "", 0
-        h5py.File(self._data, "w").close()
-        self._write_index()
+        self._end, self.frames = len(_HEAD), 0  # of the index [bytes]
+        if anew:
+            h5py.File(self._data, "w").close()
+            self._index.write_text(_HEAD + _TAIL, encoding="utf-8")
+
+    def mark(self):
+        """Where the files are, for go_back()."""
+        return [self.frames, self._end]
+
+    def go_back(self, mark):
+        """Removes the frames written after mark()."""
+        self.frames, self._end = (int(entry) for entry in mark)
+        with h5py.File(self._data, "a") as file:
+            for name in [name for name in file if name not in {f"frame_{n:06d}" for n in range(self.frames)}]:
+                del file[name]
+        self._append("")
 
     def write(self, time_s, step, fields, beside=None):
         """`fields`: name -> one scalar or vector per point, "position" among them; `beside`: points of another number."""
-        name = f"frame_{self._frames:06d}"
+        name = f"frame_{self.frames:06d}"
         arrays = {field: self._array(field, values) for field, values in (fields | (beside or {})).items()}
         rows = len(arrays["position"])
         with h5py.File(self._data, "a") as file:
@@ -42,17 +55,16 @@ class FrameWriter:
             group.create_dataset("connectivity", data=numpy.arange(rows, dtype=numpy.int32))
             file.move(name + ".unfinished", name)  # a frame that could not be finished is no frame
         source = f"{self._data.name}:/{name}"
-        self._grids += (f'<Grid Name="{name}" GridType="Uniform">\n<Time Value="{time_s:.17g}"/>\n<Topology TopologyType="Polyvertex" '
+        grid = (f'<Grid Name="{name}" GridType="Uniform">\n<Time Value="{time_s:.17g}"/>\n<Topology TopologyType="Polyvertex" '
                         f'NumberOfElements="{rows}" NodesPerElement="1">{_item(rows, 0, "connectivity", source, "Int")}</Topology>\n'
                         f'<Geometry GeometryType="XYZ">{_item(rows, 3, "position", source, precision=8)}</Geometry>\n')
         for field in fields:
             if field != "position":
                 vector = arrays[field].ndim == 2
-                self._grids += (f'<Attribute Name="{field}" AttributeType="{"Vector" if vector else "Scalar"}" Center="Node">'
+                grid += (f'<Attribute Name="{field}" AttributeType="{"Vector" if vector else "Scalar"}" Center="Node">'
                                 f'{_item(rows, 3 if vector else 0, field, source)}</Attribute>\n')
-        self._grids += "</Grid>\n"
-        self._frames += 1
-        self._write_index()
+        self._append(grid + "</Grid>\n")
+        self.frames += 1
 
     @staticmethod
     def _array(field, values):
@@ -61,7 +73,11 @@ class FrameWriter:
             array = numpy.column_stack([array, numpy.zeros(len(array), array.dtype)])
         return array
 
-    def _write_index(self):
-        temporary = self._index.with_suffix(".tmp")
-        temporary.write_text(_HEAD + self._grids + _TAIL, encoding="utf-8")
-        os.replace(temporary, self._index)
+    def _append(self, text):
+        """Puts text before the end of the index."""
+        content = text.encode()
+        with open(self._index, "r+b", buffering=0) as file:
+            file.seek(self._end)
+            file.write(content + _TAIL.encode())
+            file.truncate()
+        self._end += len(content)

@@ -20,6 +20,7 @@ import zmq
 from tern import paths
 from tern.errors import BAD_INPUT, INPUT_OUTPUT, INTERRUPTED, NUMERICAL_FAILURE, PEER_LOST
 from tern.participant.channel import Participant, RunEnded
+from tern.participant.checkpoints import Checkpoints
 from tern.participant.schema import wire
 
 TICKS_PER_SECOND = 2.0**32
@@ -146,7 +147,9 @@ class Run:
         self.role, self.program, self.options = role, program, options
         self.case = self.channel = None
         self._waiting, self._signal = False, None
-        self._log = open(Path(options.out) / f"{role}.log", "w", buffering=1, encoding="utf-8")
+        self.resumes = options.resume
+        self._checkpoints = Checkpoints(options.out, role)
+        self._log = open(Path(options.out) / f"{role}.log", "a" if self.resumes else "w", buffering=1, encoding="utf-8")
         self.report = Report(role, options)
 
     def log(self, sentence, level="info"):
@@ -163,14 +166,43 @@ class Run:
         finally:
             self.report.timing[activity] += time.perf_counter() - begin
 
-    def handshake(self, hello):
-        """Completes Hello, says it, and returns Welcome."""
+    def handshake(self, hello, saves=False):
+        """Completes Hello, says it, and returns Welcome. `saves`: next_order() is given what keeps the state, and where Welcome has a
+        resume_step the solver goes back to it: restored() tells what was kept."""
+        hello.saves = saves
+        if self.resumes:
+            if not saves:
+                raise bad_input(f"The run cannot be continued: {self.program} keeps no checkpoints (docs/PARTICIPANTS.md).")
+            hello.checkpoint.extend([wire.Checkpoint(step=step, hash=digest) for step, digest in self._checkpoints.files()])
         hello.case_hash, hello.dimension = hello.case_hash or self.case.hash, self.case.dimension
         hello.version = hello.version or f"{self.program} (Python)"
         with self._interruptible():
             welcome = self.channel.handshake(hello)
+        if self.resumes != (welcome.resume_step > 0):
+            raise bad_input("Start all processes of the run with --resume, or all without: "
+                            f"the coupler {'begins anew' if self.resumes else 'goes on from a checkpoint'}.")
+        if not self.resumes:
+            self._checkpoints.clear()
         self.log(f"joined the coupler (version {welcome.version}) at {self.options.endpoint}: {welcome.surface_points} surface "
                  "points")
+        return welcome
+
+    def next_order(self, keep=None):
+        """The next begin_window or finish; before that keep(), a dict of arrays by name, goes to a file when the coupler wants it."""
+        kinds = ("begin_window", "finish") + (("save",) if keep else ())
+        while (order := self.receive(*kinds)).WhichOneof("body") == "save":
+            with self.timed("output"):
+                report = {"report.steps": self.report.steps, "report.time_s": self.report.time_s}
+                digest = self._checkpoints.save(order.step, keep() | report)
+            self.send(saved=wire.Saved(hash=digest))
+        return order
+
+    def restored(self, welcome):
+        """What keep() has given at the step from which the run goes on."""
+        kept = self._checkpoints.load(welcome.resume_step)
+        self.report.steps, self.report.time_s = int(kept.pop("report.steps")), float(kept.pop("report.time_s"))
+        self.log(f"goes on from the checkpoint of step {welcome.resume_step}")
+        return kept
 
     def receive(self, *kinds):
         """The next message of the coupler; Ctrl-C ends the wait."""
@@ -246,6 +278,7 @@ def _parser(role, program):
     parser.add_argument("--preset", metavar="NAME", help="numerical settings as a group")
     parser.add_argument("--until", metavar="T", type=float, help="end at this simulated time [s]; the coupler keeps it")
     parser.add_argument("--threads", metavar="N", type=int, default=1, help="threads of this process")
+    parser.add_argument("--resume", action="store_true", help="go on from the newest checkpoint in DIR")
     parser.add_argument("--force", action="store_true", help="replace the results of an earlier run in DIR")
     parser.add_argument("--allow-unstable", action="store_true", help="for the coupler")
     parser.add_argument("--quiet", action="store_true", help="for the coupler, which owns the progress line")
@@ -256,7 +289,7 @@ def _prepare_directory(options, role):
     directory = Path(options.out)
     directory.mkdir(parents=True, exist_ok=True)
     for name in (f"report.{role}.json", f"{role}.h5"):
-        if not options.force and (directory / name).exists():
+        if not options.force and not options.resume and (directory / name).exists():
             raise bad_input(f"{options.out} holds {name} of an earlier run; choose another --out, or --force to replace it.")
 
 

@@ -12,6 +12,9 @@ A solver has
                                        in a case with loads, damping, load_work, clamp_work
     gauge(gauge)                       values of a displacement or reaction gauge of the case, None if it has none
     fields()                           dict for a frame: position, displacement, velocity of its points, and scalars of any name
+and may have, so that a run with it can be continued from a checkpoint (./tern resume),
+    save()                             dict of arrays by name from which it goes on after the present window, with the same bits
+    restore(saved)                     goes back to what save() has given, in a solver that was just made
 """
 
 import sys
@@ -23,6 +26,7 @@ from tern.participant.frames import FrameWriter
 from tern.participant.schema import wire
 from tern.participant.side import TICKS_PER_SECOND, bad_input, finite, run_participant
 
+_SURFACE = ("position", "velocity", "normal", "area")
 KEPT = 0.8  # of the velocity at the begin, see interface_velocity()
 
 
@@ -77,6 +81,16 @@ class _Coupled:
         self.load = numpy.zeros_like(self._begin.position)
         self.interface_work = 0.0
 
+    def save(self):
+        begin = {f"begin.{name}": getattr(self._begin, name) for name in _SURFACE}
+        own = {f"solver.{name}": values for name, values in self.solver.save().items()}
+        return begin | own | {"load": self.load, "interface_work": self.interface_work}
+
+    def restore(self, saved):
+        self.solver.restore({name.removeprefix("solver."): values for name, values in saved.items() if name.startswith("solver.")})
+        self._begin, self._state = Surface(*(saved[f"begin.{name}"] for name in _SURFACE)), self.solver.state
+        self.load, self.interface_work = saved["load"], float(saved["interface_work"])
+
     def predict(self, begin_s, duration_s):
         """Halfway to the state under the load of the last window, with the velocity at its end. Explicit: the present surface moved
         on for half a window."""
@@ -124,8 +138,9 @@ def _obey(run, make_solver):
         coupled = _Coupled(solver, case.settings["coupling"]["algorithm"] == "explicit")
     columns = ["kinetic", "strain", "potential", "diffusion", "penalty", "interface_work"]
     columns += ["damping", "load_work", "clamp_work"] if _has_loads(case.settings["structure"]) else []
-    frames = FrameWriter(run.options.out, "structure", case.dimension)
+    frames = FrameWriter(run.options.out, "structure", case.dimension, anew=not run.resumes)
     written = -1
+    saves = hasattr(solver, "save") and hasattr(solver, "restore")
 
     def account():
         energies = solver.energies() | {"interface_work": coupled.interface_work}
@@ -142,10 +157,19 @@ def _obey(run, make_solver):
     def flat(name, values):
         return finite(f"{name} of the surface", values, run.channel.step)
 
-    write_frame()
-    run.handshake(wire.Hello(particles=len(solver.fields()["position"]), account=account(),
-                             surface=wire.SurfaceProperties(**{name: list(values) for name, values in solver.properties().items()})))
-    while (order := run.receive("begin_window", "finish")).WhichOneof("body") == "begin_window":
+    def keep():
+        return coupled.save() | {"frames": frames.mark(), "written": written}
+
+    if not run.resumes:
+        write_frame()
+    properties = wire.SurfaceProperties(**{name: list(values) for name, values in solver.properties().items()})
+    welcome = run.handshake(wire.Hello(particles=len(solver.fields()["position"]), account=account(), surface=properties), saves)
+    if run.resumes:
+        kept = run.restored(welcome)
+        coupled.restore(kept)
+        frames.go_back(kept["frames"])
+        written = int(kept["written"])
+    while (order := run.next_order(keep if saves else None)).WhichOneof("body") == "begin_window":
         window = order.begin_window
         with run.timed("compute"):
             at_begin = account()

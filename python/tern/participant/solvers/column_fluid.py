@@ -71,6 +71,13 @@ class ColumnFluid:
         self.velocity += self.duration * ((force + self.dissipative)[:, 1].sum() / weight - self.gravity)
         self.rise += self.duration * (before + self.velocity) / 2
 
+    def save(self):
+        return {"rise": self.rise, "velocity": self.velocity, "pressure": self.pressure, "position": self.position}
+
+    def restore(self, saved):
+        self.rise, self.velocity, self.pressure = (float(saved[name]) for name in ("rise", "velocity", "pressure"))
+        self.position = saved["position"]
+
     def energies(self):
         mass = self.density * self.height * self.width
         return mass * self.velocity**2 / 2, mass * self.gravity * self.rise

@@ -136,7 +136,7 @@ class GetfemStructure:
         unknowns = self.solid.space.nbdof()
         self.weight = self.solid.mass @ np.tile(case.gravity, unknowns // 2)
         self.state = (np.zeros(unknowns), np.zeros(unknowns))
-        self.factor = self.factor_h = None
+        self.factor = self.factor_h = self.factored_at = None
 
     def properties(self):
         return self.report
@@ -203,6 +203,16 @@ class GetfemStructure:
 
     def _renew_factor(self, u, h):
         self.factor, self.factor_h = splu((self.solid.mass_free / h**2 + self.solid.stiffness(u)).tocsc()), h
+        self.factored_at = u.copy()
+
+    def save(self):
+        saved = {"state": self.state}
+        return saved if self.factor is None else saved | {"factored_at": self.factored_at, "factor_h": self.factor_h}
+
+    def restore(self, saved):
+        self.state = tuple(saved["state"])
+        if "factor_h" in saved:  # with another factor the iterations would end at other bits
+            self._renew_factor(saved["factored_at"], float(saved["factor_h"]))
 
     def energies(self):
         u, v = self.state

@@ -37,6 +37,12 @@ class RigidSpring:
         c, s, (d, v) = np.cos(omega * duration_s), np.sin(omega * duration_s), self.state
         self.state = (rest + (d - rest) * c + v / omega * s, v * c - (d - rest) * omega * s)
 
+    def save(self):
+        return {"state": self.state}
+
+    def restore(self, saved):
+        self.state = tuple(saved["state"])
+
     def energies(self):
         d, v = self.state
         return {"kinetic": self.mass * v**2 / 2, "strain": self.stiffness * d**2 / 2, "potential": -self.mass * self.gravity * d}

@@ -1,0 +1,77 @@
+#include "run/state_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "base/error.hpp"
+#include "run/hdf5_file.hpp"
+
+namespace tern {
+namespace {
+
+hid_t memory_type(StoredAs type) {
+  switch (type) {
+    case StoredAs::unsigned8: return H5T_NATIVE_UINT8;
+    case StoredAs::signed32: return H5T_NATIVE_INT32;
+    case StoredAs::unsigned32: return H5T_NATIVE_UINT32;
+    case StoredAs::signed64: return H5T_NATIVE_INT64;
+    case StoredAs::unsigned64: return H5T_NATIVE_UINT64;
+    case StoredAs::real64: break;
+  }
+  return H5T_NATIVE_DOUBLE;
+}
+
+}  // namespace
+
+struct StateWriter::File {
+  explicit File(const std::string& name) : path(name), hdf5(name, Hdf5File::Mode::create_compact), root(hdf5.root()) {}
+  std::string path;
+  Hdf5File hdf5;
+  Hdf5Handle root;
+};
+
+StateWriter::StateWriter(const std::string& path) : file_(std::make_unique<File>(path)) {}
+StateWriter::~StateWriter() = default;
+
+void StateWriter::write(const std::string& name, StoredAs type, const void* values, std::size_t rows, std::size_t columns) {
+  file_->hdf5.write_dataset(file_->root, name, "", memory_type(type), values, rows, columns);
+}
+
+void StateWriter::close() {
+  file_->root.close();
+  file_->hdf5.close();
+  // A file that is renamed before its content has reached the disk could be empty after a power failure.
+  const int descriptor = ::open(file_->path.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool synced = descriptor >= 0 && ::fsync(descriptor) == 0;
+  if (descriptor >= 0) ::close(descriptor);
+  if (!synced) throw InputOutputError(fmt::format("Cannot bring {} to the disk; free space or choose another --out.", file_->path));
+}
+
+struct StateReader::File {
+  explicit File(const std::string& name) : path(name), hdf5(name, Hdf5File::Mode::read) {}
+  std::string path;
+  Hdf5File hdf5;
+};
+
+StateReader::StateReader(const std::string& path) : file_(std::make_unique<File>(path)) {}
+StateReader::~StateReader() = default;
+
+std::size_t StateReader::rows(const std::string& name, StoredAs type, std::size_t columns) {
+  const auto shape = file_->hdf5.shape(name, memory_type(type));
+  if (!shape || shape->columns != columns)
+    throw BadInput(
+        fmt::format("{} has no {} as this program knows it: it was written by another version of tern; continue the run with that.",
+                    file_->path, name));
+  return shape->rows;
+}
+
+void StateReader::read(const std::string& name, StoredAs type, void* values) { file_->hdf5.read_dataset(name, memory_type(type), values); }
+
+void StateReader::expect_size(const std::string& name, std::size_t found, std::size_t wanted) const {
+  if (found != wanted)
+    throw BadInput(
+        fmt::format("{} has {} entries of {} where this case has {}: it belongs to another case.", file_->path, found, name, wanted));
+}
+
+}  // namespace tern
