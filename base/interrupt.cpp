@@ -3,8 +3,12 @@
 #include "base/interrupt.hpp"
 
 #include <fmt/format.h>
+#include <sys/prctl.h>
+#include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
+#include <string>
 
 #include "base/error.hpp"
 
@@ -40,6 +44,13 @@ void install_interrupt_handler() {
   ignore.sa_handler = SIG_IGN;  // a closed pipe or socket is an error of the write, not the death of the process
   sigemptyset(&ignore.sa_mask);
   sigaction(SIGPIPE, &ignore, nullptr);
+}
+
+void end_with_launcher() {
+  const char* launcher = std::getenv("TERN_LAUNCHER");
+  if (launcher == nullptr || std::to_string(::getppid()) != launcher) return;  // started by somebody else in the same environment
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (std::to_string(::getppid()) != launcher) std::raise(SIGTERM);  // it died in between
 }
 
 bool interrupted() { return signal_received != 0; }

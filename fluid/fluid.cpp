@@ -57,11 +57,6 @@ std::size_t Fluid<D>::spray_particles() const {
 }
 
 template <int D>
-double Fluid<D>::front() const {
-  return fluid::front(constants().spacing, state_);
-}
-
-template <int D>
 std::optional<double> Fluid<D>::pressure_at(const Vector<D>& x) const {
   return Probe<D>(*this).pressure(x);
 }

@@ -96,7 +96,6 @@ class Fluid {
   double largest_speed() const;       ///< [m/s]
   double largest_bulk_speed() const;  ///< spray left out [m/s]
   std::size_t spray_particles() const;
-  double front() const;
   /// Pressure at a point, first order; nothing where fewer than half a kernel of fluid is around [Pa].
   std::optional<double> pressure_at(const Vector<D>& x) const;
   /// Height of the free surface on the vertical through x (probe.hpp); nothing where there is no fluid [m].

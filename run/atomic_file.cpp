@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -34,6 +35,25 @@ void write_atomically(const std::string& path, std::string_view text) {
   }
   if (::close(descriptor) != 0) fail(errno);
   if (std::rename(temporary.c_str(), path.c_str()) != 0) fail(errno);
+}
+
+void write_with_room(const std::string& path, std::string text) {
+  constexpr std::size_t block = 4096, room = 2048;
+  try {
+    std::string roomy = text;
+    roomy.resize((text.size() + room + block - 1) / block * block, ' ');
+    roomy.back() = '\n';
+    write_atomically(path, roomy);
+  } catch (const InputOutputError&) {
+    const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    struct stat file {};
+    if (descriptor < 0) throw;
+    const bool fits = ::fstat(descriptor, &file) == 0 && static_cast<std::size_t>(file.st_size) >= text.size();
+    text.resize(static_cast<std::size_t>(fits ? file.st_size : 0), ' ');
+    const bool done = fits && ::pwrite(descriptor, text.data(), text.size(), 0) == static_cast<ssize_t>(text.size());
+    ::close(descriptor);
+    if (!done) throw;
+  }
 }
 
 }  // namespace tern

@@ -87,6 +87,7 @@ int run_in_directory(const CommandLine& command, const Case& scene, const std::s
 int run_main(int argc, char** argv, const std::string& role, const Body& body) {
   set_log_program("tern-" + role);
   install_interrupt_handler();
+  end_with_launcher();
   int code = 0;
   try {
     const CommandLine command = parse_command_line(argc, argv, role);

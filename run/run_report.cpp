@@ -82,7 +82,7 @@ void RunReport::set_done() {
 }
 
 void RunReport::write() {
-  write_atomically(path_, json());
+  write_with_room(path_, json());
   since_write_.restart();
 }
 

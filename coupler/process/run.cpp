@@ -71,9 +71,6 @@ void report_evaluations(const Evaluations& evaluations, long gauges, RunReport& 
   report.set_count("windows_without_exchange", evaluations.windows_without_exchange);
 }
 
-/// Within the 2 s in which Ctrl-C ends a run, there must be time for the checkpoint as well.
-constexpr double patience_after_interrupt_s = 1;
-
 using Hellos = std::map<wire::Role, wire::Hello>;
 
 /// Whether all participants keep checkpoints; the log is told of one that does not.
@@ -199,7 +196,6 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
     checkpoints.clear();
     channel.welcome(static_cast<std::uint32_t>(properties.body.size()));
   }
-  channel.complete_windows_for(patience_after_interrupt_s);
   while (now < end && !interrupted()) {
     const Stopwatch watch;
     const Ticks target = schedule.next(now);

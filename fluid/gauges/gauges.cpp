@@ -28,9 +28,10 @@ struct Evaluation {
 
 template <int D>
 void append_force(const GaugeCase& gauge, Instruments<D>& at, GaugeValues& values) {
-  const WallForce<D> total = at.probe().force(at.fluid.walls().find(gauge.text("wall")), gauge.place<D>("at"));
-  values.insert(values.end(), total.force.data(), total.force.data() + D);
-  values.insert(values.end(), total.moment.data() + (D == 2 ? 2 : 0), total.moment.data() + 3);
+  const auto total = at.probe().force(at.fluid.walls().find(gauge.text("wall")), gauge.place<D>("at"));
+  if (!total) return values.resize(values.size() + gauge_columns(gauge, D).size());
+  values.insert(values.end(), total->force.data(), total->force.data() + D);
+  values.insert(values.end(), total->moment.data() + (D == 2 ? 2 : 0), total->moment.data() + 3);
 }
 
 template <int D>
@@ -46,9 +47,9 @@ const std::vector<Evaluation<D>>& evaluations() {
   static const std::vector<Evaluation<D>> list = {
       {"pressure", true, [](G gauge, I at, GaugeValues& values) { values.push_back(at.probe().pressure(gauge.place<D>("at"))); }},
       {"elevation", false, [](G gauge, I at, GaugeValues& values) { values.push_back(at.probe().elevation(gauge.place<D>("at"))); }},
-      {"front", false, [](G, I at, GaugeValues& values) { values.push_back(at.fluid.front()); }},
-      {"force", true, append_force<D>},
-      {"wall_pressure", true, append_sensor<D>},
+      {"front", false, [](G, I at, GaugeValues& values) { values.push_back(at.probe().front()); }},
+      {"force", false, append_force<D>},
+      {"wall_pressure", false, append_sensor<D>},
       {"flux", false,
        [](G gauge, I at, GaugeValues& values) { values.push_back(at.probe().flux(gauge.place<D>("from"), gauge.place<D>("to"))); }},
   };

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double wet_distance = 1.25;  ///< in dx: a point of a wall without a particle that near is dry
 constexpr double sheet_thickness = 3;  ///< in dx: thinner lumps above the lowest fluid are not the free surface
+constexpr double joined = 1.5;         ///< in dx: the next particle of a sheet is nearer
 constexpr double off_wall = 0.01;      ///< in dx
 constexpr double sampling = 0.25;      ///< in dx, along lines
 
@@ -185,12 +186,12 @@ bool Probe<D>::covered(const Vector<D>& x) const {
 // Mean of what the wall mirrors of each particle before it, p = p_i + rho (g - a_w) . (x - x_i): the pressure that the
 // pressure gradient of the step uses behind walls (boundary.cpp).
 template <int D>
-double Probe<D>::wall_pressure(const Vector<D>& x, const Vector<D>& normal, double normal_acceleration) const {
+std::optional<double> Probe<D>::wall_pressure(const Vector<D>& x, const Vector<D>& normal, double normal_acceleration) const {
   const Constants<D>& constants = fluid_.constants();
   const Vector<D> eye = x + off_wall * constants.spacing * normal;
   for (const Wall<D>& wall : fluid_.walls().all())  // another wall may stand on this one
-    if (!wall.scene.container && contains<D>(wall.scene.shape, wall.place.reference(eye))) return 0;
-  if (covered(eye)) return 0;
+    if (!wall.scene.container && contains<D>(wall.scene.shape, wall.place.reference(eye))) return std::nullopt;
+  if (covered(eye)) return std::nullopt;
   std::vector<std::pair<const Faces<D>*, int>> screens;
   for (const auto& [faces, finder] : fluid_.faces()) {
     std::vector<int> seen;
@@ -210,11 +211,12 @@ double Probe<D>::wall_pressure(const Vector<D>& x, const Vector<D>& normal, doub
     weight += w;
     nearest = std::min(nearest, d.norm());
   });
-  return nearest < wet_distance * constants.spacing ? sum / weight : 0;
+  if (nearest >= wet_distance * constants.spacing) return std::nullopt;
+  return sum / weight;
 }
 
 template <int D>
-double Probe<D>::sensor(const Wall<D>& wall, const Vector<D>& at, double diameter) const {
+std::optional<double> Probe<D>::sensor(const Wall<D>& wall, const Vector<D>& at, double diameter) const {
   const Faces<D>& faces = fluid_.walls().faces();
   const Vector<D> centre = wall.place(at);
   std::size_t nearest = wall.first;
@@ -229,21 +231,25 @@ double Probe<D>::sensor(const Wall<D>& wall, const Vector<D>& at, double diamete
       const double u = (a + 0.5) / count - 0.5, v = D == 2 ? 0 : (b + 0.5) / count - 0.5;
       if (u * u + v * v > 0.25) continue;
       const Vector<D> x = centre + diameter * (u * along[0] + v * along[1]);
-      sum += wall_pressure(x, faces.normal[nearest], faces.normal_acceleration[nearest]);
+      const auto p = wall_pressure(x, faces.normal[nearest], faces.normal_acceleration[nearest]);
+      if (p && !fluid_.has_pressure()) return std::nullopt;
+      sum += p.value_or(0);
       ++points;
     }
   return sum / points;
 }
 
 template <int D>
-WallForce<D> Probe<D>::force(const Wall<D>& wall, const Vector<D>& at) const {
+std::optional<WallForce<D>> Probe<D>::force(const Wall<D>& wall, const Vector<D>& at) const {
   const Faces<D>& faces = *fluid_.faces()[0].first;  // as bodies leave them
   const Vector<D> about = wall.place(at);
   WallForce<D> total;
   for (std::size_t k = wall.first; k < wall.last; ++k) {
     if (faces.original[k] != static_cast<int>(k)) continue;  // an image of a patch already counted
-    const double p = wall_pressure(faces.position[k], faces.normal[k], faces.normal_acceleration[k]);
-    const Vector<D> force = -p * faces.area[k] * faces.normal[k], arm = faces.position[k] - about;
+    const auto p = wall_pressure(faces.position[k], faces.normal[k], faces.normal_acceleration[k]);
+    if (!p) continue;
+    if (!fluid_.has_pressure()) return std::nullopt;
+    const Vector<D> force = -*p * faces.area[k] * faces.normal[k], arm = faces.position[k] - about;
     total.force += force;
     if constexpr (D == 2)
       total.moment[2] += arm[0] * force[1] - arm[1] * force[0];
@@ -251,6 +257,30 @@ WallForce<D> Probe<D>::force(const Wall<D>& wall, const Vector<D>& at) const {
       total.moment += arm.cross(force);
   }
   return total;
+}
+
+template <int D>
+double Probe<D>::front() const {
+  const State<D>& state = fluid_.state();
+  std::vector<char> of_fluid(state.size());
+  std::vector<int> newest;
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    of_fluid[i] = !state.particle_class[i].spray();
+    if (of_fluid[i]) newest.push_back(static_cast<int>(i));
+  }
+  const double reach = joined * fluid_.constants().spacing;
+  double front = -1e300;
+  while (!newest.empty()) {
+    const int i = newest.back();
+    newest.pop_back();
+    front = std::max(front, state.position[i][0] + 0.5 * fluid_.constants().spacing);
+    for_particles_around(state.position[i], [&](int j, const Vector<D>& d, double) {
+      if (of_fluid[j] || d.norm() > reach) return;
+      of_fluid[j] = true;
+      newest.push_back(j);
+    });
+  }
+  return front;
 }
 
 template class Probe<2>;

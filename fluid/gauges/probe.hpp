@@ -34,17 +34,23 @@ class Probe {
   /// right of the way from `from` to `to` (2D), along the axis (3D).
   double flux(const Vector<D>& from, const Vector<D>& to) const;
 
-  /// Mean pressure over a disc of `diameter` on the wall at the point that was at `at` at t = 0; 0 where it is dry [Pa].
-  double sensor(const Wall<D>& wall, const Vector<D>& at, double diameter) const;
+  /// Mean pressure over a disc of `diameter` on the wall at the point that was at `at` at t = 0; 0 where it is dry, nothing where it is
+  /// wet and there was no pressure solve yet [Pa].
+  std::optional<double> sensor(const Wall<D>& wall, const Vector<D>& at, double diameter) const;
 
-  /// Force of the fluid on the wall, and its moment about the point of the wall that was at `at` at t = 0.
-  WallForce<D> force(const Wall<D>& wall, const Vector<D>& at) const;
+  /// Force of the fluid on the wall, and its moment about the point of the wall that was at `at` at t = 0; nothing as for sensor().
+  std::optional<WallForce<D>> force(const Wall<D>& wall, const Vector<D>& at) const;
+
+  /// Largest x of the fluid, the thinnest sheet included, but not what has come off it: particles that no chain of neighbours joins to
+  /// the bulk [m].
+  double front() const;
 
  private:
   template <class Visit>
   void for_particles_around(const Vector<D>& x, Visit&& visit) const;
   double hidden(const Vector<D>& x) const;
-  double wall_pressure(const Vector<D>& x, const Vector<D>& normal, double normal_acceleration) const;
+  /// Nothing where the wall is dry.
+  std::optional<double> wall_pressure(const Vector<D>& x, const Vector<D>& normal, double normal_acceleration) const;
   /// A body of the structure stands at x, as far as its faces near there tell.
   bool covered(const Vector<D>& x) const;
 

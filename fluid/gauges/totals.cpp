@@ -59,14 +59,6 @@ std::size_t spray_particles(const State<D>& state) {
       std::count_if(state.particle_class.begin(), state.particle_class.end(), [](ParticleClass own) { return own.spray(); }));
 }
 
-template <int D>
-double front(double spacing, const State<D>& state) {
-  double front = -1e300;
-  for (std::size_t i = 0; i < state.size(); ++i)
-    if (!state.particle_class[i].spray()) front = std::max(front, state.position[i][0] + 0.5 * spacing);
-  return front;
-}
-
 #define TERN_INSTANTIATE(D)                                                                                                               \
   template double largest_speed(const std::vector<Vector<D>>&);                                                                           \
   template double largest_bulk_speed<D>(const State<D>&);                                                                                 \
@@ -74,8 +66,7 @@ double front(double spacing, const State<D>& state) {
   template Vector<D> momentum<D>(double, const State<D>&);                                                                                \
   template Vector<3> angular_momentum<D>(double, const State<D>&);                                                                        \
   template double volume_drift<D>(const Constants<D>&, const Neighbours<D>&, const Boundary<D>&, const Corrections<D>&, const State<D>&); \
-  template std::size_t spray_particles<D>(const State<D>&);                                                                               \
-  template double front<D>(double, const State<D>&);
+  template std::size_t spray_particles<D>(const State<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)
 #undef TERN_INSTANTIATE

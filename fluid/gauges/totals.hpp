@@ -38,8 +38,4 @@ double volume_drift(const Constants<D>& constants, const Neighbours<D>& neighbou
 template <int D>
 std::size_t spray_particles(const State<D>& state);
 
-/// Largest x of particles that are not spray, plus dx/2 [m].
-template <int D>
-double front(double spacing, const State<D>& state);
-
 }  // namespace tern::fluid

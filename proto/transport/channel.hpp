@@ -101,9 +101,6 @@ class CouplerChannel {
   /// As ParticipantChannel::resume; the record goes back to a length.
   void resume(std::uint64_t step, double time_s, std::uint64_t bytes_sent, std::uint64_t bytes_received, std::uint64_t record_bytes);
 
-  /// After a signal a window that is under way may be completed, for so long [s].
-  void complete_windows_for(double patience_s);
-
   /// As ParticipantChannel::send, to one participant.
   void send(wire::Role to, wire::Message message);
 

@@ -74,7 +74,7 @@ struct CouplerChannel::State {
   bool secured;
   std::string keys;  // their directory
 
-  double start_deadline_s, progress_deadline_s, patience_s = 0;
+  double start_deadline_s, progress_deadline_s;
   std::string endpoint;
   Place place;
   Socket socket;
@@ -295,8 +295,6 @@ void CouplerChannel::resume(std::uint64_t step, double time_s, std::uint64_t byt
   if (state_->record) state_->record->go_back(record_bytes);
 }
 
-void CouplerChannel::complete_windows_for(double patience_s) { state_->patience_s = patience_s; }
-
 void CouplerChannel::send(wire::Role to, wire::Message message) {
   const Traffic::Exchange exchange(state_->traffic);
   Peer& peer = state_->peer(to);
@@ -312,7 +310,7 @@ wire::Message CouplerChannel::receive(wire::Role from, std::initializer_list<Kin
     state_->refuse(arrived.peer, error);
   };
   Waiting waiting("coupler", name(from), state_->place.step, state_->place.time_s, state_->progress_deadline_s);
-  waiting.set_patience(state_->patience_s);
+  if (state_->place.step > 0) waiting.be_patient();
   Peer& peer = state_->peer(from);
   for (;;) {
     state_->collect(waiting, ignore);

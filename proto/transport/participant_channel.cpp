@@ -93,6 +93,7 @@ struct ParticipantChannel::State {
     const std::string coupler = fmt::format("a coupler at {}", endpoint);
     Waiting waiting(name(role), connected ? "coupler" : coupler, place.step, place.time_s,
                     connected ? progress_deadline_s : start_deadline_s);
+    if (place.step > 0) waiting.be_patient();
     std::optional<Clock::time_point> first_broken_off;
     for (;;) {
       if (auto message = take(expected)) return std::move(*message);

@@ -7,6 +7,10 @@
 
 namespace tern::proto {
 
+/// Ctrl-C and SIGTERM end a run within 2 s. For so long of these a process goes on with what is under way, so that the coupler can
+/// complete the window, have a checkpoint made and end the others, also where all are signalled at once [s].
+inline constexpr double patience_after_interrupt_s = 1;
+
 class Waiting {
  public:
   /// `who` and `whom` are role names for sentences; `deadline_s` counts from now.
@@ -16,8 +20,8 @@ class Waiting {
   void check();
   void set_deadline(double deadline_s) { deadline_s_ = deadline_s; }
 
-  /// After a signal a wait may go on for so long, counted from when the first wait has noticed it: what is under way is completed [s].
-  void set_patience(double patience_s) { patience_s_ = patience_s; }
+  /// After a signal the wait goes on for patience_after_interrupt_s, counted from when the first wait has noticed it.
+  void be_patient() { patience_s_ = patience_after_interrupt_s; }
 
   /// Tells the log earlier than after 5 s.
   void speak_after(double seconds);

@@ -246,7 +246,8 @@ def parser():
                ["./tern report runs/dam_break_plate                          (writes runs/dam_break_plate/report.html)",
                 "./tern report runs/dam_break_plate --times 0.28 0.50 0.80", "./tern report runs/coarse runs/fine --out compared.html"])
     one.add_argument("directories", metavar="RUN", nargs="+", help="directory of a run, or any with tables, pictures and Markdown")
-    one.add_argument("--out", metavar="FILE", help="the page (default report.html in the directory; for several, in the present one)")
+    one.add_argument("--out", metavar="FILE", help="the page (default report.html in the directory; for several, in the one that "
+                     "holds them)")
     one.add_argument("--times", metavar="T", nargs="+", type=float, help="times of the field pictures [s] (default: four)")
     return whole
 
@@ -395,7 +396,7 @@ def _animate(arguments):
 def _report(arguments):
     _ensure_pictures(*packages.REPORT)
     from tern.report import write
-    print(write.write_page(arguments.directories, arguments.out, arguments.times))
+    print(summary.shown(write.write_page(arguments.directories, arguments.out, arguments.times)))
     return DONE
 
 

@@ -23,8 +23,8 @@ TEST(StillTank, CarriesTheWeightOfItsWater) {
   run(fluid, 2.0, [&] {
     if (seconds(fluid.state().time) < 1 || ++steps % 10) return;
     const Probe<2> probe(fluid);
-    on_tank += probe.force(fluid.walls().find("tank"), Vector<2>::Zero()).force;
-    on_side += probe.force(fluid.walls().find("side"), Vector<2>::Zero()).force;
+    on_tank += probe.force(fluid.walls().find("tank"), Vector<2>::Zero()).value().force;
+    on_side += probe.force(fluid.walls().find("side"), Vector<2>::Zero()).value().force;
     level += probe.elevation(Vector<2>(0.5, 0)).value();
     ++samples;
   });
@@ -45,7 +45,7 @@ double lost_impulse(int nx) {
   double last = 0, difference = 0;
   run(fluid, 0.5, [&] {
     const double now = seconds(fluid.state().time);
-    impulse += (now - last) * Probe<2>(fluid).force(fluid.walls().find("tank"), Vector<2>::Zero()).force;
+    impulse += (now - last) * Probe<2>(fluid).force(fluid.walls().find("tank"), Vector<2>::Zero()).value().force;
     last = now;
     const Vector<2> lost = mass * now * Vector<2>(0, -gravity) - fluid.momentum();
     difference = std::max(difference, (impulse - lost).norm() / unit);
@@ -80,7 +80,7 @@ TEST(RollingTank, KeepsItsWaterAndDoesItsWork) {
     const double now = seconds(fluid.state().time);
     drift = std::max(drift, std::abs(fluid.volume_drift()));
     if (now > 0.55) return;
-    work -= Probe<2>(fluid).force(fluid.walls().find("tank"), Vector<2>(0, -0.2)).moment[2] * (angle(now) - angle(last));
+    work -= Probe<2>(fluid).force(fluid.walls().find("tank"), Vector<2>(0, -0.2)).value().moment[2] * (angle(now) - angle(last));
     last = now;
     const Energies energies = fluid.energies();
     kinetic = std::max(kinetic, energies.kinetic);

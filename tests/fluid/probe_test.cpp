@@ -15,6 +15,7 @@ Fluid<2> still_tank(double depth = 0.6) {
   Fluid<2> fluid(scene(2, 0.02, {box({0, 0, 0}, {1, depth, 0})}, {tank({0, 0, 0}, {1, 1, 0})}));
   State<2> state = fluid.state();
   for (std::size_t i = 0; i < state.size(); ++i) state.pressure[i] = density * gravity * (depth - state.position[i][1]);
+  state.has_pressure = true;
   fluid.set_state(std::move(state));
   return fluid;
 }
@@ -44,6 +45,7 @@ TEST(Elevation, FollowsAFractionOfASpacing) {
   State<2> state = fluid.state();
   for (auto& x : state.position)
     if (x[1] < 0.7) x[1] += 0.1 * 0.02;
+  state.has_pressure = true;
   fluid.set_state(std::move(state));
   EXPECT_NEAR(fluid.elevation_at(Vector<2>(0.5, 0)).value() - before, 0.1 * 0.02, 0.02 * 0.02);
 }
@@ -71,12 +73,12 @@ TEST(WallForce, OfStillWaterIsItsWeightAndThePressureOnItsSides) {
   Fluid<2> fluid = still_tank();
   const Probe<2> probe(fluid);
   const Wall<2>& wall = fluid.walls().find("tank");
-  const WallForce<2> total = probe.force(wall, Vector<2>(0.5, 0));
+  const WallForce<2> total = probe.force(wall, Vector<2>(0.5, 0)).value();
   EXPECT_NEAR(total.force[1], -weight, 0.01 * weight);
   EXPECT_NEAR(total.force[0], 0, 1e-6 * weight);
   EXPECT_NEAR(total.moment[2], 0, 1e-6 * weight);
   // About the foot of the left wall: the weight pulls the tank to the right, the sides balance.
-  EXPECT_NEAR(probe.force(wall, Vector<2>(0, 0)).moment[2], -weight * 0.5, 0.005 * weight);
+  EXPECT_NEAR(probe.force(wall, Vector<2>(0, 0)).value().moment[2], -weight * 0.5, 0.005 * weight);
 
   // The same water between three walls of their own: force and moment of one side about its foot.
   Case c = scene(2, 0.02, {box({0, 0, 0}, {1, depth, 0})},
@@ -85,11 +87,11 @@ TEST(WallForce, OfStillWaterIsItsWeightAndThePressureOnItsSides) {
   Fluid<2> parts(c);
   parts.set_state(fluid.state());
   const Probe<2> other(parts);
-  EXPECT_NEAR(other.force(parts.walls().find("floor"), Vector<2>::Zero()).force[1], -weight, 0.01 * weight);
-  const WallForce<2> left = other.force(parts.walls().find("left"), Vector<2>::Zero());
+  EXPECT_NEAR(other.force(parts.walls().find("floor"), Vector<2>::Zero()).value().force[1], -weight, 0.01 * weight);
+  const WallForce<2> left = other.force(parts.walls().find("left"), Vector<2>::Zero()).value();
   EXPECT_NEAR(left.force[0], -side, 0.01 * side);
   EXPECT_NEAR(left.moment[2], side * depth / 3, 0.01 * side * depth / 3);
-  EXPECT_NEAR(other.force(parts.walls().find("right"), Vector<2>::Zero()).force[0], side, 0.01 * side);
+  EXPECT_NEAR(other.force(parts.walls().find("right"), Vector<2>::Zero()).value().force[0], side, 0.01 * side);
 }
 
 // Seen to fail without the hydrostatic part of the mirrored pressure, and with the moment about the origin.
@@ -102,9 +104,10 @@ TEST(WallForce, OfASubmergedBlockIsItsBuoyancyIn3D) {
   Fluid<3> fluid(c);
   State<3> state = fluid.state();
   for (std::size_t i = 0; i < state.size(); ++i) state.pressure[i] = density * gravity * (1.5 - state.position[i][1]);
+  state.has_pressure = true;
   fluid.set_state(std::move(state));
   const double buoyancy = density * gravity * 0.125;
-  const WallForce<3> total = Probe<3>(fluid).force(fluid.walls().find("obstacle"), Vector<3>(0.75, 0, 0));
+  const WallForce<3> total = Probe<3>(fluid).force(fluid.walls().find("obstacle"), Vector<3>(0.75, 0, 0)).value();
   EXPECT_NEAR(total.force[1], buoyancy, 0.01 * buoyancy);
   EXPECT_NEAR(total.moment[0], -0.75 * buoyancy, 0.01 * buoyancy);
   EXPECT_NEAR(total.moment[2], 0, 1e-6 * buoyancy);
@@ -125,15 +128,16 @@ TEST(WallForce, IsNoneBelowABodyOfTheStructure) {
   for (double s = low + 0.25 * dx; s < high; s += 0.5 * dx) add({s, top}, {0, 1});
   State<2> state = fluid.state();
   for (std::size_t i = 0; i < state.size(); ++i) state.pressure[i] = density * gravity * (depth - state.position[i][1]);
+  state.has_pressure = true;
   fluid.set_state(std::move(state));
   fluid.begin_window(0, to_ticks(1e-6));
   fluid.see_surface(block);
   const double expected = density * gravity * depth * (1 - (high - low));
-  EXPECT_NEAR(Probe<2>(fluid).force(fluid.walls().find("tank"), Vector<2>::Zero()).force[1], -expected, 0.01 * expected);
+  EXPECT_NEAR(Probe<2>(fluid).force(fluid.walls().find("tank"), Vector<2>::Zero()).value().force[1], -expected, 0.01 * expected);
 
   // The body is taken away: nothing of its faces is looked at any more, and the floor beside the water counts as wet.
   fluid.see_surface({});
-  EXPECT_LT(Probe<2>(fluid).force(fluid.walls().find("tank"), Vector<2>::Zero()).force[1], -1.02 * expected);
+  EXPECT_LT(Probe<2>(fluid).force(fluid.walls().find("tank"), Vector<2>::Zero()).value().force[1], -1.02 * expected);
 }
 
 // Seen to fail without the hydrostatic part of the mirrored pressure.
@@ -142,10 +146,28 @@ TEST(WallPressure, OfStillWaterIsHydrostaticAndZeroWhereDry) {
   const Probe<2> probe(fluid);
   const Wall<2>& wall = fluid.walls().find("tank");
   const double unit = density * gravity * 0.6;
-  EXPECT_NEAR(probe.sensor(wall, Vector<2>(1, 0.3), 0.02), 0.5 * unit, 0.005 * unit);
-  EXPECT_NEAR(probe.sensor(wall, Vector<2>(1, 0.003), 0.02), 0.995 * unit, 0.01 * unit);
-  EXPECT_NEAR(probe.sensor(wall, Vector<2>(0.5, 0), 0.1), unit, 0.005 * unit);
+  EXPECT_NEAR(probe.sensor(wall, Vector<2>(1, 0.3), 0.02).value(), 0.5 * unit, 0.005 * unit);
+  EXPECT_NEAR(probe.sensor(wall, Vector<2>(1, 0.003), 0.02).value(), 0.995 * unit, 0.01 * unit);
+  EXPECT_NEAR(probe.sensor(wall, Vector<2>(0.5, 0), 0.1).value(), unit, 0.005 * unit);
   EXPECT_EQ(probe.sensor(wall, Vector<2>(1, 0.8), 0.02), 0);
+}
+
+// Before the first solve a dry sensor is 0, as in every other row, and a wet one has no value. Seen to fail with all of them empty then.
+TEST(WallPressure, BeforeTheFirstSolveIsKnownWhereTheWallIsDry) {
+  Fluid<2> fluid(scene(2, 0.02, {box({0, 0, 0}, {1, 0.6, 0})}, {tank({0, 0, 0}, {1, 1, 0}), obstacle({1.2, 0, 0}, {1.3, 1, 0})}));
+  const Probe<2> probe(fluid);
+  EXPECT_FALSE(probe.sensor(fluid.walls().find("tank"), Vector<2>(1, 0.3), 0.02));
+  EXPECT_EQ(probe.sensor(fluid.walls().find("tank"), Vector<2>(1, 0.8), 0.02), 0);
+  EXPECT_FALSE(probe.force(fluid.walls().find("tank"), Vector<2>::Zero()));
+  EXPECT_EQ(probe.force(fluid.walls().find("obstacle"), Vector<2>::Zero())->force.norm(), 0);
+}
+
+// A sheet one particle thick before a block of water, and a drop beyond it. Seen to fail with the spray left out, which a sheet is.
+TEST(Front, IsTheTipOfTheThinnestSheetButNotOfADrop) {
+  Fluid<2> fluid(scene(2, 0.02, {box({0, 0, 0}, {0.4, 0.4, 0}), box({0.4, 0, 0}, {0.6, 0.02, 0}), box({0.8, 0.2, 0}, {0.82, 0.22, 0})},
+                       {tank({0, 0, 0}, {1, 1, 0})}));
+  step(fluid, 1e-4);
+  EXPECT_NEAR(Probe<2>(fluid).front(), 0.6, 1e-3);
 }
 
 // Closed form: speed times depth, in both senses; nothing through a line in the air. Seen to fail with the velocity not

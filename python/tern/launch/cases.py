@@ -1,6 +1,7 @@
 """From what the user typed to a case: its folder, its settings, and the directory a run of it writes to."""
 
 import difflib
+import errno
 import json
 import os
 import subprocess
@@ -70,17 +71,19 @@ def make_out_directory(case_name, asked, force):
                 directory.mkdir()
                 break
             except FileExistsError:
-                if directory.is_dir() and (force or not any(directory.iterdir())):
+                if directory.is_dir() and ((force and is_run(directory)) or not any(directory.iterdir())):
                     for result in results_in(directory):
                         result.unlink()
                     break
                 if directory.is_dir() and not is_run(directory) and asked and number == 1:
-                    break  # somebody's own folder without a run in it: a fine place for one
+                    if not set(directory.iterdir()) - set(results_in(directory)) - {directory / "checkpoint"}:
+                        break  # what a run has left that did not begin
+                    raise Error(BAD_INPUT, f"{base} is a folder that holds other things than a run; choose a new or an empty one "
+                                           f"with --out, for example {base / case_name}.") from None
                 number += 1
                 directory = base.with_name(f"{base.name}-{number}")
-        probe = directory / ".tern-writable"
-        probe.touch()
-        probe.unlink()
+        if not os.access(directory, os.W_OK):
+            raise OSError(errno.EACCES, os.strerror(errno.EACCES))
     except OSError as error:
         raise Error(INPUT_OUTPUT, f"The output directory {base} cannot be written ({os.strerror(error.errno)}); "
                                           f"choose another one with --out.") from error

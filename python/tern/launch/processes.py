@@ -11,6 +11,8 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from tern import paths
+
 GRACE_AFTER_FAILURE_S = 5.0    # the others notice a lost peer by themselves: killed < 1 s, frozen < 10 s at the same time
 GRACE_NEVER_JOINED_S = 1.0     # the coupler, if it was it that refused the foreign program, ends with the cause
 GRACE_AFTER_SUCCESS_S = 60.0   # the others write their last frame
@@ -75,11 +77,12 @@ class Interrupts:
 class Group:
     """All processes of a run, their private socket directory, and the guardian that cleans up should the launcher die."""
 
-    def __init__(self):
+    def __init__(self, out):
+        """`out`: directory of the results, in which the guardian writes how the run ended."""
         self.processes = []
         self.directory = tempfile.mkdtemp(prefix="tern-")  # mode 700: only this user can reach the sockets
         guardian = Path(__file__).with_name("guardian.sh")
-        self._guardian = subprocess.Popen(["/bin/sh", guardian, self.directory], stdin=subprocess.PIPE,
+        self._guardian = subprocess.Popen(["/bin/sh", guardian, self.directory, out, paths.python()], stdin=subprocess.PIPE,
                                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                                           start_new_session=True, text=True)
 
@@ -97,6 +100,7 @@ class Group:
 
     def start(self, role, command, program=None, environment=None):
         """Starts one executable; standard output and error are the launcher's. `program`: a foreign one, by its name."""
+        environment = (environment or os.environ) | {"TERN_LAUNCHER": str(os.getpid())}  # with whom it ends (base/interrupt.hpp)
         handle = subprocess.Popen(command, stdin=subprocess.DEVNULL, process_group=0, env=environment)
         self._tell(f"started {handle.pid}")
         self.processes.append(Process(role, program or f"tern-{role}", handle, os.pidfd_open(handle.pid)))
@@ -130,8 +134,8 @@ class Group:
                 failed = any(process.exit_code not in (None, 0) for process in self.processes)
                 frozen = failed and all(process.stopped() for process in self.running())
                 unjoined = any(process.never_joined for process in self.processes)
-                grace = (0.0 if frozen else GRACE_NEVER_JOINED_S if unjoined else GRACE_AFTER_FAILURE_S if failed
-                         else GRACE_AFTER_SUCCESS_S)
+                grace = (0.0 if frozen else GRACE_NEVER_JOINED_S if unjoined or (failed and not has_begun()) else
+                         GRACE_AFTER_FAILURE_S if failed else GRACE_AFTER_SUCCESS_S)
                 if kill_at == float("inf"):
                     terminate_at = min(terminate_at, now + grace)
             if now >= interrupt_others_at:

@@ -14,6 +14,7 @@ from tern import paths
 from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, PEER_LOST, STATUS, Error
 from tern.launch import build, cases, first_cause, packages, resumption
 from tern.launch.processes import Group, Interrupts
+from tern.launch.record import ROOM, overwrite_json, write_json
 from tern.results import summary
 
 OLD_SOLVERS = Path("proto/python/participants")  # where they were one version ago
@@ -43,13 +44,6 @@ class Request:
     network_options: list = field(default_factory=list)  # --keys and --insecure, in words
     resume: str | None = None    # directory of the run that goes on
     retries: int = 0             # how often a run that lost a process goes on by itself
-
-
-def write_json(path, value):
-    """Writes `value` so that a reader sees the old or the new file, never half of one."""
-    temporary = path.with_suffix(".tmp")
-    temporary.write_text(json.dumps(value, indent=1) + "\n", encoding="utf-8")
-    os.replace(temporary, path)
 
 
 def roles_of(case, only):
@@ -115,6 +109,14 @@ def _reports(out, roles):
     return reports
 
 
+def _write_end(path, contents):
+    """On a full disk the first cause is what must not be missing."""
+    try:
+        write_json(path, contents)
+    except OSError:
+        overwrite_json(path, contents, ("processes", "settings", "gauge_places"))
+
+
 def _merged(run, processes, reports, cause, wall_s):
     """The contents of run.json after the end. Of a run that went on from a checkpoint the reports count all its parts."""
     goes_on = "resumed" in run
@@ -136,6 +138,14 @@ def _merged(run, processes, reports, cause, wall_s):
         "version": any_report.get("version", ""), "git": any_report.get("git", ""),
         "processes": reports,
     }
+
+
+def say(text):
+    """Prints to who may have gone, as `head -1` does: the run is what counts."""
+    try:
+        print(text, flush=True)
+    except BrokenPipeError:
+        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # the interpreter flushes once more at its end
 
 
 def run(request):
@@ -186,14 +196,15 @@ def _run_once(request):
     if not request.quiet:
         # Said before the first progress line: where the results appear, and under which name.
         where = f", goes on from step {checkpoint['step']}, t = {checkpoint['time_s']:.6g} s" if before and checkpoint else ""
-        print(f"tern: {case['name']} ({', '.join(roles)}){where}, results in {summary.shown(out)}", flush=True)
+        say(f"tern: {case['name']} ({', '.join(roles)}){where}, results in {summary.shown(out)}")
 
         for warning in case.get("warnings", []):
             print(f"tern: warning: {warning}", file=sys.stderr, flush=True)
 
     contents = {"case": case["name"], "case_path": str(path), "title": case.get("title", ""), "case_hash": case["hash"],
                 "started": datetime.now(timezone.utc).isoformat(timespec="seconds"), "status": "running",
-                "settings": case.get("settings", {}), "gauge_places": case.get("gauge_places", []), "options": request.case_options,
+                "launcher": os.getpid(), "settings": case.get("settings", {}), "gauge_places": case.get("gauge_places", []),
+                "options": request.case_options,
                 "commands": {role: shlex.join(command) for role, command in commands.items()},
                 "launch": {name: getattr(request, name) for name in IN_LAUNCH}}
     if before:
@@ -214,10 +225,10 @@ def _run_once(request):
     if request.allow_unstable:
         options.append("--allow-unstable")
     began = time.monotonic()
-    with Interrupts() as interrupts, Group() as group:
+    with Interrupts() as interrupts, Group(out) as group:
         endpoint = request.endpoint or f"ipc://{group.directory}/tern.sock"
         try:
-            write_json(out / "run.json", contents)
+            write_json(out / "run.json", contents, ROOM)
             for role in roles:
                 own = list(options)
                 if len(roles) > 1 or request.only:
@@ -235,7 +246,7 @@ def _run_once(request):
             raise Error(INPUT_OUTPUT, f"The run could not be started: {error}.") from error
         group.supervise(interrupts, (out / "steps.csv").exists if "coupler" in roles else lambda: True)
         wall_s = time.monotonic() - began
-        for half_written in out.glob("*.tmp"):  # by a process that was killed while it wrote
+        for half_written in [*out.glob("*.tmp"), *out.glob("checkpoint/*.tmp")]:  # by a process that was killed while it wrote
             half_written.unlink(missing_ok=True)
         reports = _reports(out, roles)
         cause = first_cause.find(group.processes, reports, interrupts.count > 0)
@@ -244,13 +255,13 @@ def _run_once(request):
         if refused:
             contents = before  # what was there is as it was
         try:
-            write_json(out / "run.json", contents)
             for role in roles:
                 (out / f"report.{role}.json").unlink(missing_ok=True)
+            _write_end(out / "run.json", contents)
         except OSError as error:
             if cause.exit_code == DONE:
                 raise Error(INPUT_OUTPUT, f"The results are in {out}, but run.json could not be written: "
                                                   f"{error}.") from error
     if not request.quiet and not refused:
-        print(summary.text(contents, out), flush=True)
+        say(summary.text(contents, out))
     return cause, out

@@ -4,6 +4,7 @@ results directory, log, report, signals and exit code. structure_side.py and flu
 
 import argparse
 import contextlib
+import ctypes
 import json
 import os
 import resource
@@ -25,6 +26,7 @@ from tern.participant.schema import wire
 
 TICKS_PER_SECOND = 2.0**32
 REPORT_INTERVAL_S = 2.0
+PATIENCE_S = 1.0  # after a signal: for the coupler to complete the window, have a checkpoint made and end the run
 _SIGNAL_NAMES = {signal.SIGINT: "SIGINT (Ctrl-C)", signal.SIGTERM: "SIGTERM", signal.SIGHUP: "SIGHUP (terminal closed)"}
 _ROLES = {"fluid": wire.FLUID, "structure": wire.STRUCTURE}
 
@@ -146,7 +148,7 @@ class Run:
     def __init__(self, role, program, options):
         self.role, self.program, self.options = role, program, options
         self.case = self.channel = None
-        self._waiting, self._signal = False, None
+        self._waiting, self._signal, self._late = False, None, False
         self.resumes = options.resume
         self._checkpoints = Checkpoints(options.out, role)
         self._log = open(Path(options.out) / f"{role}.log", "a" if self.resumes else "w", buffering=1, encoding="utf-8")
@@ -237,13 +239,18 @@ class Run:
         return account
 
     def remember_signal(self, number, _frame):
-        """Ends a wait at once; a computation is ended at the next wait, so that no file is left half written."""
-        self._signal = number
+        """Ends a wait, of a run that has begun after PATIENCE_S; a computation is ended at the next wait, so that no file is left half
+        written."""
+        if number != signal.SIGALRM:
+            self._signal = number
+        self._late = number == signal.SIGALRM or not (self.channel and self.channel.step)
+        if not self._late:
+            signal.setitimer(signal.ITIMER_REAL, PATIENCE_S)
         if self._waiting:
             self._throw_if_interrupted()
 
     def _throw_if_interrupted(self):
-        if self._signal is not None:
+        if self._late:
             raise RunEnded(INTERRUPTED, f"Interrupted by {_SIGNAL_NAMES[self._signal]} at step {self.report.steps}; everything "
                                         "written up to here is kept.")
 
@@ -285,6 +292,13 @@ def _parser(role, program):
     return parser
 
 
+def _end_with_launcher():
+    """SIGTERM when the launcher dies that has named itself in TERN_LAUNCHER, whatever becomes of its guardian (base/interrupt.hpp)."""
+    if os.environ.get("TERN_LAUNCHER") == str(os.getppid()):
+        with contextlib.suppress(OSError, AttributeError):
+            ctypes.CDLL(None).prctl(1, int(signal.SIGTERM), 0, 0, 0)  # PR_SET_PDEATHSIG
+
+
 def _prepare_directory(options, role):
     directory = Path(options.out)
     directory.mkdir(parents=True, exist_ok=True)
@@ -316,8 +330,9 @@ def run_participant(role, obey, add_options=None):
     try:
         _prepare_directory(options, role)
         run = Run(role, program, options)
-        for number in _SIGNAL_NAMES:
+        for number in (*_SIGNAL_NAMES, signal.SIGALRM):
             signal.signal(number, run.remember_signal)
+        _end_with_launcher()
         run.log("started as: " + " ".join(sys.argv))
         run.channel = Participant(options.endpoint, _ROLES[role], progress_deadline_s=2 * options.deadline, keys=options.keys,
                                   insecure=options.insecure)

@@ -11,9 +11,11 @@ def save(figure, run, name):
 def of_run(run, times):
     """All pictures of one run; returns their paths, None for what it has nothing to show of."""
     pictures = []
-    for time in fields.choose_times(run, times):
+    chosen = fields.choose_times(run, times)
+    digits = next(count for count in range(3, 18) if len({f"{time:.{count}f}" for time in chosen}) == len(chosen))
+    for time in chosen:
         exact, figure = fields.figure(run, time)
-        pictures.append(style.save(figure, run, f"field_{exact:.3f}s"))
+        pictures.append(style.save(figure, run, f"field_{exact:.{digits}f}s"))
     for name, figure in (("gauges", curves.gauges([run])), ("energies", curves.energies(run)), ("steps", curves.steps(run))):
         pictures.append(save(figure, run, name))
     return pictures

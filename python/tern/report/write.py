@@ -29,14 +29,20 @@ def _chapter(name, title, head, parts):
     return name, title, markup.section(title, head + inner, name)
 
 
+def _common(directories):
+    """The one directory, or the innermost that holds all of them."""
+    whole = [Path(directory).resolve() for directory in directories]
+    return Path(directories[0]) if len(whole) == 1 else Path(os.path.commonpath([path.parent for path in whole]))
+
+
 def write_page(directories, out=None, times=None):
     """Writes the page about `directories` (of runs, studies, maps of extremes) and returns its path.
 
-    `out`: default report.html in the one directory, or in the present one for several. `times` [s]: of the field pictures.
+    `out`: default report.html in the one directory, or for several in the directory that holds them. `times` [s]: of the field pictures.
     """
     style.apply()
     shown = [_read(Path(directory)) for directory in directories]
-    path = Path(out) if out else (Path(directories[0]) if len(shown) == 1 else Path()) / "report.html"
+    path = Path(out) if out else _common(directories) / "report.html"
     runs = [entry for entry in shown if isinstance(entry, Run)]
     distinguish(runs)
     if len(shown) == 1:

@@ -1,0 +1,53 @@
+"""What the guardian of a killed launcher does last: run.json says how the run ended, with the reports of its processes in it.
+
+    python3 -m tern.launch.epilogue RUN
+"""
+
+import json
+import os
+import sys
+from pathlib import Path
+
+from tern.errors import PEER_LOST, STATUS
+from tern.launch.record import write_json
+
+SENTENCE = "The launcher was killed; its guardian ended the run."
+
+
+def close(out):
+    """Completes run.json of a run that says it is still running; does nothing to any other."""
+    path = out / "run.json"
+    try:
+        run = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return
+    if run.get("status") != "running" or run.get("launcher") in (None, *living()):
+        return
+    reports = {}
+    for report in sorted(out.glob("report.*.json")):
+        try:
+            reports[report.name.split(".")[1]] = json.loads(report.read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            continue
+    for report in reports.values():
+        if report.get("status") == "running":
+            report["status"] = "killed"
+    write_json(path, run | {
+        "status": STATUS[PEER_LOST], "exit_code": PEER_LOST, "first_cause": SENTENCE, "first_cause_role": "launcher",
+        "exit_codes": {role: report.get("exit_code") for role, report in reports.items()},
+        "wall_s": max((report.get("wall_s") or 0.0 for report in reports.values()), default=0.0),
+        "cpu_s": sum(report.get("cpu_s") or 0.0 for report in reports.values()),
+        "steps": max((report.get("steps") or 0 for report in reports.values()), default=0),
+        "version": next((report.get("version", "") for report in reports.values()), ""),
+        "git": next((report.get("git", "") for report in reports.values()), ""), "processes": reports})
+    for left in [*out.glob("report.*.json"), *out.glob("*.tmp"), *out.glob("checkpoint/*.tmp")]:
+        left.unlink(missing_ok=True)
+
+
+def living():
+    """The process ids of this machine."""
+    return [int(name) for name in os.listdir("/proc") if name.isdigit()]
+
+
+if __name__ == "__main__":
+    close(Path(sys.argv[1]))
