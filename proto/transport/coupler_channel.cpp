@@ -129,6 +129,8 @@ struct CouplerChannel::State {
       if (peer.settled ? closed.contains(peer.connection) : found != open.end() && !found->second) peer.gone = anybody_left = true;
       peer.settled = true;
     }
+    for (const auto& [role, peer] : peers)
+      if (!peer.gone) socket.joined(peer.connection);
     if (anybody_left) take_all(stranger);  // last words arrived before the end of the connection
     waiting.check();                       // our own interruption first: after Ctrl-C the others leave as well
     for (const auto& [role, peer] : peers)

@@ -84,6 +84,9 @@ std::map<std::string, std::string> read_allowed(const std::string& path) {
 }  // namespace
 
 Keys read_keys(const std::string& directory, const std::string& role) {
+  struct stat status {};
+  if (::stat(directory.c_str(), &status) == 0 && (status.st_mode & (S_IWGRP | S_IWOTH)) != 0)
+    throw BadInput(fmt::format("Others on this machine can exchange the keys in {}; run chmod go-w {}.", directory, directory));
   Keys keys;
   keys.own_secret = read_secret_key(fmt::format("{}/{}.secret", directory, role));
   std::array<char, key_characters + 1> derived{};

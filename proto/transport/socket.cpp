@@ -166,7 +166,10 @@ Socket::~Socket() {
 
 std::string Socket::bind(const std::string& endpoint) {
   permit_ipv6(socket_, endpoint);
-  if (endpoint.starts_with("tcp://")) raise_descriptor_limit();
+  if (endpoint.starts_with("tcp://")) {
+    raise_descriptor_limit();
+    inflow_ = std::make_unique<Inflow>();
+  }
   if (zmq_bind(socket_, endpoint.c_str()) != 0)
     throw InputOutputError(
         fmt::format("The coupler cannot bind the endpoint \"{}\": {}; choose another one.", endpoint, zmq_strerror(zmq_errno())));
@@ -200,6 +203,7 @@ bool Socket::receive(const std::function<void(const Received&)>& handle) {
     Frame extra;
     more = zmq_msg_recv(&extra.message, socket_, 0) >= 0 && extra.more();
   }
+  if (inflow_) inflow_->delivered(zmq_msg_get(&payload.message, ZMQ_SRCFD));
   const char* role = zap_handler_ ? zmq_msg_gets(&payload.message, "User-Id") : nullptr;
   handle({{reinterpret_cast<const char*>(peer.data()), peer.size()},
           role != nullptr ? role : "",
@@ -207,6 +211,10 @@ bool Socket::receive(const std::function<void(const Received&)>& handle) {
           {payload.data(), payload.size()},
           frames});
   return true;
+}
+
+void Socket::joined(int connection) {
+  if (inflow_) inflow_->joined(connection);
 }
 
 std::optional<SocketEvent> Socket::next_event() {
@@ -226,9 +234,13 @@ std::optional<SocketEvent> Socket::next_event() {
   Frame address;
   zmq_msg_recv(&address.message, monitor_, 0);
   switch (event) {
-    case ZMQ_EVENT_ACCEPTED: return SocketEvent{What::accepted, value, {}};
+    case ZMQ_EVENT_ACCEPTED:
+      if (inflow_) inflow_->accepted(value);
+      return SocketEvent{What::accepted, value, {}};
     case ZMQ_EVENT_HANDSHAKE_SUCCEEDED: return SocketEvent{What::connected, -1, {}};
-    case ZMQ_EVENT_DISCONNECTED: return SocketEvent{What::disconnected, value, {}};
+    case ZMQ_EVENT_DISCONNECTED:
+      if (inflow_) inflow_->closed(value);
+      return SocketEvent{What::disconnected, value, {}};
     case ZMQ_EVENT_CLOSED: return SocketEvent{What::nobody_there, -1, {}};
     case ZMQ_EVENT_HANDSHAKE_FAILED_AUTH: return SocketEvent{What::key_refused, -1, {}};
     case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL:

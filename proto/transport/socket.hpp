@@ -5,10 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 
+#include "proto/transport/inflow.hpp"
 #include "proto/transport/keys.hpp"
 #include "proto/transport/zap_handler.hpp"
 
@@ -64,6 +66,9 @@ class Socket {
   /// Calls `handle` with one message if there is one. Returns whether there was.
   bool receive(const std::function<void(const Received&)>& handle);
 
+  /// The peer of this connection is one of the run; to be said after events have been taken (inflow.hpp).
+  void joined(int connection);
+
   /// What has happened to connections until the last wait().
   std::optional<SocketEvent> next_event();
 
@@ -75,6 +80,7 @@ class Socket {
   void* context_ = nullptr;
   void* socket_ = nullptr;
   void* monitor_ = nullptr;
+  std::unique_ptr<Inflow> inflow_;         ///< router at a network address only
   std::optional<ZapHandler> zap_handler_;  ///< router with keys only
   std::array<int, 3> descriptors_{};       ///< of the three, to wait for
   bool events_may_wait_ = true;            ///< false: monitor and zap_handler had nothing, and their descriptors have been still since

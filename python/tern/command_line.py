@@ -396,7 +396,7 @@ def _animate(arguments):
 def _report(arguments):
     _ensure_pictures(*packages.REPORT)
     from tern.report import write
-    print(summary.shown(write.write_page(arguments.directories, arguments.out, arguments.times)))
+    print(write.write_page(arguments.directories, arguments.out, arguments.times))
     return DONE
 
 

@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 
 from tern.plot import style
+from tern.results import summary
 from tern.results.run import Run, distinguish
 from tern.report import comparison, folder, markup, run as one_run
 
@@ -32,7 +33,9 @@ def _chapter(name, title, head, parts):
 def _common(directories):
     """The one directory, or the innermost that holds all of them."""
     whole = [Path(directory).resolve() for directory in directories]
-    return Path(directories[0]) if len(whole) == 1 else Path(os.path.commonpath([path.parent for path in whole]))
+    if len(whole) == 1:
+        return Path(directories[0])
+    return Path(summary.shown(os.path.commonpath([path.parent for path in whole])))
 
 
 def write_page(directories, out=None, times=None):
