@@ -13,7 +13,7 @@ file(WRITE ${CMAKE_BINARY_DIR}/install/tern [[
 #!/bin/sh
 # tern: the launcher of an installation; everything it does is in the Python package beside.
 prefix=$(dirname "$(dirname "$(readlink -f "$0")")")
-PYTHONPATH=$prefix/lib/tern${PYTHONPATH:+:$PYTHONPATH} exec /usr/bin/python3 -B -P -m tern "$@"
+PYTHONPATH=$prefix/lib/tern${PYTHONPATH:+:$PYTHONPATH} exec /usr/bin/python3 -B -P -S "$prefix/lib/tern/tern/start.py" "$@"
 ]])
 install(TARGETS tern-case tern-fluid tern-structure tern-coupler RUNTIME DESTINATION bin)
 install(PROGRAMS ${CMAKE_BINARY_DIR}/install/tern DESTINATION bin)

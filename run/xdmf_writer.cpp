@@ -33,8 +33,13 @@ XdmfWriter::XdmfWriter(std::string path, std::string data_name, bool anew)
 void XdmfWriter::put(const std::string& text) {
   const int descriptor = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC);
   const auto write_at_end = [&](const std::string& whole) {
-    const ssize_t written = ::pwrite(descriptor, whole.data(), whole.size(), static_cast<off_t>(end_));
-    return written == static_cast<ssize_t>(whole.size());
+    for (std::size_t done = 0; done < whole.size();) {
+      const ssize_t written = ::pwrite(descriptor, whole.data() + done, whole.size() - done, static_cast<off_t>(end_ + done));
+      if (written < 0 && errno == EINTR) continue;
+      if (written <= 0) return false;
+      done += static_cast<std::size_t>(written);
+    }
+    return true;
   };
   errno = 0;
   const bool done = descriptor >= 0 && write_at_end(text + tail) &&
@@ -42,9 +47,7 @@ void XdmfWriter::put(const std::string& text) {
   const int reason = errno;
   if (!done && descriptor >= 0 && write_at_end(tail)) (void)!::ftruncate(descriptor, static_cast<off_t>(end_ + std::strlen(tail)));
   if (descriptor >= 0) ::close(descriptor);
-  if (!done)
-    throw InputOutputError(fmt::format("Cannot write {}: {}; free space or choose another --out.", path_,
-                                       reason != 0 ? std::strerror(reason) : "only a part of it went to the disk"));
+  if (!done) throw InputOutputError(fmt::format("Cannot write {}: {}; free space or choose another --out.", path_, std::strerror(reason)));
   end_ += text.size();
 }
 

@@ -1,12 +1,7 @@
-"""What ./tern starts: the command line."""
+"""python3 -m tern: as ./tern."""
 
-import signal
+import sys
 
-signal.signal(signal.SIGINT, lambda *_: exit(130))  # until main() is there to say it
+from tern.command_line import main
 
-import sys  # noqa: E402
-
-from tern.command_line import main  # noqa: E402
-
-signal.signal(signal.SIGINT, signal.default_int_handler)
 sys.exit(main(sys.argv[1:]))

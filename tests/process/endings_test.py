@@ -71,7 +71,7 @@ class EndingsTest(RealRunTest):
         pids = self.wait_until_running(process)
         os.kill(process.pid, signal.SIGKILL)
         process.communicate(timeout=20)
-        self.assertTrue(wait_until(lambda: self.contents()["status"] != "running", 6))
+        self.assertTrue(wait_until(lambda: self.contents()["status"] != "running" and not list(self.out.glob("report.*")), 8))
         contents = self.contents()
         self.assertEqual((contents["status"], contents["exit_code"], contents["first_cause_role"]), ("peer lost", 4, "launcher"))
         self.assertEqual(set(contents["processes"]), {"fluid", "structure", "coupler"})
