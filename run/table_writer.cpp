@@ -95,7 +95,10 @@ void TableWriter::flush() {
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) {
       const int reason = errno;
-      pending_.erase(0, done);  // what reached the file is not written a second time
+      const std::size_t whole = pending_.rfind('\n', done - 1) + 1, lines = done > 0 ? whole : 0;
+      const off_t end = ::lseek(descriptor_, static_cast<off_t>(lines) - static_cast<off_t>(done), SEEK_CUR);
+      if (end >= 0) (void)!::ftruncate(descriptor_, end);  // the file ends at a whole line
+      pending_.erase(0, lines);                            // what reached the file is not written a second time
       throw InputOutputError(fmt::format("Cannot write {}: {}; free space or choose another --out.", path_, std::strerror(reason)));
     }
     done += static_cast<std::size_t>(written);
