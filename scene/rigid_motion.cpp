@@ -5,27 +5,35 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <sstream>
+#include <string_view>
 
 #include "base/error.hpp"
+#include "base/time.hpp"
 
 namespace tern {
 namespace {
 
 constexpr std::array<const char*, 4> column_names = {"x_m", "y_m", "z_m", "angle_rad"};
 
-std::string trimmed(const std::string& text) {
+std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(" \t\r"), last = text.find_last_not_of(" \t\r");
-  return first == std::string::npos ? "" : text.substr(first, last - first + 1);
+  return first == std::string_view::npos ? "" : text.substr(first, last - first + 1);
 }
 
-std::vector<std::string> cells(const std::string& line) {
-  std::vector<std::string> list;
-  std::stringstream stream(line);
-  for (std::string cell; std::getline(stream, cell, ',');) list.push_back(trimmed(cell));
-  if (line.ends_with(',')) list.emplace_back();
-  return list;
+// The cells of a line, not more than one above the five columns that there are.
+void split(std::string_view line, std::vector<std::string_view>& cells) {
+  cells.clear();
+  for (std::size_t begin = 0; cells.size() <= column_names.size() + 1;) {
+    const std::size_t comma = line.find(',', begin);
+    cells.push_back(trimmed(line.substr(begin, comma - begin)));
+    if (comma == std::string_view::npos) return;
+    begin = comma + 1;
+  }
 }
+
+// With these a spline stays finite. A tick of time is the least that two rows can be apart and still be two.
+constexpr double largest_value = 1e9;  // [m, rad, s]
+constexpr std::size_t most_rows = 1000000;
 
 // Second derivatives of the natural cubic spline: continuous inside, 0 at both ends (tridiagonal system).
 std::vector<double> spline(const std::vector<double>& t, const std::vector<double>& y) {
@@ -44,26 +52,29 @@ std::vector<double> spline(const std::vector<double>& t, const std::vector<doubl
 
 }  // namespace
 
+// What the file holds is never said, only where it is wrong: it may be another file than its owner meant, with what is nobody's business.
 MotionTable::MotionTable(const std::string& text, const std::string& file, int dimension) : text_(text) {
   std::vector<int> column;  // of each cell: -1 for the time, else an index of values_
+  std::vector<std::string_view> row;
   std::size_t number = 0;
   const auto fail = [&](const std::string& sentence) { throw BadInput(fmt::format("{}:{}: {}", file, number, sentence)); };
-  std::stringstream stream(text);
-  for (std::string line; std::getline(stream, line);) {
+  for (std::string_view rest = text_; !rest.empty();) {
+    const std::string_view line = rest.substr(0, rest.find('\n'));
+    rest.remove_prefix(std::min(rest.size(), line.size() + 1));
     ++number;
     if (trimmed(line).empty() || line.starts_with('#')) continue;
-    const std::vector<std::string> row = cells(line);
+    split(line, row);
     if (column.empty()) {
-      for (const std::string& name : row) {
-        const auto found = std::find(column_names.begin(), column_names.end(), name);
-        const int index = name == "t_s" ? -1 : static_cast<int>(found - column_names.begin());
+      for (std::size_t k = 0; k < row.size(); ++k) {
+        const auto found = std::find(column_names.begin(), column_names.end(), row[k]);
+        const int index = row[k] == "t_s" ? -1 : static_cast<int>(found - column_names.begin());
         if (index == 4 || (index == 2 && dimension == 2)) {
           fail(
-              fmt::format("there is no column '{}' in a motion table in {}D; the header names t_s and some of x_m, y_m, "
+              fmt::format("column {} of the header is none that a motion table in {}D can have; the header names t_s and some of x_m, y_m, "
                           "{}angle_rad.",
-                          name, dimension, dimension == 3 ? "z_m, " : ""));
+                          k + 1, dimension, dimension == 3 ? "z_m, " : ""));
         }
-        if (std::count(column.begin(), column.end(), index)) fail(fmt::format("the column '{}' stands twice; remove one.", name));
+        if (std::count(column.begin(), column.end(), index)) fail(fmt::format("the column '{}' stands twice; remove one.", row[k]));
         column.push_back(index);
       }
       if (!std::count(column.begin(), column.end(), -1) || column.size() < 2) {
@@ -72,25 +83,26 @@ MotionTable::MotionTable(const std::string& text, const std::string& file, int d
       continue;
     }
     if (row.size() != column.size()) {
-      fail(fmt::format("the row has {} cells, the header {}; give one number for each column.", row.size(), column.size()));
+      fail(fmt::format("the row has {} cells, the header {}; give one number for each column.",
+                       std::count(line.begin(), line.end(), ',') + 1, column.size()));
     }
+    if (time_.size() == most_rows) fail(fmt::format("the table has more than {} rows; leave some out, splines go between.", most_rows));
     for (std::size_t k = 0; k < row.size(); ++k) {
       double value = 0;
       const auto [end, error] = std::from_chars(row[k].data(), row[k].data() + row[k].size(), value);
-      if (error != std::errc() || end != row[k].data() + row[k].size() || !std::isfinite(value)) {
-        fail(fmt::format("'{}' is not a finite number; correct it.", row[k]));
+      if (error != std::errc() || end != row[k].data() + row[k].size() || !(std::abs(value) <= largest_value)) {
+        fail(fmt::format("cell {} is not a number from {:g} to {:g}; correct it.", k + 1, -largest_value, largest_value));
       }
       (column[k] < 0 ? time_ : values_[column[k]]).push_back(value);
     }
-    if (time_.size() > 1 && time_.back() <= time_[time_.size() - 2]) {
-      fail(fmt::format("the time {} s does not come after {} s; put the rows in order of time.", time_.back(), time_[time_.size() - 2]));
+    if (time_.size() > 1 && time_.back() - time_[time_.size() - 2] < 1 / ticks_per_second) {
+      fail("the time does not come after that of the row before, by at least 2^-32 s; put the rows in order of time.");
     }
     if (time_.size() > 1) continue;
-    if (time_[0] != 0) fail(fmt::format("the table begins at t = {} s; its first row has to be t = 0.", time_[0]));
+    if (time_[0] != 0) fail("the table does not begin at t = 0; its first row has to.");
     for (std::size_t k = 0; k < 4; ++k) {
       if (!values_[k].empty() && std::abs(values_[k][0]) > 1e-9) {
-        fail(fmt::format("{} is {} at t = 0 instead of 0; subtract it from all rows, or shift the wall's shape.", column_names[k],
-                         values_[k][0]));
+        fail(fmt::format("{} is not 0 at t = 0; subtract what it is there from all rows, or shift the wall's shape.", column_names[k]));
       }
     }
   }

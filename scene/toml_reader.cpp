@@ -14,11 +14,11 @@
 #pragma pop_macro("TOML_UNREACHABLE")
 #include <toml++/toml.h>
 
-#include <fstream>
-#include <sstream>
+#include <algorithm>
 
 #include "base/error.hpp"
 #include "scene/settings.hpp"
+#include "scene/small_file.hpp"
 
 namespace tern {
 namespace {
@@ -62,13 +62,15 @@ Setting convert(const toml::node& node, const std::string& file, bool with_line)
 }  // namespace
 
 Setting read_toml_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  if (!file || !(text << file.rdbuf())) {
-    throw InputOutputError(fmt::format("The case file {} cannot be read or is empty; check its name and permissions.", path));
-  }
+  std::string text;
   try {
-    return convert(toml::parse(text.str(), path), path, true);
+    text = read_small_file(path, largest_case_file);
+  } catch (const InputOutputError& fault) {
+    throw InputOutputError(fmt::format("The case file {} {}; check its name and permissions.", path, fault.what()));
+  }
+  if (text.empty()) throw BadInput(fmt::format("The case file {} is empty; write a case into it.", path));
+  try {
+    return convert(toml::parse(text, path), path, true);
   } catch (const toml::parse_error& fault) {
     throw BadInput(fmt::format("{}: this is not valid TOML: {}; correct the line.", place(path, fault.source()), fault.description()));
   }

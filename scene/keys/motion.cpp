@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include "base/error.hpp"
+#include "scene/small_file.hpp"
 
 namespace tern {
 namespace {
@@ -46,14 +45,15 @@ void complete_motion(std::optional<RigidMotion>& motion, const Setting& table, c
     for (const Expression& component : motion->displacement) check_motion(component, displacement->where, "displacement", "m", mover);
   if (rotation) check_motion(motion->rotation, rotation->where, "rotation", "rad", mover);
   if (file) {
-    const fs::path path = folder / file->text;
-    std::ifstream stream(path, std::ios::binary);
-    std::stringstream contents;
-    if (!fs::is_regular_file(path) || !stream || !(contents << stream.rdbuf())) {
-      fail(*file, fmt::format("moves after '{}', but {} cannot be read or is empty; its path is relative to the case file.", file->text,
-                              path.string()));
+    const std::string path = (folder / file->text).string();
+    std::string contents;
+    try {
+      contents = read_small_file(path, largest_motion_file);
+    } catch (const InputOutputError& fault) {
+      fail(*file, fmt::format("moves after '{}', but {} {}; give a CSV file by its path relative to the case file.", file->text, path,
+                              fault.what()));
     }
-    motion->table.emplace(contents.str(), path.string(), dimension);
+    motion->table.emplace(contents, path, dimension);
   }
   const bool turns = rotation || (motion->table && motion->table->rotates());
   if (turns && !pivot) fail(table, "is rotated, but has no pivot; give the point about which it turns.");

@@ -351,12 +351,13 @@ TEST_F(CaseFile, MovesAWallByExpressionsOrByATable) {
 
 // With a check left out no sentence comes, or another one.
 TEST_F(CaseFile, WhoseMotionMakesNoSenseIsRefused) {
-  expect_refused(with("open = [", "motion_file = \"none.csv\"\nopen = ["), {"'none.csv'", "cannot be read", "relative to the case file"});
+  expect_refused(with("open = [", "motion_file = \"none.csv\"\nopen = ["),
+                 {"'none.csv'", "cannot be read (No such file or directory)", "relative to the case file"});
   std::ofstream(folder_ / "motion.csv") << "t_s,angle_rad\n0,0\n1,2\n";
   expect_refused(with("open = [", "motion_file = \"motion.csv\"\nopen = ["), {"is rotated, but has no pivot"});
   expect_refused(with("open = [", "motion_file = \"motion.csv\"\nrotation = \"t\"\nopen = ["), {"both motion_file and rotation"});
   std::ofstream(folder_ / "motion.csv") << "t_s,x_m\n0,1\n1,2\n";
-  expect_refused(with("open = [", "motion_file = \"motion.csv\"\nopen = ["), {"motion.csv:2: x_m is 1 at t = 0"});
+  expect_refused(with("open = [", "motion_file = \"motion.csv\"\nopen = ["), {"motion.csv:2: x_m is not 0 at t = 0"});
   expect_refused(with("open = [", "rotation = \"1+t\"\npivot = [0, 0]\nopen = ["), {"rotation '1+t'", "1 rad at t = 0"});
   expect_refused(with("open = [", "rotation = \"t+\"\npivot = [0, 0]\nopen = ["), {"rotation [rad]", "cannot be read"});
   expect_refused(with("open = [", "pivot = [0, 0]\nopen = ["), {"is not rotated"});
