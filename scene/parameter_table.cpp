@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "scene/keys/tables.hpp"
 
 namespace tern {
@@ -30,15 +32,25 @@ const std::vector<Parameter>& parameters() {
   return list;
 }
 
+namespace {
+
+// 1000000000 as 1e+09: nobody counts zeros.
+std::string number(double x) {
+  const std::string brief = fmt::format("{:g}", x);
+  return std::abs(x) >= 1e6 && std::stod(brief) == x ? brief : fmt::format("{}", x);
+}
+
+}  // namespace
+
 std::string describe(const Range& range) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const bool below = range.lowest > -infinity, over = range.highest < infinity;
   if (below && over) {
-    return fmt::format("from {}{} to {}{}", range.lowest, range.lowest_excluded ? " (excluded)" : "", range.highest,
+    return fmt::format("from {}{} to {}{}", number(range.lowest), range.lowest_excluded ? " (excluded)" : "", number(range.highest),
                        range.highest_excluded ? " (excluded)" : "");
   }
-  if (below) return fmt::format("{} {}", range.lowest_excluded ? "greater than" : "at least", range.lowest);
-  if (over) return fmt::format("{} {}", range.highest_excluded ? "less than" : "at most", range.highest);
+  if (below) return fmt::format("{} {}", range.lowest_excluded ? "greater than" : "at least", number(range.lowest));
+  if (over) return fmt::format("{} {}", range.highest_excluded ? "less than" : "at most", number(range.highest));
   return "";
 }
 

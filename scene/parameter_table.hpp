@@ -34,11 +34,25 @@ struct Range {
 };
 
 inline constexpr Range any{};
-inline constexpr Range positive{0, std::numeric_limits<double>::infinity(), true, true};
-inline constexpr Range not_negative{0, std::numeric_limits<double>::infinity(), false, true};
 constexpr Range from_to(double lowest, double highest) { return {lowest, highest, false, false}; }
 constexpr Range above_to(double lowest, double highest) { return {lowest, highest, true, false}; }
 constexpr Range between(double lowest, double highest) { return {lowest, highest, true, true}; }
+
+// Physical quantities in SI units, far wider than what anybody simulates in them, scaled units included, and narrow enough that no
+// product of a few of them leaves the range of a double. Of expressions: what a constant one may be.
+inline constexpr Range a_place = from_to(-1e9, 1e9);          ///< a coordinate, or a way [m]
+inline constexpr Range a_size = from_to(1e-9, 1e9);           ///< [m]
+inline constexpr Range an_angle = from_to(-1e9, 1e9);         ///< [rad]
+inline constexpr Range a_speed = from_to(-1e9, 1e9);          ///< [m/s]; light has 3e8
+inline constexpr Range an_acceleration = from_to(-1e9, 1e9);  ///< [m/s^2]
+inline constexpr Range a_density = from_to(1e-9, 1e9);        ///< [kg/m^3]
+inline constexpr Range a_modulus = from_to(1e-9, 1e15);       ///< [Pa]; diamond has 1e12
+inline constexpr Range a_stress = from_to(-1e15, 1e15);       ///< [Pa]
+inline constexpr Range a_body_force = from_to(-1e18, 1e18);   ///< [N/m^3]
+inline constexpr Range a_viscosity = from_to(1e-12, 1e12);    ///< [Pa s]
+inline constexpr Range a_rate = from_to(1e-12, 1e12);         ///< [1/s]
+inline constexpr Range an_interval = from_to(0, 1e9);         ///< [s]; 0 is no interval
+inline constexpr Range a_factor = from_to(0, 1e9);
 
 struct Parameter {
   std::string table;  ///< "" for the top of the file

@@ -17,7 +17,9 @@ namespace {
 nlohmann::json json_of(const Setting& setting) {
   switch (setting.type) {
     case Setting::Type::boolean: return setting.boolean;
-    case Setting::Type::integer: return static_cast<std::int64_t>(setting.number);
+    case Setting::Type::integer:  // 2^63 and more has no place in 64 bits
+      if (std::abs(setting.number) >= 9e18) return setting.number;
+      return static_cast<std::int64_t>(setting.number);
     case Setting::Type::number: return setting.number;
     case Setting::Type::text: return setting.text;
     case Setting::Type::list: {

@@ -18,17 +18,24 @@ void wrong_type(const Parameter& p, const Setting& value, const std::string& wan
   fail_at(value.where, fmt::format("{} is {}, but has to be {}.", label(p), to_text(value), wanted));
 }
 
-void check_number(const Parameter& p, const Setting& value) {
-  const bool whole = value.type == Type::integer;
-  if (p.type == ParameterType::integer && !whole) wrong_type(p, value, "a whole number " + describe(p.range));
-  if (!whole && value.type != Type::number) wrong_type(p, value, "a number " + describe(p.range));
-  const double x = value.number;
+namespace {
+
+void refuse_outside(const Parameter& p, const Setting& value, double x) {
   const bool low = p.range.lowest_excluded ? x <= p.range.lowest : x < p.range.lowest;
   const bool high = p.range.highest_excluded ? x >= p.range.highest : x > p.range.highest;
   if (!std::isfinite(x) || low || high) {
     const std::string range = describe(p.range);
     fail_at(value.where, fmt::format("{} is {}, but has to be {}.", label(p), to_text(value), range.empty() ? "finite" : range));
   }
+}
+
+}  // namespace
+
+void check_number(const Parameter& p, const Setting& value) {
+  const bool whole = value.type == Type::integer;
+  if (p.type == ParameterType::integer && !whole) wrong_type(p, value, "a whole number " + describe(p.range));
+  if (!whole && value.type != Type::number) wrong_type(p, value, "a number " + describe(p.range));
+  refuse_outside(p, value, value.number);
 }
 
 namespace {
@@ -45,15 +52,17 @@ void check_choice(const Parameter& p, const Setting& value) {
 
 void check_expression(const Parameter& p, const Setting& value) {
   if (value.type == Type::number || value.type == Type::integer) {
-    if (!std::isfinite(value.number)) wrong_type(p, value, "finite");
+    refuse_outside(p, value, value.number);
     return;
   }
   if (value.type != Type::text) wrong_type(p, value, "a number or an expression in quotes");
+  Expression expression;
   try {
-    Expression{value.text};
+    expression = Expression(value.text);
   } catch (const BadInput& fault) {
     fail_at(value.where, fmt::format("{}: {}", label(p), fault.what()));
   }
+  if (expression.is_constant()) refuse_outside(p, value, expression(0));
 }
 
 void check_entries(const Parameter& p, const Setting& value, std::size_t count, bool expressions) {

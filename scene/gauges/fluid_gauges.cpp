@@ -101,7 +101,7 @@ std::vector<GaugeDefinition> fluid_gauges() {
        .meaning = "mean over a sensor on a rigid wall, 0 where it is dry [Pa]",
        .keys = {{"wall", Type::text, true, "the rigid wall"},
                 {"at", Type::point, true, "the middle of the sensor on the wall at t = 0, which moves along with it"},
-                {"diameter", Type::number, false, "diameter of the sensor; absent = one spacing of the fluid", "m", positive}},
+                {"diameter", Type::number, false, "diameter of the sensor; absent = one spacing of the fluid", "m", a_size}},
        .columns = [](int) { return Columns{"p_Pa"}; },
        .place = GaugePlace::disc,
        .complete = one_spacing_wide,

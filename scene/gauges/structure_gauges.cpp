@@ -105,7 +105,7 @@ std::vector<GaugeDefinition> structure_gauges() {
        .meaning = "mean pressure over a sensor on an elastic body, its normal load over its area, 0 where it is dry [Pa]",
        .keys = {{"body", Type::text, true, "the elastic body"},
                 {"at", Type::point, true, "the middle of the sensor on the surface of the undeformed body, which carries it along"},
-                {"diameter", Type::number, false, "diameter of the sensor; absent = one spacing of the fluid", "m", positive}},
+                {"diameter", Type::number, false, "diameter of the sensor; absent = one spacing of the fluid", "m", a_size}},
        .columns = [](int) { return std::vector<std::string>{"p_Pa"}; },
        .place = GaugePlace::disc,
        .complete = one_spacing_wide,

@@ -15,14 +15,14 @@ const Rows<ClampCase>& clamp_rows() {
       {"name", &ClampCase::name, "", required, any, "Name of the clamp in gauges and messages; unique."},
       {"body", &ClampCase::body, "", required, any, "The elastic body it holds."},
       {"region", &ClampCase::region, "", required, any, "Particles of the undeformed body inside this shape are held."},
-      {"displacement", of_motion<ClampCase>(&RigidMotion::displacement), "m", absent, any,
+      {"displacement", of_motion<ClampCase>(&RigidMotion::displacement), "m", absent, a_place,
        "Displacement from the initial place as expressions in t, 0 at t = 0; absent = none."},
-      {"rotation", of_motion<ClampCase>(&RigidMotion::rotation), "rad", absent, any,
+      {"rotation", of_motion<ClampCase>(&RigidMotion::rotation), "rad", absent, an_angle,
        "Angle by which the clamp is turned about `pivot` before it is displaced, an expression in t, 0 at t = 0; positive from x to y, "
        "in 3D by the right hand about `axis`."},
       {"motion_file", motion_file<ClampCase>(), "", absent, any, "In place of both: a CSV file as of a [[wall]]."},
-      {"pivot", of_motion<ClampCase>(&RigidMotion::pivot), "m", absent, any, "Point about which it turns, at t = 0."},
-      {"axis", of_motion<ClampCase>(&RigidMotion::axis), "", absent, any, "Direction of the axis of a rotation; 3D only."},
+      {"pivot", of_motion<ClampCase>(&RigidMotion::pivot), "m", absent, a_place, "Point about which it turns, at t = 0."},
+      {"axis", of_motion<ClampCase>(&RigidMotion::axis), "", absent, a_place, "Direction of the axis of a rotation; 3D only."},
   };
   // clang-format on
   return rows;

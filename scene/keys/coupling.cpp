@@ -43,7 +43,7 @@ const Rows<CouplingCase>& coupling_rows() {
        "Change of the load in one coupling iteration of the implicit coupling, over the load, at which the window is done."},
       {"scheme", one_of(&CouplingCase::scheme, scheme_keys()), "", "\"riemann\"", any,
        "How the fluid's pressure becomes a load (docs/SCHEMES.md). " + scheme_meanings() + "."},
-      {"riemann_limiter", &CouplingCase::riemann_limiter, "-", "3.0", not_negative,
+      {"riemann_limiter", &CouplingCase::riemann_limiter, "-", "3.0", a_factor,
        "Limiter eta of the Riemann dissipation, beta = min(eta max(du, 0)/c0, 1); 0 = none. Of scheme riemann only."},
       {"robin_mass_factor", &CouplingCase::robin_mass_factor, "-", "1.0", between(0, 2),
        "Mass with which the interface yields in the pressure solve over the mass that answers, m_p/m_s, learnt or by formula; not of "

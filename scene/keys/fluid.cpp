@@ -11,10 +11,10 @@ using Presence = TableDefinition::Presence;
 const Rows<FluidCase>& fluid_rows() {
   // clang-format off
   static const Rows<FluidCase> rows = {
-      {"density", &FluidCase::density, "kg/m^3", required, positive, "Density."},
-      {"spacing", &FluidCase::spacing, "m", required, positive,
+      {"density", &FluidCase::density, "kg/m^3", required, a_density, "Density."},
+      {"spacing", &FluidCase::spacing, "m", required, a_size,
        "Particle spacing dx; stretched by a little where the boxes of the fluid are no whole multiples of it."},
-      {"viscosity", &FluidCase::viscosity, "Pa s", absent, positive,
+      {"viscosity", &FluidCase::viscosity, "Pa s", absent, a_viscosity,
        "Dynamic viscosity mu; absent = inviscid. The fluid then sticks to walls without `slip`; elastic bodies stay frictionless."},
   };
   // clang-format on
@@ -25,7 +25,7 @@ const Rows<FluidBody>& body_rows() {
   // clang-format off
   static const Rows<FluidBody> rows = {
       {"shape", &FluidBody::shape, "", required, any, "Region that is filled; best when its sides are whole multiples of the spacing."},
-      {"velocity", &FluidBody::velocity, "m/s", absent, any, "Initial velocity, expressions in x, y, z; absent = at rest."},
+      {"velocity", &FluidBody::velocity, "m/s", absent, a_speed, "Initial velocity, expressions in x, y, z; absent = at rest."},
   };
   // clang-format on
   return rows;

@@ -8,6 +8,9 @@ namespace {
 
 using Presence = TableDefinition::Presence;
 
+// From a few ticks of 2^-32 s to the time up to which ticks are exact in a double (base/time.hpp).
+constexpr Range a_duration{1e-9, 2097152, false, true};
+
 Member<Case> directions() {
   return {ParameterType::choices,
           [](Case& scene, const Setting& list) {
@@ -21,8 +24,8 @@ const Rows<Case>& scene_rows() {
   static const Rows<Case> rows = {
       {"title", &Case::title, "", "\"\"", any, "One line that says what the scene is."},
       {"dimension", &Case::dimension, "-", required, from_to(2, 3), "Space dimension D; 2D quantities are per metre of depth."},
-      {"end_time", &Case::end_time, "s", required, between(0, 2097152), "The run starts at 0 and ends here."},
-      {"gravity", &Case::gravity, "m/s^2", required, any,
+      {"end_time", &Case::end_time, "s", required, a_duration, "The run starts at 0 and ends here."},
+      {"gravity", &Case::gravity, "m/s^2", required, an_acceleration,
        "Acceleration of fluid and structure, one entry per direction; expressions in t, x, y, z."},
       {"preset", one_of(&Case::preset, {"draft", "standard", "reference", "paper"}), "", "\"standard\"", any,
        "Group of numerical options. standard: the case as it stands, with the defaults in this document. draft: twice the spacings (of "
@@ -39,8 +42,8 @@ const Rows<Case>& scene_rows() {
 const Rows<Case>& domain_rows() {
   // clang-format off
   static const Rows<Case> rows = {
-      {"min", &Case::domain_min, "m", required, any, "Lower corner."},
-      {"max", &Case::domain_max, "m", required, any, "Upper corner."},
+      {"min", &Case::domain_min, "m", required, a_place, "Lower corner."},
+      {"max", &Case::domain_max, "m", required, a_place, "Upper corner."},
       {"periodic", directions(), "", "[]", any,
        "Directions in which the fluid repeats itself with the period max - min: what leaves on one side enters on the other."},
   };

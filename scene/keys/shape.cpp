@@ -31,8 +31,8 @@ bool crosses_itself(const std::vector<std::array<double, 2>>& v) {
 const Rows<Shape>& box_rows() {
   // clang-format off
   static const Rows<Shape> rows = {
-      {"min", &Shape::min, "m", required, any, "Lower corner."},
-      {"max", &Shape::max, "m", required, any, "Upper corner."},
+      {"min", &Shape::min, "m", required, a_place, "Lower corner."},
+      {"max", &Shape::max, "m", required, a_place, "Upper corner."},
   };
   // clang-format on
   return rows;
@@ -41,7 +41,7 @@ const Rows<Shape>& box_rows() {
 const Rows<Shape>& polygon_rows() {
   // clang-format off
   static const Rows<Shape> rows = {
-      {"vertices", &Shape::vertices, "m", required, any, "Corners in order, either way round; sides must not cross."},
+      {"vertices", &Shape::vertices, "m", required, a_place, "Corners in order, either way round; sides must not cross."},
   };
   // clang-format on
   return rows;
@@ -50,8 +50,8 @@ const Rows<Shape>& polygon_rows() {
 const Rows<Shape>& ball_rows() {
   // clang-format off
   static const Rows<Shape> rows = {
-      {"center", &Shape::center, "m", required, any, "Centre."},
-      {"radius", &Shape::radius, "m", required, positive, "Radius."},
+      {"center", &Shape::center, "m", required, a_place, "Centre."},
+      {"radius", &Shape::radius, "m", required, a_size, "Radius."},
   };
   // clang-format on
   return rows;

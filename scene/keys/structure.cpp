@@ -26,10 +26,10 @@ const Rows<StructureBody>& body_rows() {
   static const Rows<StructureBody> rows = {
       {"name", &StructureBody::name, "", required, any, "Name of the body in gauges and messages; unique."},
       {"shape", &StructureBody::shape, "", required, any, "The undeformed body."},
-      {"spacing", &StructureBody::spacing, "m", required, positive,
+      {"spacing", &StructureBody::spacing, "m", required, a_size,
        "Particle spacing dx_s; at least 2 and better 4 particles across the thinnest part."},
-      {"density", &StructureBody::density, "kg/m^3", required, positive, "Density of the undeformed body."},
-      {"young_modulus", &StructureBody::young_modulus, "Pa", required, positive, "Young's modulus E."},
+      {"density", &StructureBody::density, "kg/m^3", required, a_density, "Density of the undeformed body."},
+      {"young_modulus", &StructureBody::young_modulus, "Pa", required, a_modulus, "Young's modulus E."},
       {"poisson_ratio", &StructureBody::poisson_ratio, "-", required, between(-1, 0.5), "Poisson's ratio nu."},
       {"clamp", &StructureBody::clamps, "", "[]", any,
        "Particles inside any of these shapes are fixed; one layer of them is enough. The outermost ones are moved onto the face of the "
@@ -40,10 +40,10 @@ const Rows<StructureBody>& body_rows() {
        "Of mooney_rivlin: C01/(C10 + C01), how much of the shear modulus is that of the second invariant; absent = 0.2."},
       {"plane", one_of(&StructureBody::plane_stress, {{"strain", false}, {"stress", true}}), "", absent, any,
        "2D only: no strain (absent, strain) or no stress across the plane."},
-      {"mass_damping", &StructureBody::mass_damping, "1/s", absent, positive,
+      {"mass_damping", &StructureBody::mass_damping, "1/s", absent, a_rate,
        "Damping force over momentum: Rayleigh damping in proportion to the mass; for static answers about twice the lowest angular "
        "frequency. Absent = none."},
-      {"velocity", &StructureBody::velocity, "m/s", absent, any, "Initial velocity, expressions in x, y, z; absent = at rest."},
+      {"velocity", &StructureBody::velocity, "m/s", absent, a_speed, "Initial velocity, expressions in x, y, z; absent = at rest."},
   };
   // clang-format on
   return rows;

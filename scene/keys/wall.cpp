@@ -26,16 +26,16 @@ const Rows<WallCase>& wall_rows() {
       {"obstacle", shape_of_wall(false), "", absent, any, "The fluid stays outside this shape."},
       {"open", some_of(&WallCase::open, {"x_min", "x_max", "y_min", "y_max", "z_min", "z_max"}), "", "[]", any,
        "Faces left out; of a container that is a box only."},
-      {"displacement", of_motion<WallCase>(&RigidMotion::displacement), "m", absent, any,
+      {"displacement", of_motion<WallCase>(&RigidMotion::displacement), "m", absent, a_place,
        "Displacement from the initial place as expressions in t, 0 at t = 0; absent = none."},
-      {"rotation", of_motion<WallCase>(&RigidMotion::rotation), "rad", absent, any,
+      {"rotation", of_motion<WallCase>(&RigidMotion::rotation), "rad", absent, an_angle,
        "Angle by which the wall is turned about `pivot` before it is displaced, an expression in t, 0 at t = 0; positive from x to y, in"
        " 3D by the right hand about `axis`."},
       {"motion_file", motion_file<WallCase>(), "", absent, any,
        "In place of both: a CSV file, its path relative to the case file, with a header of t_s and some of x_m, y_m, z_m, angle_rad and "
        "the first row 0 at t = 0; splines between its rows, the last row is held."},
-      {"pivot", of_motion<WallCase>(&RigidMotion::pivot), "m", absent, any, "Point about which a wall with a rotation turns, at t = 0."},
-      {"axis", of_motion<WallCase>(&RigidMotion::axis), "", absent, any, "Direction of the axis of a rotation; 3D only."},
+      {"pivot", of_motion<WallCase>(&RigidMotion::pivot), "m", absent, a_place, "Point about which a wall with a rotation turns, at t = 0."},
+      {"axis", of_motion<WallCase>(&RigidMotion::axis), "", absent, a_place, "Direction of the axis of a rotation; 3D only."},
       {"slip", &WallCase::slip, "", "false", any,
        "A wall without friction although the fluid has a viscosity; without viscosity every wall is one."},
   };
