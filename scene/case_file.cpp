@@ -35,6 +35,7 @@ std::string find_case_file(const std::string& name_or_path) {
 // Particles across each body, at the spacings of the case.
 std::vector<double> particles_across(const Setting& settings, const fs::path& folder) {
   const Case scene = read_scene(settings, folder);
+  check_sizes(scene, settings);
   std::vector<double> across;
   for (const StructureBody& body : scene.structure->bodies)
     across.push_back((scene.dimension == 2 ? thin_section<2>(body) : thin_section<3>(body)) / body.spacing);

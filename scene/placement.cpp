@@ -9,19 +9,21 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "scene/parameter_table.hpp"
 #include "scene/scene_check.hpp"
 
 namespace tern {
 namespace {
 
-// More than this is a slip of the spacing, not a scene: the state of as many fluid particles fills 100 GB.
-constexpr double most_particles = 5e7;
-
 constexpr double said_mass_error = 0.01, refused_mass_error = 0.05;  ///< of a body
 
-/// Volume of a shape by Gauss' theorem over patches of a quarter of the spacing [m^D].
+/// Volume of a shape [m^D], where it is composed by Gauss' theorem over patches of a quarter of the spacing.
 template <int D>
 double volume(const Shape& shape, double spacing) {
+  if (shape.kind == Shape::Kind::box) {
+    const Bounds<D> bounds = bounding_box<D>(shape);
+    return (bounds.max - bounds.min).prod();
+  }
   const SurfacePoints<D> surface = sample_surface<D>(shape, 0.25 * spacing);
   double sum = 0;
   for (std::size_t k = 0; k < surface.area.size(); ++k) sum += surface.position[k].dot(surface.normal[k]) * surface.area[k];
@@ -66,11 +68,6 @@ class PlacementCheck {
 
   std::vector<Vector<D>> fill(Fill lattice, const Shape& shape, double spacing, const std::string& where) const {
     const Bounds<D> bounds = bounding_box<D>(shape);
-    const double cells = ((bounds.max - bounds.min) / spacing).prod();
-    if (cells > most_particles) {
-      fail(where, fmt::format("the spacing {} m would make up to {:.3g} particles, but at most {:.0g} are allowed; use a larger one.",
-                              spacing, cells, most_particles));
-    }
     auto points = lattice(shape, spacing);
     if (points.empty()) {
       fail(where, fmt::format("the body holds no particle at the spacing {} m, its bounding box measures {}; use a smaller spacing "
@@ -249,16 +246,23 @@ class PlacementCheck {
           fail(where, fmt::format("the initial velocity '{}' depends on t; use x, y and z only.", field[d].text()));
         }
         for (const Vector<D>& x : points) {
+          double value = 0;
           try {
-            field[d](0, x[0], x[1], D == 3 ? x[D - 1] : 0);
+            value = field[d](0, x[0], x[1], D == 3 ? x[D - 1] : 0);
           } catch (const NumericalFailure& fault) {
             fail(where, fmt::format("{}: {}", name, fault.what()));
+          }
+          if (std::abs(value) > a_speed.highest) {
+            fail(where,
+                 fmt::format("{}: '{}' is {:.3g} at {}, but has to be {}.", name, field[d].text(), value, text(x), describe(a_speed)));
           }
         }
       }
     };
     const std::string& gravity = settings_.at("gravity").where;
     for (std::size_t i = 0; i < fluid().size(); ++i) {
+      const Bounds<D> bounds = bounding_box<D>(fluid()[i].shape);
+      check(scene_.gravity, {0.5 * (bounds.min + bounds.max)}, gravity, "gravity");  // where the estimate of the steps takes it
       check(scene_.gravity, fluid_points_[i], gravity, "gravity");
       check(fluid()[i].velocity, fluid_points_[i], where_fluid(i), "velocity");
     }

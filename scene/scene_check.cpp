@@ -14,7 +14,10 @@ namespace {
 template <int D>
 void check_scene_in(Case& scene, const Setting& settings) {
   check_names(settings);
+  check_output(scene, settings);
+  check_sizes<D>(scene, settings);
   check_walls(scene, settings);
+  check_motions<D>(scene, settings);
   set_default_domain<D>(scene, settings);
   check_domain<D>(scene, settings);
   if (scene.fluid) {
@@ -34,6 +37,10 @@ void check_scene_in(Case& scene, const Setting& settings) {
 }
 
 }  // namespace
+
+void check_sizes(const Case& scene, const Setting& settings) {
+  scene.dimension == 2 ? check_sizes<2>(scene, settings) : check_sizes<3>(scene, settings);
+}
 
 void check_scene(Case& scene, const Setting& settings) {
   scene.dimension == 2 ? check_scene_in<2>(scene, settings) : check_scene_in<3>(scene, settings);

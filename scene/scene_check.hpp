@@ -14,6 +14,15 @@ namespace tern {
 /// are the effective settings the case was read from; they give the places for the sentences.
 void check_scene(Case& scene, const Setting& settings);
 
+/// Throws BadInput where the case would hold more particles or patches than a computer can; allocates nothing.
+void check_sizes(const Case& scene, const Setting& settings);
+
+/// Length of the patches of a wall over the spacing of the fluid (fluid/boundary/walls.cpp).
+inline constexpr double wall_patch_share = 0.5;
+/// Patches of all walls, also of faces that are left out later.
+template <int D>
+double count_wall_patches(const Case& scene);
+
 /// Whether a wall leaves out this face, "y_max".
 bool is_open(const WallCase& wall, const std::string& face);
 

@@ -13,6 +13,19 @@ void check_names(const Setting& settings);
 /// At most one container; no walls without a fluid.
 void check_walls(const Case& scene, const Setting& settings);
 
+/// Patches of the surface of a shape, about as many as sample_surface() makes of it before it leaves any out. A double, because it may be
+/// more than there are integers.
+template <int D>
+double count_patches(const Shape& shape, double spacing);
+/// Particles and patches are few enough for a computer; nothing is made of the shapes before.
+template <int D>
+void check_sizes(const Case& scene, const Setting& settings);
+/// Frames and rows are few enough.
+void check_output(const Case& scene, const Setting& settings);
+/// Motions, gravity and speeds stay finite, and within the ranges of their keys, where and when they are looked at.
+template <int D>
+void check_motions(const Case& scene, const Setting& settings);
+
 /// The box around all places of a moving wall during the run.
 template <int D>
 Shape swept_box(const WallCase& wall, double end_time);

@@ -1,0 +1,142 @@
+// How much a case would hold, from lengths and areas alone, before anything is made of it.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "scene/checks/checks.hpp"
+#include "scene/scene_check.hpp"
+
+namespace tern {
+namespace {
+
+// More than this is a slip of the spacing or of a coordinate, not a scene: the state of as many fluid particles fills 100 GB, and the
+// faces of as many patches of a wall 10 GB.
+constexpr double most_particles = 5e7, most_patches = 5e7;
+
+// Frames have names of six digits (run/frame_writer.cpp), by which they are sorted; a row of gauges.csv has some 100 bytes. Both intervals
+// also cut the steps: nobody needs frames or rows that often, a run of as many steps takes weeks.
+constexpr double most_frames = 1e6, most_rows = 1e8;
+
+/// Patches of a primitive of the shape tree.
+template <int D>
+double patches_of_primitive(const Shape& shape, double spacing) {
+  const auto pieces = [&](double length) { return std::max(1.0, length / spacing); };
+  double count = 0;
+  if (shape.kind == Shape::Kind::polygon) {
+    for (std::size_t i = 0, j = shape.vertices.size() - 1; i < shape.vertices.size(); j = i++)
+      count += pieces(std::hypot(shape.vertices[i][0] - shape.vertices[j][0], shape.vertices[i][1] - shape.vertices[j][1]));
+    return count;
+  }
+  if (shape.kind == Shape::Kind::ball) {
+    const double around = pieces(2 * std::numbers::pi * shape.radius);
+    return D == 2 ? around : around * around / std::numbers::pi;
+  }
+  for (int d = 0; d < D; ++d) {
+    double of_face = 1;
+    for (int e = 0; e < D; ++e)
+      if (e != d) of_face *= pieces(shape.max[e] - shape.min[e]);
+    count += 2 * of_face;
+  }
+  return count;
+}
+
+std::string most_text(double most) { return fmt::format("{:.0e}", most); }
+
+}  // namespace
+
+template <int D>
+double count_patches(const Shape& shape, double spacing) {
+  if (shape.parts.empty()) return patches_of_primitive<D>(shape, spacing);
+  double count = 0;
+  for (const Shape& part : shape.parts) count += count_patches<D>(part, spacing);
+  return count;
+}
+
+template <int D>
+double count_wall_patches(const Case& scene) {
+  double count = 0;
+  if (scene.fluid)
+    for (const WallCase& wall : scene.walls) count += count_patches<D>(wall.shape, wall_patch_share * scene.fluid->spacing);
+  return count;
+}
+
+namespace {
+
+template <int D>
+std::string measures(const Shape& shape) {
+  const Bounds<D> bounds = bounding_box<D>(shape);
+  std::string text;
+  for (int d = 0; d < D; ++d) text += fmt::format("{}{:.6g}", d ? " x " : "", bounds.max[d] - bounds.min[d]);
+  return text + " m";
+}
+
+template <int D>
+void check_body(const Shape& shape, double spacing, double patch, const std::string& where) {
+  const Bounds<D> bounds = bounding_box<D>(shape);
+  double cells = 1;
+  for (int d = 0; d < D; ++d) cells *= std::max(1.0, (bounds.max[d] - bounds.min[d]) / spacing);
+  if (cells > most_particles) {
+    fail_at(where, fmt::format("the spacing {} m would make up to {:.3g} particles of a body of {}, but at most {} are allowed; use a "
+                               "larger spacing, or a smaller shape.",
+                               spacing, cells, measures<D>(shape), most_text(most_particles)));
+  }
+  const double patches = count_patches<D>(shape, patch);
+  if (patches > most_patches) {
+    fail_at(where, fmt::format("the surface of the shape, which measures {}, would have {:.3g} patches of {:.3g} m, but at most {} are "
+                               "allowed; use a larger spacing, or a smaller shape.",
+                               measures<D>(shape), patches, patch, most_text(most_patches)));
+  }
+}
+
+}  // namespace
+
+template <int D>
+void check_sizes(const Case& scene, const Setting& settings) {
+  if (scene.fluid) {
+    const double dx = scene.fluid->spacing;
+    for (std::size_t i = 0; i < scene.fluid->bodies.size(); ++i)
+      check_body<D>(scene.fluid->bodies[i].shape, dx, dx, settings.at("fluid").at("body").items[i].where);
+    double before = 0;
+    for (std::size_t i = 0; i < scene.walls.size(); ++i) {
+      const WallCase& wall = scene.walls[i];
+      const double patches = count_patches<D>(wall.shape, wall_patch_share * dx);
+      before += patches;
+      if (before <= most_patches) continue;
+      fail_at(settings.at("wall").items[i].where,
+              fmt::format("the wall '{}', which measures {}, would have {:.3g} patches of half the fluid's spacing, {:.3g} m, and so all "
+                          "walls up to it {:.3g}, but at most {} are allowed; make it as large as the fluid can come to (a box may leave "
+                          "faces open), or use a larger spacing.",
+                          wall.name, measures<D>(wall.shape), patches, wall_patch_share * dx, before, most_text(most_patches)));
+    }
+  }
+  if (!scene.structure) return;
+  for (std::size_t i = 0; i < scene.structure->bodies.size(); ++i) {
+    const StructureBody& body = scene.structure->bodies[i];
+    check_body<D>(body.shape, body.spacing, patch_length(body.spacing, scene.fluid), settings.at("structure").at("body").items[i].where);
+  }
+}
+
+void check_output(const Case& scene, const Setting& settings) {
+  const auto check = [&](const char* key, double interval, const char* what, double most, const char* why) {
+    if (interval == 0 || scene.end_time / interval <= most) return;
+    fail_at(
+        settings.at("output").at(key).where,
+        fmt::format("{} [s] of [output] is {}, which makes {:.3g} {} until end_time, {} s, but at most {} are allowed, {}; give an "
+                    "interval of at least {:.3g} s.",
+                    key, interval, scene.end_time / interval, what, scene.end_time, most_text(most), why, 1.001 * scene.end_time / most));
+  };
+  check("frame_interval", scene.output.frame_interval, "frames", most_frames, "because their names have six digits");
+  check("gauge_interval", scene.output.gauge_interval, "rows of gauges.csv", most_rows, "which already fill some 10 GB");
+}
+
+template double count_patches<2>(const Shape&, double);
+template double count_patches<3>(const Shape&, double);
+template double count_wall_patches<2>(const Case&);
+template double count_wall_patches<3>(const Case&);
+template void check_sizes<2>(const Case&, const Setting&);
+template void check_sizes<3>(const Case&, const Setting&);
+
+}  // namespace tern
