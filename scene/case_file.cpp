@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "base/hash.hpp"
+#include "scene/key_sentences.hpp"
 #include "scene/keys/tables.hpp"
 #include "scene/placement.hpp"
 #include "scene/preset.hpp"
@@ -63,7 +64,7 @@ Setting without_end_and_output(Setting settings) {
 
 }  // namespace
 
-Case read_case(const std::string& name_or_path, const CaseOptions& options) {
+static Case read_and_check(const std::string& name_or_path, const CaseOptions& options) {
   const std::string file = find_case_file(name_or_path);
   Setting document = read_toml_file(file);
   document.where = file;
@@ -103,6 +104,15 @@ Case read_case(const std::string& name_or_path, const CaseOptions& options) {
   scene.hash_of_rest = hash_of(to_json(without_end_and_output(settings)) + tables);
   check_scene(scene, settings);
   return scene;
+}
+
+// A sentence quotes names and texts of the case, whatever they hold.
+Case read_case(const std::string& name_or_path, const CaseOptions& options) {
+  try {
+    return read_and_check(name_or_path, options);
+  } catch (const BadInput& fault) {
+    throw BadInput(one_line(fault.what()));
+  }
 }
 
 }  // namespace tern

@@ -24,11 +24,18 @@ const char* words_of(CouplingAlgorithm algorithm) {
   return "";
 }
 
+/// A ratio with one decimal, or in brief where it is absurd.
+std::string ratio(double number) { return number < 1e6 ? fmt::format("{:.1f}", number) : fmt::format("{:.3g}", number); }
+
+/// A count in full, or in brief where it is absurd.
+std::string count(double number) { return number < 1e9 ? fmt::format("{:.0f}", number) : fmt::format("{:.3g}", number); }
+
 std::string duration(double seconds) {
   if (seconds < 1) return "less than a second";
   if (seconds < 120) return fmt::format("{:.0f} s", seconds);
   if (seconds < 7200) return fmt::format("{:.0f} min", seconds / 60);
-  return fmt::format("{:.1f} h", seconds / 3600);
+  if (seconds < 3.6e9) return fmt::format("{:.1f} h", seconds / 3600);
+  return fmt::format("{:.3g} years", seconds / (365.25 * 86400));
 }
 
 std::string iterations_text(const Estimate& e) {
@@ -57,7 +64,7 @@ std::string step_limits(const Case& scene, const Estimate& e) {
   }
   if (scene.structure)
     text += fmt::format(
-        "  sub-steps        {:.0f} of the structure in a step{}{}\n", e.sub_steps,
+        "  sub-steps        {} of the structure in a step{}{}\n", count(e.sub_steps),
         scene.fluid ? "" : fmt::format(", {:.3g} s: at most {:.0f}, and to the next output", e.step, sub_steps_per_window(scene)),
         scene.structure->numerics.integrator == Integrator::explicit_steps   ? ""
         : scene.structure->numerics.integrator == Integrator::implicit_steps ? ", replaced by implicit ones"
@@ -95,12 +102,12 @@ std::string check_text(const Case& scene, const Costs& costs) {
   text += "step limits\n" + step_limits(scene, e);
   for (const BodyEstimate& body : e.bodies) {
     if (body.added_mass_ratio > 0) {
-      text += fmt::format("added mass over mass of {}: about {:.1f} with one wet face, {:.1f} with two\n", body.name, body.added_mass_ratio,
-                          2 * body.added_mass_ratio);
+      text += fmt::format("added mass over mass of {}: about {} with one wet face, {} with two\n", body.name, ratio(body.added_mass_ratio),
+                          ratio(2 * body.added_mass_ratio));
     }
   }
   const double cpu = e.fluid_cpu + e.structure_cpu + e.coupler_cpu;
-  text += fmt::format("expected for {} s: about {:.0f} steps{}, {} of CPU", scene.end_time, e.steps, iterations_text(e), duration(cpu));
+  text += fmt::format("expected for {} s: about {} steps{}, {} of CPU", scene.end_time, count(e.steps), iterations_text(e), duration(cpu));
   if (scene.fluid && scene.structure) {
     text += fmt::format(" (fluid {}, structure {}, coupler {})", duration(e.fluid_cpu), duration(e.structure_cpu), duration(e.coupler_cpu));
   }
@@ -134,7 +141,7 @@ std::string algorithm_choice(const Case& scene, const Estimate& e) {
 
 std::string what_it_costs(const Case& scene, const Estimate& e, const Costs& costs) {
   const double total = e.fluid_cpu + e.structure_cpu + e.coupler_cpu;
-  std::string text = fmt::format("\nWhat it costs: about {:.0f} steps{}, {} of CPU, {:.0f} MB ({})\n", e.steps, iterations_text(e),
+  std::string text = fmt::format("\nWhat it costs: about {} steps{}, {} of CPU, {:.0f} MB ({})\n", count(e.steps), iterations_text(e),
                                  duration(total), e.memory / 1e6, origin(costs));
   const auto line = [&](const char* name, double seconds, const std::string& of_what) {
     if (seconds > 0) text += fmt::format("  {:<16} {:<10} {:>3.0f} %  {}\n", name, duration(seconds), 100 * seconds / total, of_what);
@@ -147,7 +154,7 @@ std::string what_it_costs(const Case& scene, const Estimate& e, const Costs& cos
   }
   line("fluid", e.fluid_cpu, parts);
   line("structure", e.structure_cpu,
-       scene.structure && scene.fluid ? fmt::format("a trial and the window itself in each of {:.0f} windows", e.steps) : "");
+       scene.structure && scene.fluid ? fmt::format("a trial and the window itself in each of {} windows", count(e.steps)) : "");
   line("coupler", e.coupler_cpu, "with its side of the messages; less while the fluid cannot reach a body");
   return text;
 }
@@ -226,10 +233,10 @@ std::string explain_text(const Case& scene, const Costs& costs) {
   for (const BodyEstimate& body : e.bodies) {
     if (body.added_mass_ratio <= 0) continue;
     text += fmt::format(
-        "\nThe fluid that '{}' has to move weighs about {:.1f} times the body with one wet face and {:.1f} times with "
+        "\nThe fluid that '{}' has to move weighs about {} times the body with one wet face and {} times with "
         "two.\n"
         "The explicit coupling is {}.\n",
-        body.name, body.added_mass_ratio, 2 * body.added_mass_ratio,
+        body.name, ratio(body.added_mass_ratio), ratio(2 * body.added_mass_ratio),
         body.added_mass_ratio > 1 ? "predicted to be unstable, whatever the step; the semi-implicit one is predicted to be stable"
                                   : "possibly stable here; above 1 it is not");
   }

@@ -16,6 +16,18 @@ std::string unit_label(const Parameter& p) { return p.unit.empty() || p.unit == 
 
 void fail_at(const std::string& where, const std::string& sentence) { throw BadInput(fmt::format("{}: {}", where, sentence)); }
 
+std::string one_line(std::string sentence) {
+  for (char& c : sentence)
+    if (static_cast<unsigned char>(c) < 32 || c == 127) c = ' ';
+  constexpr std::size_t longest = 1600, kept_end = 600;
+  if (sentence.size() <= longest) return sentence;
+  const auto begin_of_letter = [&](std::size_t at) {  // the bytes 10xxxxxx go on with one
+    while (at > 0 && (static_cast<unsigned char>(sentence[at]) & 0xC0) == 0x80) --at;
+    return at;
+  };
+  return sentence.substr(0, begin_of_letter(longest - kept_end)) + " ... " + sentence.substr(begin_of_letter(sentence.size() - kept_end));
+}
+
 std::string table_label(const std::string& path) { return path.empty() ? "the top of the file" : "[" + path + "]"; }
 
 std::string label(const Parameter& p) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <utility>
 
 #include "scene/geometry.hpp"
 
@@ -107,6 +108,17 @@ class Sampler {
     }
   }
 
+  // Whether no other primitive has its boundary within twice the size of the patch: then all of it is kept, or nothing.
+  bool is_far_from_others(const Patch& patch) const {
+    const Vector<D> middle = patch(0.5, 0.5).position;
+    double size = 0;
+    for (const auto& [u, v] : {std::pair{0.0, 0.0}, {0.0, 1.0}, {1.0, 0.0}, {1.0, 1.0}, {0.5, 0.0}, {0.5, 1.0}})
+      size = std::max(size, (patch(u, v).position - middle).norm());
+    for (std::size_t j = 0; j < leaves_.size(); ++j)
+      if (j != current_ && std::abs(signed_distance<D>(*leaves_[j].shape, middle)) <= 2 * size) return false;
+    return true;
+  }
+
   // 3D: keeps the share of the patch whose sub-samples lie on the final boundary.
   void add_patch(const Patch& raw, double area) {
     const double sign = leaves_[current_].sign;
@@ -116,6 +128,10 @@ class Sampler {
       return p;
     };
     if (leaves_.size() == 1) return add(patch(0.5, 0.5), area);
+    if (is_far_from_others(patch)) {
+      if (on_final_boundary(patch(0.5, 0.5))) add(patch(0.5, 0.5), area);
+      return;
+    }
     constexpr int samples = 8;
     double u_sum = 0, v_sum = 0;
     int kept = 0;

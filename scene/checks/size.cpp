@@ -93,12 +93,28 @@ void check_body(const Shape& shape, double spacing, double patch, const std::str
 
 }  // namespace
 
+// A box of fluid that reaches far out of its container is told at once, not after it has been filled.
+template <int D>
+void check_inside(const Case& scene, std::size_t body, const std::string& where) {
+  const Shape& shape = scene.fluid->bodies[body].shape;
+  const std::optional<Shape> region = fluid_region(scene);
+  if (!region || shape.kind != Shape::Kind::box) return;
+  const Bounds<D> fluid = bounding_box<D>(shape), room = bounding_box<D>(*region);
+  const double slack = scene.fluid->spacing;
+  for (int d = 0; d < D; ++d) {
+    if (fluid.min[d] >= room.min[d] - slack && fluid.max[d] <= room.max[d] + slack) continue;
+    fail_at(where, fmt::format("fluid body {} reaches out of the container in direction {}, from {:.6g} to {:.6g} m; shrink or move it.",
+                               body + 1, "xyz"[d], fluid.min[d], fluid.max[d]));
+  }
+}
+
 template <int D>
 void check_sizes(const Case& scene, const Setting& settings) {
   if (scene.fluid) {
     const double dx = scene.fluid->spacing;
     for (std::size_t i = 0; i < scene.fluid->bodies.size(); ++i)
       check_body<D>(scene.fluid->bodies[i].shape, dx, dx, settings.at("fluid").at("body").items[i].where);
+    for (std::size_t i = 0; i < scene.fluid->bodies.size(); ++i) check_inside<D>(scene, i, settings.at("fluid").at("body").items[i].where);
     double before = 0;
     for (std::size_t i = 0; i < scene.walls.size(); ++i) {
       const WallCase& wall = scene.walls[i];
