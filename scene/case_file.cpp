@@ -112,6 +112,8 @@ Case read_case(const std::string& name_or_path, const CaseOptions& options) {
     return read_and_check(name_or_path, options);
   } catch (const BadInput& fault) {
     throw BadInput(one_line(fault.what()));
+  } catch (const NumericalFailure& fault) {  // of an expression that a check has come upon
+    throw BadInput(one_line(name_or_path + ": " + fault.what()));
   }
 }
 

@@ -20,6 +20,7 @@ void check_scene_in(Case& scene, const Setting& settings) {
   check_motions<D>(scene, settings);
   set_default_domain<D>(scene, settings);
   check_domain<D>(scene, settings);
+  check_fluid_boxes<D>(scene, settings);
   if (scene.fluid) {
     std::vector<Shape> shapes;
     for (const FluidBody& body : scene.fluid->bodies) shapes.push_back(body.shape);

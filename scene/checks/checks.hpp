@@ -20,6 +20,9 @@ double count_patches(const Shape& shape, double spacing);
 /// Particles and patches are few enough for a computer; nothing is made of the shapes before.
 template <int D>
 void check_sizes(const Case& scene, const Setting& settings);
+/// Boxes of fluid that reach out of the container or the domain by more than a spacing are told before they are filled.
+template <int D>
+void check_fluid_boxes(const Case& scene, const Setting& settings);
 /// Frames and rows are few enough.
 void check_output(const Case& scene, const Setting& settings);
 /// Motions, gravity and speeds stay finite, and within the ranges of their keys, where and when they are looked at.

@@ -93,28 +93,12 @@ void check_body(const Shape& shape, double spacing, double patch, const std::str
 
 }  // namespace
 
-// A box of fluid that reaches far out of its container is told at once, not after it has been filled.
-template <int D>
-void check_inside(const Case& scene, std::size_t body, const std::string& where) {
-  const Shape& shape = scene.fluid->bodies[body].shape;
-  const std::optional<Shape> region = fluid_region(scene);
-  if (!region || shape.kind != Shape::Kind::box) return;
-  const Bounds<D> fluid = bounding_box<D>(shape), room = bounding_box<D>(*region);
-  const double slack = scene.fluid->spacing;
-  for (int d = 0; d < D; ++d) {
-    if (fluid.min[d] >= room.min[d] - slack && fluid.max[d] <= room.max[d] + slack) continue;
-    fail_at(where, fmt::format("fluid body {} reaches out of the container in direction {}, from {:.6g} to {:.6g} m; shrink or move it.",
-                               body + 1, "xyz"[d], fluid.min[d], fluid.max[d]));
-  }
-}
-
 template <int D>
 void check_sizes(const Case& scene, const Setting& settings) {
   if (scene.fluid) {
     const double dx = scene.fluid->spacing;
     for (std::size_t i = 0; i < scene.fluid->bodies.size(); ++i)
       check_body<D>(scene.fluid->bodies[i].shape, dx, dx, settings.at("fluid").at("body").items[i].where);
-    for (std::size_t i = 0; i < scene.fluid->bodies.size(); ++i) check_inside<D>(scene, i, settings.at("fluid").at("body").items[i].where);
     double before = 0;
     for (std::size_t i = 0; i < scene.walls.size(); ++i) {
       const WallCase& wall = scene.walls[i];
@@ -135,6 +119,32 @@ void check_sizes(const Case& scene, const Setting& settings) {
   }
 }
 
+template <int D>
+void check_fluid_boxes(const Case& scene, const Setting& settings) {
+  if (!scene.fluid) return;
+  const std::optional<Shape> container = fluid_region(scene);
+  const double slack = scene.fluid->spacing;
+  for (std::size_t i = 0; i < scene.fluid->bodies.size(); ++i) {
+    const Shape& shape = scene.fluid->bodies[i].shape;
+    if (shape.kind != Shape::Kind::box) continue;
+    const auto check = [&](int d, double low, double high, const char* of_what, const char* remedy) {
+      if (shape.min[d] >= low - slack && shape.max[d] <= high + slack) return;
+      fail_at(
+          settings.at("fluid").at("body").items[i].where,
+          fmt::format(
+              "fluid body {} reaches out of {}: from {:.6g} to {:.6g} m in direction {}, where there is room from {:.6g} to {:.6g} m; {}.",
+              i + 1, of_what, shape.min[d], shape.max[d], "xyz"[d], low, high, remedy));
+    };
+    for (int d = 0; d < D; ++d) {
+      if (container) {
+        const Bounds<D> room = bounding_box<D>(*container);
+        check(d, room.min[d], room.max[d], "the container", "shrink or move it");
+      }
+      check(d, scene.domain_min[d], scene.domain_max[d], "[domain], where particles are removed", "shrink it, or enlarge the domain");
+    }
+  }
+}
+
 void check_output(const Case& scene, const Setting& settings) {
   const auto check = [&](const char* key, double interval, const char* what, double most, const char* why) {
     if (interval == 0 || scene.end_time / interval <= most) return;
@@ -152,6 +162,8 @@ template double count_patches<2>(const Shape&, double);
 template double count_patches<3>(const Shape&, double);
 template double count_wall_patches<2>(const Case&);
 template double count_wall_patches<3>(const Case&);
+template void check_fluid_boxes<2>(const Case&, const Setting&);
+template void check_fluid_boxes<3>(const Case&, const Setting&);
 template void check_sizes<2>(const Case&, const Setting&);
 template void check_sizes<3>(const Case&, const Setting&);
 

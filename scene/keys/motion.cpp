@@ -21,11 +21,17 @@ void check_motion(const Expression& expression, const std::string& where, const 
                     "only.",
                     where, what, expression.text(), mover));
   }
-  if (std::abs(expression(0)) > 1e-9) {
+  double at_start = 0;
+  try {
+    at_start = expression(0);
+  } catch (const NumericalFailure& fault) {
+    throw BadInput(fmt::format("{}: the {} of the {}: {}", where, what, mover, fault.what()));
+  }
+  if (std::abs(at_start) > 1e-9) {
     throw BadInput(
         fmt::format("{}: the {} '{}' of the {} is {} {} at t = 0 instead of 0; subtract it, or shift "
                     "its shape.",
-                    where, what, expression.text(), mover, expression(0), unit));
+                    where, what, expression.text(), mover, at_start, unit));
   }
 }
 
