@@ -19,10 +19,18 @@ void RemoteParticipants<D>::begin_window(Ticks begin, Ticks duration) {
 }
 
 template <int D>
-Surface<D> RemoteParticipants<D>::predict_surface(Ticks, Ticks) {
+void RemoteParticipants<D>::require(wire::Role from, Kind kind, const std::string& fault) const {
+  if (!fault.empty()) channel_.reject(from, kind, fault);
+}
+
+template <int D>
+Surface<D> RemoteParticipants<D>::predict_surface(Ticks, Ticks duration) {
   const wire::Message message = channel_.receive(wire::STRUCTURE, {Kind::kSurface});
   energies_ = at_begin_(message.surface().account());
-  return from_wire<D>(message.surface());
+  Surface<D> surface = from_wire<D>(message.surface());
+  duration_ = duration;
+  require(wire::STRUCTURE, Kind::kSurface, check_.surface(duration, surface));
+  return surface;
 }
 
 template <int D>
@@ -43,7 +51,9 @@ InterfaceParticles<D> RemoteParticipants<D>::see_surface(const Surface<D>& surfa
   wire::Message message;
   *message.mutable_surface() = to_wire<D>(surface);
   channel_.send(wire::FLUID, std::move(message));
-  return from_wire<D>(channel_.receive(wire::FLUID, {Kind::kInterfaceParticles}).interface_particles());
+  InterfaceParticles<D> particles = from_wire<D>(channel_.receive(wire::FLUID, {Kind::kInterfaceParticles}).interface_particles());
+  require(wire::FLUID, Kind::kInterfaceParticles, check_.particles(duration_, particles));
+  return particles;
 }
 
 template <int D>
@@ -60,7 +70,9 @@ std::vector<Vector<D>> RemoteParticipants<D>::respond(const SurfaceLoad<D>& load
   *message.mutable_surface_load() = to_wire<D>(load);
   message.mutable_surface_load()->set_trial(true);
   channel_.send(wire::STRUCTURE, std::move(message));
-  return from_wire<D>(channel_.receive(wire::STRUCTURE, {Kind::kSurfaceVelocity}).surface_velocity());
+  std::vector<Vector<D>> velocity = from_wire<D>(channel_.receive(wire::STRUCTURE, {Kind::kSurfaceVelocity}).surface_velocity());
+  require(wire::STRUCTURE, Kind::kSurfaceVelocity, check_.answer(load, velocity));
+  return velocity;
 }
 
 template <int D>
@@ -75,6 +87,7 @@ void RemoteParticipants<D>::apply(const SurfaceLoad<D>& load) {
   wire::Message message;
   *message.mutable_surface_load() = to_wire<D>(load);
   channel_.send(wire::STRUCTURE, std::move(message));
+  check_.apply(load);
 }
 
 template <int D>

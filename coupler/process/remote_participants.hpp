@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "coupler/participants.hpp"
+#include "coupler/stability/surface_check.hpp"
 #include "proto/transport/channel.hpp"
 
 namespace tern::coupler {
@@ -16,10 +17,11 @@ class RemoteParticipants final : public Participants<D> {
   /// `at_begin` gets the structure's account of the begin of each window, before anything of the window is computed, and answers with
   /// the energies of both sides.
   using AtBegin = std::function<std::optional<Energies>(const wire::Account&)>;
-  RemoteParticipants(proto::CouplerChannel& channel, AtBegin at_begin) : channel_(channel), at_begin_(std::move(at_begin)) {}
+  RemoteParticipants(proto::CouplerChannel& channel, SurfaceCheck<D> check, AtBegin at_begin)
+      : channel_(channel), check_(std::move(check)), at_begin_(std::move(at_begin)) {}
 
   void begin_window(Ticks begin, Ticks duration) override;
-  Surface<D> predict_surface(Ticks, Ticks) override;
+  Surface<D> predict_surface(Ticks begin, Ticks duration) override;
   std::optional<Energies> energies() const override { return energies_; }
   std::optional<FluidExtent<D>> extent() const override;
   void pass_window() override;
@@ -39,7 +41,11 @@ class RemoteParticipants final : public Participants<D> {
   wire::Account finish(bool interrupted);
 
  private:
+  void require(wire::Role from, proto::Kind kind, const std::string& fault) const;
+
   proto::CouplerChannel& channel_;
+  SurfaceCheck<D> check_;
+  Ticks duration_ = 0;
   AtBegin at_begin_;
   std::optional<Energies> energies_;
   wire::WindowDone window_done_;

@@ -130,7 +130,7 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
     accounts.record(now, fluid_account, structure_account, coupler);
     return accounts.energies(now, fluid_account, structure_account, coupler.setup().fluid_weight.pressure > 0);
   };
-  RemoteParticipants<D> participants(channel, record);
+  RemoteParticipants<D> participants(channel, SurfaceCheck<D>(scene, properties, !manifest), record);
   const auto save = [&] {
     ScopedTimer timer(output_s);
     const std::uint64_t sent = channel.bytes_sent(), received = channel.bytes_received();

@@ -109,6 +109,9 @@ class CouplerChannel {
   /// leave.
   wire::Message receive(wire::Role from, std::initializer_list<Kind> expected);
 
+  /// Throws the error of a message of `from` that was accepted, and turns out to have this fault.
+  [[noreturn]] void reject(wire::Role from, Kind kind, const std::string& fault) const;
+
   void set_step(std::uint64_t step, double time_s);
 
   /// Sends Abort to every participant that is still there, except the one whose Abort is being passed on.

@@ -328,6 +328,10 @@ wire::Message CouplerChannel::receive(wire::Role from, std::initializer_list<Kin
   }
 }
 
+void CouplerChannel::reject(wire::Role from, Kind kind, const std::string& fault) const {
+  throw bad_message(fmt::format("The {} process", name(from)), with_article(kind), state_->place, fault);
+}
+
 void CouplerChannel::set_step(std::uint64_t step, double time_s) { state_->place = {step, time_s}; }
 
 void CouplerChannel::abort(const Error& error) noexcept { state_->abort(error); }
