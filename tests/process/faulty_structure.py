@@ -19,14 +19,14 @@ ROOT = Path(__file__).resolve().parents[2]
 FAULT, CASE = sys.argv[1:3]
 ENDPOINT = sys.argv[sys.argv.index("--endpoint") + 1]
 POINTS, MASS, STIFFNESS = 4, 20.0, 1e4  # kg/m^2, Pa/m
-AREA = 0.01
+AREA, PLACE = 0.015, 0.09  # of a point, and where the right face of the plate is [m]
 
 
 class Face:
     """Position and velocity along x of the face, and the load of the window [N/m]."""
 
     def __init__(self):
-        self.x = self.v = self.load = 0.0
+        self.x = self.v = self.load = self.work = 0.0
         self.before = (0.0, 0.0)
         self.duration = 0.0
 
@@ -44,7 +44,8 @@ class Face:
         velocity = [self.v, 0.0] * POINTS
         if FAULT == "not finite" and self.duration:
             velocity[3] = float("nan")
-        position = [value for k in range(POINTS) for value in (0.1 + self.x, AREA * (k + 0.5))]
+        x = PLACE + (self.before[0] + self.x) / 2  # halfway through the window
+        position = [value for k in range(POINTS) for value in (x, AREA * (k + 0.5))]
         return wire.Surface(position=position[:-1] if FAULT == "short" else position, velocity=velocity, normal=normal,
                             area=[AREA] * POINTS, account=account)
 
@@ -54,9 +55,12 @@ def main():
                                       stdout=subprocess.PIPE).stdout)
     wanted = scene["account"]["structure"]
     gauges = len(wanted["gauge"])
-    account = wire.Account(energy=[0.0] * (len(wanted["energy"]) - (FAULT == "account")), gauge=[0.0] * gauges,
-                           undefined=[False] * gauges)
     face = Face()
+
+    def account():
+        energy = [0.0, 0.0, 0.0, 0.0, 0.0, face.work][FAULT == "account":]
+        return wire.Account(energy=energy, gauge=[face.x] + [0.0] * (gauges - 1), undefined=[False] * gauges)
+
     with Participant(ENDPOINT, wire.STRUCTURE) as channel:
         def interrupted(*_):
             if FAULT != "silent interrupt":
@@ -64,7 +68,7 @@ def main():
             sys.exit(130)
 
         signal.signal(signal.SIGINT, interrupted)
-        hello = wire.Hello(case_hash=scene["hash"] if FAULT != "hash" else "0", dimension=2, version="faulty", account=account)
+        hello = wire.Hello(case_hash=scene["hash"] if FAULT != "hash" else "0", dimension=2, version="faulty", account=account())
         hello.surface.body.extend([0] * POINTS)
         for field in ("section_mass", "impedance", "least_mass"):
             getattr(hello.surface, field).extend([MASS] * POINTS)
@@ -75,10 +79,11 @@ def main():
                 break
             face.before = (face.x, face.v)
             face.duration = message.begin_window.duration_ticks / (1 << 32)
+            at_begin = account()
             face.trial()
             if FAULT == "sequence":
                 channel._sent += 3
-            channel.send(surface=face.surface(account))
+            channel.send(surface=face.surface(at_begin))
             while True:
                 load = channel.receive("surface_load").surface_load
                 face.load = sum(load.force[0::2])
@@ -86,11 +91,12 @@ def main():
                 if not load.trial:
                     break
                 channel.send(surface_velocity=wire.SurfaceVelocity(velocity=[face.v, 0.0] * POINTS))
+            face.work += face.load * (face.x - face.before[0])
             if FAULT == "talks":
                 channel.send(surface_velocity=wire.SurfaceVelocity(velocity=[face.v, 0.0] * POINTS))
         if FAULT == "stays":
             time.sleep(30)
-        channel.send(finished=wire.Finished(account=account))
+        channel.send(finished=wire.Finished(account=account()))
     if message.finish.interrupted and FAULT != "always content":
         sys.exit(130)
 

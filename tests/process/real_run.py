@@ -20,7 +20,7 @@ def build_directory():
     directory = Path(os.environ.get("TERN_BUILD", ROOT / "build" / "release"))
     if not all(os.access(directory / f"tern-{role}", os.X_OK) for role in (*ROLES, "case")):
         raise unittest.SkipTest(f"{directory} holds no finished build")
-    return directory
+    return directory.resolve()
 
 
 def without_waits(errors):
