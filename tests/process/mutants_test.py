@@ -66,7 +66,7 @@ class ConformTest(unittest.TestCase):
 class RunTest(RealRunTest):
     """What the coupler of a run sees by itself."""
 
-    # Seen to fail: without the check of the first surface, without that of the motion.
+    # Seen to fail: with a coupler that does not check.
     def test_the_coupler_stops_the_run_and_names_the_structure(self):
         at_start, later = r"at step 1, t = 0 s: ", r"at step \d+, t = [\d.]+ s: position and velocity of point \d+ do not belong together"
         for mutant, sentence in {"shifted by 5 cm": at_start + r"position\[0\] = .* is 0.03 m outside the shape of the body 'plate'",
@@ -80,7 +80,7 @@ class RunTest(RealRunTest):
                 self.assertEqual(process.returncode, 4, errors)
                 self.assertRegex(errors, "The structure process sent a Surface that cannot be used " + sentence)
 
-    # Seen to fail: with a tolerance of 0 in coupler/stability/surface_motion.cpp.
+    # Seen to fail: with the mutant "permuted".
     def test_without_a_mutation_the_run_ends(self):
         process = self.start("--structure", f"/usr/bin/python3 {MUTANT} --mutant none", "--until", "0.1", "--quiet",
                              case=ROOT / "cases" / "conformance")
