@@ -38,7 +38,7 @@ struct SurfacePoint {
 template <int D>
 class Sampler {
  public:
-  Sampler(const Shape& shape, double spacing) : shape_(shape), spacing_(spacing) {
+  Sampler(const Shape& shape, double spacing) : shape_(shape), spacing_(spacing), bounds_(bounding_box<D>(shape)) {
     collect(shape, 1.0, leaves_);
     for (current_ = 0; current_ < leaves_.size(); ++current_) sample(*leaves_[current_].shape);
   }
@@ -72,7 +72,8 @@ class Sampler {
 
   // 2D: finds where the edge enters and leaves the final boundary by bisection and divides each remaining stretch
   // evenly.
-  void add_curve(const Curve& raw, double length, long pieces_if_whole) {
+  // Of a curve that lies outside of the shape's box before `low` and after `high` only what is between is looked at.
+  void add_curve(const Curve& raw, double length, long pieces_if_whole, double low = 0, double high = 1) {
     const double sign = leaves_[current_].sign;
     const Curve curve = [&](double s) {
       SurfacePoint<D> p = raw(s);
@@ -90,8 +91,10 @@ class Sampler {
       }
       return 0.5 * (a + b);
     };
-    double begin = kept(probe(0)) ? 0.0 : -1.0;
-    for (long i = 1; i <= probes; ++i) {
+    const auto nearest_probe = [&](double s) { return static_cast<long>(std::clamp(s, 0.0, 1.0) * static_cast<double>(probes)); };
+    const long first = std::max(0L, nearest_probe(low) - 2), last = std::min(probes, nearest_probe(high) + 2);
+    double begin = first == 0 && kept(probe(0)) ? 0.0 : -1.0;
+    for (long i = first + 1; i <= last; ++i) {
       const bool inside = i < probes && kept(probe(i));
       if (inside && begin < 0) {
         begin = crossing(probe(i - 1), probe(i));
@@ -175,7 +178,14 @@ class Sampler {
         p.normal[0] = turn * ey / length, p.normal[1] = -turn * ex / length;
         return p;
       };
-      add_curve(edge, length, count(length));
+      double low = 0, high = 1;  // where the edge is inside of the box around the whole shape
+      for (int d = 0; d < 2; ++d) {
+        const double along = b[d] - a[d];
+        if (along == 0) continue;
+        const double enters = (bounds_.min[d] - spacing_ - a[d]) / along, leaves = (bounds_.max[d] + spacing_ - a[d]) / along;
+        low = std::max(low, std::min(enters, leaves)), high = std::min(high, std::max(enters, leaves));
+      }
+      add_curve(edge, length, count(length), low, high);
     }
   }
 
@@ -185,9 +195,17 @@ class Sampler {
       const long n = count(leaf.max[e] - leaf.min[e]), m = count(leaf.max[f] - leaf.min[f]);
       const double de = (leaf.max[e] - leaf.min[e]) / static_cast<double>(n);
       const double df = (leaf.max[f] - leaf.min[f]) / static_cast<double>(m);
+      // Patches that can lie on the boundary: those inside of the box around the whole shape.
+      const auto range = [&](int c, double step, long pieces) {
+        const auto index = [&](double x) { return std::clamp(std::floor((x - leaf.min[c]) / step), 0.0, static_cast<double>(pieces)); };
+        return std::pair{static_cast<long>(index(bounds_.min[c] - spacing_)),
+                         std::min(pieces, static_cast<long>(index(bounds_.max[c] + spacing_)) + 1)};
+      };
+      const auto [first_i, last_i] = range(e, de, n);
+      const auto [first_j, last_j] = range(f, df, m);
       for (const bool upper : {false, true}) {
-        for (long j = 0; j < m; ++j) {
-          for (long i = 0; i < n; ++i) {
+        for (long j = first_j; j < last_j; ++j) {
+          for (long i = first_i; i < last_i; ++i) {
             const Patch patch = [&](double u, double v) {
               SurfacePoint<D> p;
               p.normal.setZero();
@@ -243,6 +261,7 @@ class Sampler {
 
   const Shape& shape_;
   double spacing_;
+  Bounds<D> bounds_;
   std::vector<Leaf> leaves_;
   std::size_t current_ = 0;
 };
