@@ -102,10 +102,14 @@ class PlacementCheck {
     const auto error = [&](double count, double dx) { return count * std::pow(dx, D) / whole - 1; };
     const double now = error(static_cast<double>(particles), spacing);
     if (std::abs(now) <= said_mass_error) return;
-    double fits = spacing;  // the largest one below that brings the error down
-    constexpr double finer = 0.98;
+    double fits = spacing;                            // the largest one below that brings the error down
+    constexpr double finer = 0.98, most_looks = 1e8;  // a second of search; no hint is worth more
+    const Bounds<D> bounds = bounding_box<D>(shape);
+    double looks = 0;
     while (fits > 0.25 * spacing) {
       fits *= finer;
+      looks += ((bounds.max - bounds.min) / fits).prod() * count_sides(shape);
+      if (looks > most_looks) break;
       const double rounded = std::stod(fmt::format("{:.3g}", fits));
       if (std::abs(error(static_cast<double>(lattice(shape, rounded).size()), rounded)) > 0.5 * said_mass_error) continue;
       fits = rounded;

@@ -17,6 +17,8 @@ void check_scene(Case& scene, const Setting& settings);
 /// Throws BadInput where the case would hold more particles or patches than a computer can; allocates nothing.
 void check_sizes(const Case& scene, const Setting& settings);
 
+/// Primitives of a shape and sides of its polygons: what is looked at to tell whether a point is inside.
+double count_sides(const Shape& shape);
 /// Length of the patches of a wall over the spacing of the fluid (fluid/boundary/walls.cpp).
 inline constexpr double wall_patch_share = 0.5;
 /// Patches of all walls, also of faces that are left out later.

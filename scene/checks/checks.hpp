@@ -20,7 +20,7 @@ double count_patches(const Shape& shape, double spacing);
 /// Particles and patches are few enough for a computer; nothing is made of the shapes before.
 template <int D>
 void check_sizes(const Case& scene, const Setting& settings);
-/// Boxes of fluid that reach out of the container or the domain by more than a spacing are told before they are filled.
+/// Bodies of fluid that reach out of the container or the domain by more than a spacing are told before they are filled.
 template <int D>
 void check_fluid_boxes(const Case& scene, const Setting& settings);
 /// Frames and rows are few enough.

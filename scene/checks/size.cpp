@@ -20,6 +20,9 @@ constexpr double most_particles = 5e7, most_patches = 5e7;
 // also cut the steps: nobody needs frames or rows that often, a run of as many steps takes weeks.
 constexpr double most_frames = 1e6, most_rows = 1e8;
 
+// To fill a shape each of its sides is looked at from each cell of the box around it, in some 5 ns.
+constexpr double most_looks = 1e9;
+
 /// Patches of a primitive of the shape tree.
 template <int D>
 double patches_of_primitive(const Shape& shape, double spacing) {
@@ -46,6 +49,12 @@ double patches_of_primitive(const Shape& shape, double spacing) {
 std::string most_text(double most) { return fmt::format("{:.0e}", most); }
 
 }  // namespace
+
+double count_sides(const Shape& shape) {
+  double count = shape.kind == Shape::Kind::polygon ? static_cast<double>(shape.vertices.size()) : 1;
+  for (const Shape& part : shape.parts) count += count_sides(part);
+  return count;
+}
 
 template <int D>
 double count_patches(const Shape& shape, double spacing) {
@@ -82,6 +91,12 @@ void check_body(const Shape& shape, double spacing, double patch, const std::str
     fail_at(where, fmt::format("the spacing {} m would make up to {:.3g} particles of a body of {}, but at most {} are allowed; use a "
                                "larger spacing, or a smaller shape.",
                                spacing, cells, measures<D>(shape), most_text(most_particles)));
+  }
+  if (const double sides = count_sides(shape); shape.kind != Shape::Kind::box && cells * sides > most_looks) {
+    fail_at(where,
+            fmt::format("to fill the shape, which measures {}, each of its {} sides would be looked at from {:.3g} cells of {} m, but "
+                        "at most {} looks are allowed; correct a corner that is far off, use fewer corners or a larger spacing.",
+                        measures<D>(shape), sides, cells, spacing, most_text(most_looks)));
   }
   const double patches = count_patches<D>(shape, patch);
   if (patches > most_patches) {
@@ -126,14 +141,15 @@ void check_fluid_boxes(const Case& scene, const Setting& settings) {
   const double slack = scene.fluid->spacing;
   for (std::size_t i = 0; i < scene.fluid->bodies.size(); ++i) {
     const Shape& shape = scene.fluid->bodies[i].shape;
-    if (shape.kind != Shape::Kind::box) continue;
+    if (!shape.parts.empty()) continue;  // the box around what is cut out of something need not be reached
+    const Bounds<D> box = bounding_box<D>(shape);
     const auto check = [&](int d, double low, double high, const char* of_what, const char* remedy) {
-      if (shape.min[d] >= low - slack && shape.max[d] <= high + slack) return;
+      if (box.min[d] >= low - slack && box.max[d] <= high + slack) return;
       fail_at(
           settings.at("fluid").at("body").items[i].where,
           fmt::format(
               "fluid body {} reaches out of {}: from {:.6g} to {:.6g} m in direction {}, where there is room from {:.6g} to {:.6g} m; {}.",
-              i + 1, of_what, shape.min[d], shape.max[d], "xyz"[d], low, high, remedy));
+              i + 1, of_what, box.min[d], box.max[d], "xyz"[d], low, high, remedy));
     };
     for (int d = 0; d < D; ++d) {
       if (container) {

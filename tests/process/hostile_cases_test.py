@@ -161,6 +161,18 @@ class HostileCases(unittest.TestCase):
         ball = '[[wall]]\nname = "hall"\nobstacle = { ball = { center = [0, 0, -1e6], radius = 9e5 } }\n[fluid]'
         self.expect_refused(self.changed("dam_break_3d", "[fluid]", ball), "the wall 'hall'", "at most 5e+07")
 
+    # Seen to fail: without a limit, with no answer in 10 s.
+    def test_the_sides_of_a_polygon_are_counted(self):
+        self.expect_refused(self.changed("standing_wave", "0.984357", "9843.57"), "case.toml:", "sides", "at most 1e+09 looks")
+        self.expect_refused(self.changed("standing_wave", "0.984357", "984.357"), "case.toml:", "reaches out of")
+        corners = ", ".join(f"[{x}, {x * x}]" for x in range(30000))
+        self.expect_refused(self.changed("standing_wave", "vertices = [", f"vertices = [{corners}, "), "at most 10000")
+
+    # Seen to fail: with all of a primitive sampled, however little of it the shape has: no answer in 10 s.
+    def test_what_is_cut_out_may_reach_far(self):
+        text = self.changed("floating_block", "max = [0.6, 0.5] }", "max = [1e5, 0.5] }")
+        self.assertEqual(self.judge(text), "")
+
     # Seen to fail: without check_output(), with 1e12 steps expected.
     def test_frames_and_rows_are_counted(self):
         self.expect_refused(self.changed("dam_break_plate", "frame_interval = 0.02", "frame_interval = 1e-12"),
