@@ -108,6 +108,32 @@ void check_body(const Shape& shape, double spacing, double patch, const std::str
 
 }  // namespace
 
+namespace {
+
+// A body whose far end lies outside the container, where no clamp reaches it, is told before it is filled.
+template <int D>
+void check_far_end(const Case& scene, const StructureBody& body, const std::string& where) {
+  const std::optional<Shape> container = fluid_region(scene);
+  if (!container || !body.shape.parts.empty()) return;
+  const Bounds<D> box = bounding_box<D>(body.shape), room = bounding_box<D>(*container);
+  for (int d = 0; d < D; ++d) {
+    bool low = box.min[d]<room.min[d] - 2 * body.spacing, high = box.max[d]> room.max[d] + 2 * body.spacing;
+    for (const Shape& clamp : body.clamps) {
+      const Bounds<D> held = bounding_box<D>(clamp);
+      low &= held.min[d] > box.min[d] + 2 * body.spacing;
+      high &= held.max[d] < box.max[d] - 2 * body.spacing;
+    }
+    if (!low && !high) continue;
+    fail_at(where,
+            fmt::format("the elastic body '{0}' stands outside the container: from {1:.6g} to {2:.6g} m in direction {3}, where there "
+                        "is room from {4:.6g} to {5:.6g} m; move it inside (structure.body.{0}.shape), or clamp what is outside "
+                        "(structure.body.{0}.clamp).",
+                        body.name, box.min[d], box.max[d], "xyz"[d], room.min[d], room.max[d]));
+  }
+}
+
+}  // namespace
+
 template <int D>
 void check_sizes(const Case& scene, const Setting& settings) {
   if (scene.fluid) {
@@ -130,7 +156,9 @@ void check_sizes(const Case& scene, const Setting& settings) {
   if (!scene.structure) return;
   for (std::size_t i = 0; i < scene.structure->bodies.size(); ++i) {
     const StructureBody& body = scene.structure->bodies[i];
-    check_body<D>(body.shape, body.spacing, patch_length(body.spacing, scene.fluid), settings.at("structure").at("body").items[i].where);
+    const std::string& where = settings.at("structure").at("body").items[i].where;
+    check_body<D>(body.shape, body.spacing, patch_length(body.spacing, scene.fluid), where);
+    check_far_end<D>(scene, body, where);
   }
 }
 

@@ -37,7 +37,8 @@ std::vector<Parameter> keys_of_kinds() {
       auto known = std::find_if(all.begin(), all.end(), [&](const Parameter& p) { return p.key == key.key; });
       if (known == all.end()) {
         const std::string unit = key.type == ParameterType::point ? "m" : key.unit;
-        known = all.insert(all.end(), {"gauge", key.key, key.type, unit, absent, key.type == ParameterType::point ? a_place : key.range, {}, ""});
+        const Range range = key.type == ParameterType::point ? a_place : key.range;
+        known = all.insert(all.end(), {"gauge", key.key, key.type, unit, absent, range, {}, ""});
         meanings.emplace_back();
       }
       auto& of_key = meanings[static_cast<std::size_t>(known - all.begin())];

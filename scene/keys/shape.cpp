@@ -70,8 +70,9 @@ void read_polygon(Shape& shape, const Setting& table) {
   fill(shape, polygon_rows(), table);
   constexpr std::size_t most_corners = 10000;  // each side is held against each other one
   if (shape.vertices.size() > most_corners) {
-    throw BadInput(fmt::format("{}: the polygon has {} corners, but at most {} are allowed; leave out those that lie nearer than a spacing.",
-                               table.where, shape.vertices.size(), most_corners));
+    throw BadInput(
+        fmt::format("{}: the polygon has {} corners, but at most {} are allowed; leave out those that lie nearer than a spacing.",
+                    table.where, shape.vertices.size(), most_corners));
   }
   double twice_area = 0;
   for (std::size_t i = 0, j = shape.vertices.size() - 1; i < shape.vertices.size(); j = i++) {

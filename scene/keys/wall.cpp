@@ -34,7 +34,8 @@ const Rows<WallCase>& wall_rows() {
       {"motion_file", motion_file<WallCase>(), "", absent, any,
        "In place of both: a CSV file, its path relative to the case file, with a header of t_s and some of x_m, y_m, z_m, angle_rad and "
        "the first row 0 at t = 0; splines between its rows, the last row is held."},
-      {"pivot", of_motion<WallCase>(&RigidMotion::pivot), "m", absent, a_place, "Point about which a wall with a rotation turns, at t = 0."},
+      {"pivot", of_motion<WallCase>(&RigidMotion::pivot), "m", absent, a_place,
+       "Point about which a wall with a rotation turns, at t = 0."},
       {"axis", of_motion<WallCase>(&RigidMotion::axis), "", absent, a_place, "Direction of the axis of a rotation; 3D only."},
       {"slip", &WallCase::slip, "", "false", any,
        "A wall without friction although the fluid has a viscosity; without viscosity every wall is one."},
