@@ -2,7 +2,7 @@
 
 import json
 
-OF_THE_CLOCK = ("process_id", "wall_s", "cpu_s", "timing_s", "started", "resumed", "cause_time")
+OF_THE_CLOCK = ("process_id", "launcher", "wall_s", "cpu_s", "timing_s", "started", "resumed", "cause_time")
 OF_THE_START = ("launch", "overrides", "options", "case_hash", "end_time_s", "settings", "threads")  # --until and --set may be others
 
 
