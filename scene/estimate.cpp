@@ -198,7 +198,8 @@ Estimate estimate_in(const Case& scene, const Costs& costs) {
   result.coupler_cpu = scene.fluid && scene.structure ? costs.window * result.steps : 0;
   result.fluid_cpu = costs.fluid * (D == 3 ? 3 : 1) * particles * result.steps * solves;
   result.structure_cpu = costs.structure * (D == 3 ? 14 : 1) * structure_particles * result.steps * paid_sub_steps * passes;
-  const double process = 30e6, memory_of_wall_patch = 250;
+  const double process = 30e6;
+  constexpr double memory_of_wall_patch = 250;  // reckoned from its fields, as a sampled point and as a face [bytes]
   result.memory = (scene.fluid ? process : 0) + (scene.structure ? process : 0) + (scene.fluid && scene.structure ? process : 0) +
                   particles * (D == 3 ? 6000 : 2000) + count_wall_patches<D>(scene) * memory_of_wall_patch +
                   structure_particles * (D == 3 ? 4000 : 1000);

@@ -132,6 +132,7 @@ class HostileCases(unittest.TestCase):
         assert old in text, (name, old)
         return text.replace(old, new, 1)
 
+    # Seen to fail: with any of the limits below left out, in some hundreds of mutants.
     def test_mutants_of_all_cases(self):
         seed = int(os.environ.get("TERN_SEED", random.randrange(1 << 31)))
         print(f"seed {seed}, {MUTANTS} mutants", flush=True)
