@@ -26,8 +26,9 @@ ALLOWED = {
     "api": EVERYTHING,
     "": EVERYTHING,          # tern/__init__.py
     "__main__": {"command_line"},
+    "start": {"command_line"},
 }
-PLAIN = {"errors", "paths", "expression", "results", "launch", "verify", "api", "command_line", "__main__", ""}
+PLAIN = {"errors", "paths", "expression", "results", "launch", "verify", "api", "command_line", "__main__", "start", ""}
 
 
 def name_of(path):
