@@ -41,9 +41,10 @@ void install_interrupt_handler() {
     sigaction(signal, &action, nullptr);
   }
   struct sigaction ignore = {};
-  ignore.sa_handler = SIG_IGN;  // a closed pipe or socket is an error of the write, not the death of the process
+  // A closed pipe or socket, and a file that reaches the limit of `ulimit -f`, is an error of the write, not the death of the process.
+  ignore.sa_handler = SIG_IGN;
   sigemptyset(&ignore.sa_mask);
-  sigaction(SIGPIPE, &ignore, nullptr);
+  for (const int number : {SIGPIPE, SIGXFSZ}) sigaction(number, &ignore, nullptr);
 }
 
 void end_with_launcher() {

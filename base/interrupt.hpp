@@ -3,7 +3,7 @@
 
 namespace tern {
 
-/// Catches SIGINT, SIGTERM and SIGHUP (unless ignored by the parent, as under nohup) as a flag, and ignores SIGPIPE.
+/// Catches SIGINT, SIGTERM and SIGHUP (unless ignored by the parent, as under nohup) as a flag, and ignores SIGPIPE and SIGXFSZ.
 /// System calls that wait return with EINTR.
 void install_interrupt_handler();
 

@@ -97,15 +97,17 @@ void CheckpointStore::clear() const {
   fs::remove(temporary(), ignored);
 }
 
-void CheckpointStore::begin() const {
+std::string CheckpointStore::save(std::uint64_t step, const StateWriter& state) const {
   std::error_code error;
   fs::create_directories(directory_, error);
   if (error) throw InputOutputError(fmt::format("Cannot create {}: {}.", directory_, error.message()));
-}
-
-std::string CheckpointStore::finish(std::uint64_t step) const {
+  try {
+    state.to_file(temporary());
+  } catch (...) {
+    fs::remove(temporary(), error);
+    throw;
+  }
   const std::string hash = hash_of_file(temporary());
-  std::error_code error;
   fs::rename(temporary(), path(step), error);
   if (error || hash.empty())
     throw InputOutputError(fmt::format("Cannot write {}: {}; free space or choose another --out.", path(step), error.message()));

@@ -7,8 +7,13 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+#include "base/log.hpp"
 #include "base/timing.hpp"
 #include "run/state_file.hpp"
 #include "scene/case_file.hpp"
@@ -40,18 +45,9 @@ class CheckpointStore {
   /// Removes what this role has left, and all manifests: a run begins anew.
   void clear() const;
 
-  /// Writes the file of this step: write(StateWriter&) puts the members in. Atomic; the files of older steps but the one before are
-  /// removed. Returns its hash. Throws InputOutputError.
-  template <class Write>
-  std::string save(std::uint64_t step, Write&& write) const {
-    begin();
-    {
-      StateWriter file(temporary());
-      write(file);
-      file.close();
-    }
-    return finish(step);
-  }
+  /// Writes the file of this step. Atomic; the files of older steps but the one before are removed. Returns its hash. Throws
+  /// InputOutputError.
+  std::string save(std::uint64_t step, const StateWriter& state) const;
 
   /// read(StateReader&) takes the members out of the file of this step. Throws BadInput, InputOutputError.
   template <class Read>
@@ -75,11 +71,59 @@ class CheckpointStore {
  private:
   std::string path(std::uint64_t step) const;
   std::string temporary() const;
-  void begin() const;
-  std::string finish(std::uint64_t step) const;
 
   std::string directory_, role_, case_hash_;
 };
+
+/// The state at the end of every tenth window, in memory, the last two: from what a checkpoint can still be made when a later window has
+/// failed. Every tenth, because that costs less than a hundredth of a run of small windows. Two, because a participant may be one window
+/// ahead of another.
+class KeptStates {
+ public:
+  static bool due(std::uint64_t step) { return step % 10 == 0; }
+
+  /// Takes the place of the older one: write(StateWriter&) puts the members in.
+  template <class Write>
+  void keep(std::uint64_t step, double time_s, Write&& write) {
+    std::swap(newest_, older_);
+    newest_.step = step;
+    newest_.time_s = time_s;
+    newest_.state.clear();
+    write(newest_.state);
+  }
+  struct Kept {
+    std::uint64_t step = 0;  ///< 0: none
+    double time_s = 0;
+    StateWriter state;
+  };
+  const Kept& newest() const { return newest_; }
+  /// Null when this step is not among them.
+  const Kept* of(std::uint64_t step) const {
+    for (const Kept* kept : {&newest_, &older_})
+      if (step > 0 && kept->step == step) return kept;
+    return nullptr;
+  }
+
+ private:
+  Kept newest_, older_;
+};
+
+/// Whether the state before such a failure is worth a checkpoint: not after a lost peer, without which no set is whole, nor where the
+/// peer or the input cannot be trusted.
+inline bool state_was_sound(const Error& error) {
+  return error.code() == ExitCode::numerical_failure || error.code() == ExitCode::input_output;
+}
+
+/// Has a checkpoint of the state before a failure written; that this fails as well, for example on a full disk, changes nothing: the
+/// older set stays.
+template <class Save>
+void keep_after_failure(Save&& save) noexcept {
+  try {
+    save();
+  } catch (const std::exception& error) {
+    log_info(fmt::format("no checkpoint of the state before the failure: {}", error.what()));
+  }
+}
 
 /// When the next checkpoint is due, by the clock.
 class CheckpointClock {

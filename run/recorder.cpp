@@ -53,6 +53,12 @@ void Recorder::flush() {
   steps_.flush();
 }
 
+void Recorder::sync() {
+  gauges_.sync();
+  energy_.sync();
+  steps_.sync();
+}
+
 void Recorder::go_back(const Mark& mark) {
   gauges_.go_back(mark.gauges);
   energy_.go_back(mark.energy);

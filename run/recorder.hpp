@@ -62,8 +62,9 @@ class Recorder {
       visit("rows", all.rows...);
     }
   };
-  /// Throws InputOutputError, as go_back() does.
-  Mark mark() { return {gauges_.mark(), energy_.mark(), steps_.mark(), rows_}; }
+  Mark mark() const { return {gauges_.length(), energy_.length(), steps_.length(), rows_}; }
+  /// Brings everything up to here to the disk. Throws InputOutputError, as go_back() does.
+  void sync();
   void go_back(const Mark& mark);
 
  private:

@@ -27,7 +27,7 @@ struct SoloStep {
 ///   void save(StateWriter&) const;                  all from which it goes on
 ///   void restore(StateReader&);
 ///
-/// Throws Interrupted, with all results written, and what the solver throws.
+/// Throws Interrupted, with all results written, and what the solver throws. After a failure the state before it is kept.
 template <class Side, class Solver>
 void run_alone(const CommandLine& command, const Case& scene, RunReport& report, Side side, std::vector<std::string> gauge_columns,
                std::vector<std::string> energy_columns, Solver& solver) {
@@ -47,16 +47,26 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report,
     output.report();
     report.update();
   };
-  const auto save = [&] {
+  KeptStates kept;
+  const auto keep = [&](KeptStates& states) {
     ScopedTimer timer(output_s);
-    const auto step = static_cast<std::uint64_t>(output.windows());
-    const std::string hash = checkpoints.save(step, [&](StateWriter& file) {
-      solver.save(file);
-      output.save(file);
-      file("recorder", recorder.mark());
+    states.keep(static_cast<std::uint64_t>(output.windows()), seconds(output.time()), [&](StateWriter& state) {
+      solver.save(state);
+      output.save(state);
+      state("recorder", recorder.mark());
     });
-    checkpoints.write_manifest({step, seconds(output.time()), {}, {}, {{Side::role, hash}}});
+  };
+  const auto write_checkpoint = [&](const KeptStates::Kept& own) {
+    ScopedTimer timer(output_s);
+    recorder.sync();
+    const std::string hash = checkpoints.save(own.step, own.state);
+    checkpoints.write_manifest({own.step, own.time_s, {}, {}, {{Side::role, hash}}});
     clock.saved();
+  };
+  const auto save = [&] {
+    KeptStates present;
+    keep(present);
+    write_checkpoint(present.newest());
   };
   if (command.resume) {
     const Manifest manifest = checkpoints.choose({{Side::role, checkpoints.files()}});
@@ -72,16 +82,25 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report,
     checkpoints.clear();
     write(true);
   }
-  for (Ticks now = output.time(); now < end;) {
+  const auto advance = [&](Ticks now, Ticks target) {
     const Stopwatch watch;
-    const Ticks target = frames.next(now);
     const SoloStep step = solver.advance(now, target);
     now += step.duration;
     output.count_window();
     recorder.step(now, step.duration, step.limit, step.iterations, watch.seconds());
     progress.step(seconds(now), output.windows(), seconds(step.duration), step.limit, step.iterations);
-    const bool stopping = interrupted();
     write(now == target);
+    if (clock.on() && KeptStates::due(static_cast<std::uint64_t>(output.windows()))) keep(kept);
+    return now;
+  };
+  for (Ticks now = output.time(); now < end;) {
+    try {
+      now = advance(now, frames.next(now));
+    } catch (const Error& error) {
+      if (state_was_sound(error) && kept.newest().step > 0) keep_after_failure([&] { write_checkpoint(kept.newest()); });
+      throw;
+    }
+    const bool stopping = interrupted();
     if (clock.due() || (clock.on() && (stopping || now >= end))) save();
     if (stopping) write(true);
     if (stopping) progress.finish("interrupted");

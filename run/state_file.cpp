@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+
 #include "base/error.hpp"
 #include "run/hdf5_file.hpp"
 
@@ -22,30 +24,35 @@ hid_t memory_type(StoredAs type) {
   return H5T_NATIVE_DOUBLE;
 }
 
-}  // namespace
-
-struct StateWriter::File {
-  explicit File(const std::string& name) : path(name), hdf5(name, Hdf5File::Mode::create_compact), root(hdf5.root()) {}
-  std::string path;
-  Hdf5File hdf5;
-  Hdf5Handle root;
-};
-
-StateWriter::StateWriter(const std::string& path) : file_(std::make_unique<File>(path)) {}
-StateWriter::~StateWriter() = default;
-
-void StateWriter::write(const std::string& name, StoredAs type, const void* values, std::size_t rows, std::size_t columns) {
-  file_->hdf5.write_dataset(file_->root, name, "", memory_type(type), values, rows, columns);
+std::size_t size_of(StoredAs type) {
+  switch (type) {
+    case StoredAs::unsigned8: return 1;
+    case StoredAs::signed32:
+    case StoredAs::unsigned32: return 4;
+    default: return 8;
+  }
 }
 
-void StateWriter::close() {
-  file_->root.close();
-  file_->hdf5.close();
+}  // namespace
+
+void StateWriter::write(const std::string& name, StoredAs type, const void* values, std::size_t rows, std::size_t columns) {
+  entries_.push_back({name, type, rows, columns, bytes_.size()});
+  const auto* begin = static_cast<const std::byte*>(values);
+  bytes_.insert(bytes_.end(), begin, begin + rows * std::max<std::size_t>(columns, 1) * size_of(type));
+}
+
+void StateWriter::to_file(const std::string& path) const {
+  Hdf5File file(path, Hdf5File::Mode::create_compact);
+  Hdf5Handle root = file.root();
+  for (const Entry& entry : entries_)
+    file.write_dataset(root, entry.name, "", memory_type(entry.type), bytes_.data() + entry.begin, entry.rows, entry.columns);
+  root.close();
+  file.close();
   // A file that is renamed before its content has reached the disk could be empty after a power failure.
-  const int descriptor = ::open(file_->path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   const bool synced = descriptor >= 0 && ::fsync(descriptor) == 0;
   if (descriptor >= 0) ::close(descriptor);
-  if (!synced) throw InputOutputError(fmt::format("Cannot bring {} to the disk; free space or choose another --out.", file_->path));
+  if (!synced) throw InputOutputError(fmt::format("Cannot bring {} to the disk; free space or choose another --out.", path));
 }
 
 struct StateReader::File {

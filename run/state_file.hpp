@@ -4,14 +4,15 @@
 //   template <class Visit, class... Same>
 //   static void for_each_field(Visit&& visit, Same&... all) { visit("time", all.time...); ... }
 //
-//   StateWriter file(path);          file("fluid", state);           file.close();
-//   StateReader file(path);          file("fluid", state);
+//   StateWriter state;               state("fluid", fluid);          state.to_file(path);
+//   StateReader state(path);         state("fluid", fluid);
 //
 // HDF5: a group per class or container, a dataset per number, vector of numbers, or text, all bits kept. A container has its length as
 // "size" and its items as 0, 1, 2 ...
 
 #include <array>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -69,13 +70,14 @@ struct Numbers {
 template <class T>
 concept DynamicVector = std::same_as<T, Eigen::VectorXd>;
 
+/// Gathers a copy in memory, which to_file() writes.
 class StateWriter {
  public:
-  /// Creates the file. Throws InputOutputError.
-  explicit StateWriter(const std::string& path);
-  ~StateWriter();
-  StateWriter(const StateWriter&) = delete;
-  StateWriter& operator=(const StateWriter&) = delete;
+  /// Forgets what it has gathered, and keeps the memory.
+  void clear() {
+    entries_.clear();
+    bytes_.clear();
+  }
 
   template <class T>
   void operator()(const std::string& name, const T& value) {
@@ -103,9 +105,15 @@ class StateWriter {
   }
 
   /// Brings everything to the disk. Throws InputOutputError.
-  void close();
+  void to_file(const std::string& path) const;
 
  private:
+  struct Entry {
+    std::string name;
+    StoredAs type;
+    std::size_t rows, columns, begin;  ///< begin: in bytes_
+  };
+
   template <class Items>
   void write_items(const std::string& name, const Items& items) {
     using Item = typename Items::value_type;
@@ -120,8 +128,8 @@ class StateWriter {
   }
   void write(const std::string& name, StoredAs type, const void* values, std::size_t rows, std::size_t columns);
 
-  struct File;
-  std::unique_ptr<File> file_;
+  std::vector<Entry> entries_;
+  std::vector<std::byte> bytes_;
 };
 
 class StateReader {

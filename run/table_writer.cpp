@@ -99,21 +99,21 @@ void TableWriter::flush() {
       const off_t end = ::lseek(descriptor_, static_cast<off_t>(lines) - static_cast<off_t>(done), SEEK_CUR);
       if (end >= 0) (void)!::ftruncate(descriptor_, end);  // the file ends at a whole line
       pending_.erase(0, lines);                            // what reached the file is not written a second time
+      written_ += lines;
       throw InputOutputError(fmt::format("Cannot write {}: {}; free space or choose another --out.", path_, std::strerror(reason)));
     }
     done += static_cast<std::size_t>(written);
   }
+  written_ += pending_.size();
   pending_.clear();
   since_flush_.restart();
 }
 
-std::uint64_t TableWriter::mark() {
+void TableWriter::sync() {
   flush();
-  const off_t end = ::lseek(descriptor_, 0, SEEK_CUR);
-  if (end < 0 || ::fsync(descriptor_) != 0)
+  if (::fsync(descriptor_) != 0)
     throw InputOutputError(
         fmt::format("Cannot bring {} to the disk: {}; free space or choose another --out.", path_, std::strerror(errno)));
-  return static_cast<std::uint64_t>(end);
 }
 
 void TableWriter::go_back(std::uint64_t bytes) {
@@ -123,6 +123,7 @@ void TableWriter::go_back(std::uint64_t bytes) {
   if (::ftruncate(descriptor_, wanted) != 0 || ::lseek(descriptor_, wanted, SEEK_SET) != wanted)
     throw InputOutputError(fmt::format("Cannot cut {} back: {}.", path_, std::strerror(errno)));
   pending_.clear();
+  written_ = bytes;
 }
 
 void TableWriter::close() {

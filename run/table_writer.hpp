@@ -60,9 +60,11 @@ class TableWriter {
   void flush();
   void close();
 
-  /// Brings all rows to the disk; the length of the file then [bytes].
-  std::uint64_t mark();
-  /// Cuts the file back to a length that mark() has told. Throws InputOutputError when it has become shorter than that.
+  /// Length of the file when all rows have reached it [bytes].
+  std::uint64_t length() const { return written_ + pending_.size(); }
+  /// Brings all rows to the disk.
+  void sync();
+  /// Cuts the file back to a length() of before. Throws InputOutputError when it has become shorter than that.
   void go_back(std::uint64_t bytes);
 
   const std::vector<std::string>& columns() const { return columns_; }
@@ -71,6 +73,7 @@ class TableWriter {
   std::string path_;
   std::vector<std::string> columns_;
   std::string pending_;
+  std::uint64_t written_ = 0;  ///< [bytes]
   Stopwatch since_flush_;
   int descriptor_ = -1;
 };

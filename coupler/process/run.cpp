@@ -71,6 +71,9 @@ void report_evaluations(const Evaluations& evaluations, long gauges, RunReport& 
   report.set_count("windows_without_exchange", evaluations.windows_without_exchange);
 }
 
+/// For so long after a failure the coupler waits for the last checkpoints; the launcher ends what is left after 5 s [s].
+constexpr double longest_last_save_s = 4;
+
 using Hellos = std::map<wire::Role, wire::Hello>;
 
 /// Whether all participants keep checkpoints; the log is told of one that does not.
@@ -131,25 +134,42 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
     return accounts.energies(now, fluid_account, structure_account, coupler.setup().fluid_weight.pressure > 0);
   };
   RemoteParticipants<D> participants(channel, SurfaceCheck<D>(scene, properties, !manifest), record);
-  const auto save = [&] {
+  KeptStates kept;
+  const auto keep = [&](KeptStates& states) {
     ScopedTimer timer(output_s);
-    const std::uint64_t sent = channel.bytes_sent(), received = channel.bytes_received();
-    const auto step = static_cast<std::uint64_t>(totals.windows);
-    Manifest set{step, seconds(now), {}, {}, {}};
-    for (auto& [role, hash] : channel.save()) set.hash[proto::name(role)] = std::move(hash);
-    set.hash["coupler"] = checkpoints.save(step, [&](StateWriter& file) {
-      file("coupler", coupler.state());
-      file("control", control);
-      file("now", now);
-      file("window_done", done.SerializeAsString());
-      accounts.save(file);
-      file("traffic/sent", sent);
-      file("traffic/received", received);
-      file("record", channel.record_mark());
-      file("report", report.gathered());
+    states.keep(static_cast<std::uint64_t>(totals.windows), seconds(now), [&](StateWriter& state) {
+      state("coupler", coupler.state());
+      state("control", control);
+      state("now", now);
+      state("window_done", done.SerializeAsString());
+      accounts.save(state);
+      state("traffic/sent", channel.bytes_sent());
+      state("traffic/received", channel.bytes_received());
+      state("record", channel.record_mark());
+      state("report", report.gathered());
     });
+  };
+  /// Completes a set of which the participants have written theirs.
+  const auto save_own = [&](const KeptStates::Kept& own, const std::map<wire::Role, std::string>& hashes) {
+    Manifest set{own.step, own.time_s, {}, {}, {}};
+    for (const auto& [role, hash] : hashes) set.hash[proto::name(role)] = hash;
+    accounts.recorder().sync();
+    set.hash["coupler"] = checkpoints.save(own.step, own.state);
     checkpoints.write_manifest(std::move(set));
     clock.saved();
+  };
+  const auto save = [&] {
+    KeptStates present;
+    keep(present);
+    ScopedTimer timer(output_s);
+    save_own(present.newest(), channel.save());
+  };
+  /// After a failure: the state before it, if fluid and structure still have theirs.
+  const auto save_before_failure = [&](const Error& error) {
+    const KeptStates::Kept* own = kept.of(channel.kept_step(kept.newest().step));
+    if (!own) return;
+    const auto hashes = channel.abort_keeping(error, own->step, longest_last_save_s);
+    if (!hashes.empty()) save_own(*own, hashes);
   };
   const auto restore = [&] {
     checkpoints.load(manifest->step, [&](StateReader& file) {
@@ -196,7 +216,7 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
     checkpoints.clear();
     channel.welcome(static_cast<std::uint32_t>(properties.body.size()));
   }
-  while (now < end && !interrupted()) {
+  const auto advance = [&] {
     const Stopwatch watch;
     const Ticks target = schedule.next(now);
     if (longest_of_structure > 0 && longest_of_structure < proposed) {
@@ -217,11 +237,17 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
     proposed = done.proposed_step_s();
     limit = done.limit();
     report_now();
+    if (clock.on() && KeptStates::due(static_cast<std::uint64_t>(totals.windows))) keep(kept);
     if (clock.due() || (clock.on() && (interrupted() || now >= end))) save();
+  };
+  try {
+    while (now < end && !interrupted()) advance();
+    if (const auto energies = record(participants.finish(interrupted()))) coupler.watch(seconds(now), *energies);
+    accounts.recorder().flush();
+  } catch (const Error& error) {
+    if (state_was_sound(error)) keep_after_failure([&] { save_before_failure(error); });
+    throw;
   }
-
-  if (const auto energies = record(participants.finish(interrupted()))) coupler.watch(seconds(now), *energies);
-  accounts.recorder().flush();
   report_now();
   progress.finish(interrupted() ? "interrupted" : "done");
   if (interrupted()) throw Interrupted("The run was interrupted; results up to here are kept.");

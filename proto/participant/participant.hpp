@@ -9,6 +9,8 @@
 //   void finish();                              the run is over: write what is missing
 //   std::string save(std::uint64_t step);       optional: keep the state at the end of this window; tells it from any other
 //   void resume(const wire::Welcome&);          the same: go back to what save(resume_step) has kept
+//   void save_after_failure(std::uint64_t wanted) noexcept;      optional: the state at the end of this window (0: of the last one) as
+//                                               save() does, if it is still there, and channel.set_kept()
 // A structure:
 //   Surface<D> predict_surface(Ticks begin, Ticks duration);        the window under the load of the last one
 //   std::vector<Vector<D>> respond(const SurfaceLoad<D>&);          the window once more, under this load: velocities at its end
@@ -32,6 +34,7 @@
 #include "base/time.hpp"
 #include "proto/transport/channel.hpp"
 #include "proto/wire/convert.hpp"
+#include "run/checkpoint.hpp"
 #include "run/run_report.hpp"
 
 namespace tern::proto {
@@ -69,6 +72,19 @@ std::optional<Window> next_window(ParticipantChannel& channel, Solver& solver) {
   return std::nullopt;
 }
 
+/// `solver` keeps what it can before the coupler hears why this process ends.
+template <class Solver, class Part>
+void keeping_the_state(ParticipantChannel& channel, Solver& solver, Part&& part) {
+  try {
+    part();
+  } catch (const Error& error) {
+    if constexpr (requires { solver.save_after_failure(std::uint64_t{}); }) {
+      if (state_was_sound(error)) solver.save_after_failure(channel.wanted_step());
+    }
+    throw;
+  }
+}
+
 /// Does what a participant does, from making its solver to the end; the coupler is told when that fails.
 template <class Part>
 void telling_the_coupler(ParticipantChannel& channel, Part&& part) {
@@ -96,10 +112,10 @@ void join(ParticipantChannel& channel, Solver& solver) {
 template <int D, class Solver>
 void take_part_as_structure(ParticipantChannel& channel, Solver& solver) {
   join(channel, solver);
-  while (const auto window = next_window(channel, solver)) {
+  const auto take_part_in = [&](const Window& window) {
     wire::Message message;
     const wire::Account at_begin = solver.account();
-    *message.mutable_surface() = to_wire<D>(solver.predict_surface(window->begin, window->duration));
+    *message.mutable_surface() = to_wire<D>(solver.predict_surface(window.begin, window.duration));
     *message.mutable_surface()->mutable_account() = at_begin;
     channel.send(std::move(message));
     for (message = channel.receive({Kind::kSurfaceLoad}); message.surface_load().trial(); message = channel.receive({Kind::kSurfaceLoad})) {
@@ -108,8 +124,11 @@ void take_part_as_structure(ParticipantChannel& channel, Solver& solver) {
       channel.send(std::move(answer));
     }
     solver.apply(from_wire<D>(message.surface_load()));
-    solver.end_window(*window);
-  }
+    solver.end_window(window);
+  };
+  keeping_the_state(channel, solver, [&] {
+    while (const auto window = next_window(channel, solver)) take_part_in(*window);
+  });
 }
 
 /// As take_part_as_structure.
@@ -123,12 +142,12 @@ void take_part_as_fluid(ParticipantChannel& channel, Solver& solver) {
     channel.send(std::move(message));
     solver.end_window(window);
   };
-  while (const auto window = next_window(channel, solver)) {
-    solver.begin_window(window->begin, window->duration);
+  const auto take_part_in = [&](const Window& window) {
+    solver.begin_window(window.begin, window.duration);
     wire::Message message = channel.receive({Kind::kSurface});
     if (message.surface().area().empty()) {  // out of reach
-      end_window(*window, solver.pass());
-      continue;
+      end_window(window, solver.pass());
+      return;
     }
     wire::Message answer;
     *answer.mutable_interface_particles() = to_wire<D>(solver.see_surface(from_wire<D>(message.surface())));
@@ -141,8 +160,11 @@ void take_part_as_fluid(ParticipantChannel& channel, Solver& solver) {
       channel.send(std::move(answer));
       if (!message.interface_condition().repeats()) solver.complete_velocity();  // of a trial that another may follow they may be in vain
     }
-    end_window(*window, solver.end(from_wire<D>(message.interface_force())));
-  }
+    end_window(window, solver.end(from_wire<D>(message.interface_force())));
+  };
+  keeping_the_state(channel, solver, [&] {
+    while (const auto window = next_window(channel, solver)) take_part_in(*window);
+  });
 }
 
 /// Time and traffic of a participant's or the coupler's channel, for the report.

@@ -39,6 +39,9 @@ class ParticipantFrame {
     if (window.write_frame) output_.write_frame();
     report_now();
     report_.update();
+    const auto step = static_cast<std::uint64_t>(output_.windows());
+    if (scene_.output.checkpoint_interval > 0 && KeptStates::due(step))
+      kept_.keep(step, seconds(output_.time()), [&](StateWriter& state) { gather(state); });
   }
 
   void finish() {
@@ -48,12 +51,14 @@ class ParticipantFrame {
 
   std::string save(std::uint64_t step) {
     ScopedTimer timer(output_s_);
-    return checkpoints_.save(step, [&](StateWriter& file) {
-      static_cast<const Derived*>(this)->save_solver(file);
-      output_.save(file);
-      file("traffic/sent", channel_.bytes_sent());
-      file("traffic/received", channel_.bytes_received());
-    });
+    StateWriter state;
+    gather(state);
+    return checkpoints_.save(step, state);
+  }
+
+  void save_after_failure(std::uint64_t wanted) noexcept {
+    if (const KeptStates::Kept* kept = kept_.of(wanted > 0 ? wanted : kept_.newest().step))
+      keep_after_failure([&] { channel_.set_kept(kept->step, checkpoints_.save(kept->step, kept->state)); });
   }
 
   void resume(const wire::Welcome& welcome) {
@@ -100,6 +105,12 @@ class ParticipantFrame {
   }
 
  private:
+  void gather(StateWriter& state) const {
+    static_cast<const Derived*>(this)->save_solver(state);
+    output_.save(state);
+    state("traffic/sent", channel_.bytes_sent());
+    state("traffic/received", channel_.bytes_received());
+  }
   void report_now() {
     output_.report();
     report_traffic(channel_, report_);
@@ -110,6 +121,7 @@ class ParticipantFrame {
   ParticipantChannel& channel_;
   bool resumes_;
   CheckpointStore checkpoints_;
+  KeptStates kept_;
   double& compute_s_ = report_.timing("compute");
   double& output_s_ = report_.timing("output");
   ProcessOutput<Side> output_;

@@ -53,9 +53,13 @@ class ParticipantChannel {
   /// Window number of the messages to come and its begin [s], for messages and sentences.
   void set_step(std::uint64_t step, double time_s);
 
-  /// Tells the coupler why this process ends; does nothing when the coupler is gone. The error must not come from the
-  /// coupler's own Abort to have an effect: that one is not sent back.
+  /// Tells the coupler why this process ends, and what it has kept; does nothing when the coupler is gone. An error that comes from the
+  /// coupler's own Abort is sent back only as the answer to its question for a checkpoint.
   void abort(const Error& error) noexcept;
+  /// The step of which the coupler's Abort wants a checkpoint; 0: of none, or there was no Abort.
+  std::uint64_t wanted_step() const;
+  /// A checkpoint has been written after a failure.
+  void set_kept(std::uint64_t step, const std::string& hash);
 
   /// Goes on from a checkpoint: number and end [s] of its window, and the traffic until then.
   void resume(std::uint64_t step, double time_s, std::uint64_t bytes_sent, std::uint64_t bytes_received);
@@ -116,6 +120,12 @@ class CouplerChannel {
 
   /// Sends Abort to every participant that is still there, except the one whose Abort is being passed on.
   void abort(const Error& error) noexcept;
+
+  /// The same, and asks those participants to keep their state at the end of `step`, for which it waits `patience_s`; what all of them
+  /// have kept. Empty unless that is so.
+  std::map<wire::Role, std::string> abort_keeping(const Error& error, std::uint64_t step, double patience_s);
+  /// What the participant that has stopped has kept; `otherwise` when none has stopped.
+  std::uint64_t kept_step(std::uint64_t otherwise) const;
 
   double wait_seconds() const;
   double exchange_seconds() const;

@@ -38,6 +38,7 @@ struct Peer {
   bool settled = false;   // what happened to its connection before it joined is known
   bool finished = false;  // may leave
   bool gone = false;      // lost, or stopped by its own Abort
+  std::optional<wire::Checkpoint> kept = {};  // after a failure
 };
 
 /// Tells the log who was turned away: the first at once, then at most a line every 5 s, whoever floods the port.
@@ -89,6 +90,7 @@ struct CouplerChannel::State {
     if (!arrived.fault.empty()) throw bad_message(who, "a message", place, arrived.fault);
     if (arrived.message.body_case() == Kind::kAbort) {
       peer.gone = true;
+      if (arrived.message.abort().has_checkpoint()) peer.kept = arrived.message.abort().checkpoint();
       peer.session.check(arrived.message, place, {});
     }
     if (peer.inbox.size() >= max_pending)
@@ -176,6 +178,24 @@ struct CouplerChannel::State {
         // The run ends because of `error`; a participant that cannot be told notices the lost connection.
       }
     }
+  }
+
+  /// Last words of those who have been asked for a checkpoint; whatever else they had sent is of a window that is given up.
+  void take_last_words(std::set<wire::Role>& waited_for) {
+    const auto hear = [&] {
+      while (const auto arrived = take_message(socket, traffic))
+        for (auto& [role, peer] : peers)
+          if (peer.routing_id == arrived->peer && arrived->fault.empty() && arrived->message.has_abort() && waited_for.erase(role) > 0 &&
+              arrived->message.abort().has_checkpoint())
+            peer.kept = arrived->message.abort().checkpoint();
+    };
+    hear();
+    std::set<int> left;
+    while (const auto event = socket.next_event())
+      if (event->what == SocketEvent::What::disconnected) left.insert(event->connection);
+    if (!left.empty()) hear();  // what arrived before the end of the connection
+    for (const auto& [role, peer] : peers)
+      if (left.contains(peer.connection)) waited_for.erase(role);
   }
 
   Peer& peer(wire::Role role) {
@@ -335,6 +355,32 @@ void CouplerChannel::reject(wire::Role from, Kind kind, const std::string& fault
 void CouplerChannel::set_step(std::uint64_t step, double time_s) { state_->place = {step, time_s}; }
 
 void CouplerChannel::abort(const Error& error) noexcept { state_->abort(error); }
+
+std::uint64_t CouplerChannel::kept_step(std::uint64_t otherwise) const {
+  for (const auto& [role, peer] : state_->peers)
+    if (peer.gone) return peer.kept ? peer.kept->step() : 0;
+  return otherwise;
+}
+
+std::map<wire::Role, std::string> CouplerChannel::abort_keeping(const Error& error, std::uint64_t step, double patience_s) {
+  std::set<wire::Role> waited_for;
+  for (auto& [role, peer] : state_->peers) {
+    if (peer.gone || peer.finished) continue;
+    peer.gone = true;
+    wire::Message message = peer.session.abort_for(error, state_->place);
+    message.mutable_abort()->mutable_checkpoint()->set_step(step);
+    if (send_message(state_->socket, peer.routing_id, message, state_->traffic)) waited_for.insert(role);
+  }
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(patience_s);
+  while (!waited_for.empty() && std::chrono::steady_clock::now() < end) {
+    state_->traffic.wait(state_->socket);
+    state_->take_last_words(waited_for);
+  }
+  std::map<wire::Role, std::string> kept;
+  for (const auto& [role, peer] : state_->peers)
+    if (peer.kept && peer.kept->step() == step) kept[role] = peer.kept->hash();
+  return kept.size() == state_->peers.size() ? kept : std::map<wire::Role, std::string>{};
+}
 
 double CouplerChannel::wait_seconds() const { return state_->traffic.wait_s; }
 double CouplerChannel::exchange_seconds() const { return state_->traffic.exchange_s; }

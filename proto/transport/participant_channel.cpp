@@ -48,6 +48,8 @@ struct ParticipantChannel::State {
   Socket socket;
   Traffic traffic;
   bool coupler_gone = false;  // lost, or it said itself that it stops
+  std::uint64_t wanted_step = 0;
+  std::optional<wire::Checkpoint> kept;
 
   bool send(const wire::Message& message) { return send_message(socket, {}, message, traffic); }
 
@@ -55,7 +57,10 @@ struct ParticipantChannel::State {
     std::optional<Arrived> arrived = take_message(socket, traffic);
     if (!arrived) return std::nullopt;
     if (!arrived->fault.empty()) throw bad_message("The coupler process", "a message", place, arrived->fault);
-    if (arrived->message.body_case() == Kind::kAbort) coupler_gone = true;
+    if (arrived->message.body_case() == Kind::kAbort) {
+      coupler_gone = true;
+      wanted_step = arrived->message.abort().checkpoint().step();
+    }
     session.check(arrived->message, place, expected);
     return std::move(arrived->message);
   }
@@ -172,12 +177,22 @@ void ParticipantChannel::resume(std::uint64_t step, double time_s, std::uint64_t
 }
 
 void ParticipantChannel::abort(const Error& error) noexcept {
-  if (state_->coupler_gone) return;
+  if (state_->coupler_gone && (state_->wanted_step == 0 || !state_->kept)) return;
   try {
-    state_->send(state_->session.abort_for(error, state_->place));
+    wire::Message message = state_->session.abort_for(error, state_->place);
+    if (state_->kept) *message.mutable_abort()->mutable_checkpoint() = *state_->kept;
+    state_->send(message);
   } catch (...) {
     // The run ends because of `error`; that the coupler cannot be told is noticed there as a lost peer.
   }
+}
+
+std::uint64_t ParticipantChannel::wanted_step() const { return state_->wanted_step; }
+
+void ParticipantChannel::set_kept(std::uint64_t step, const std::string& hash) {
+  state_->kept.emplace();
+  state_->kept->set_step(step);
+  state_->kept->set_hash(hash);
 }
 
 double ParticipantChannel::wait_seconds() const { return state_->traffic.wait_s; }

@@ -258,6 +258,7 @@ void check_abort(Check& check, const wire::Abort& abort) {
     check.fault = fmt::format("exit_code is {}; it must be 2, 3, 4, 5 or 130", code);
   if (!check.require(!abort.sentence().empty() && abort.sentence().size() <= max_sentence_bytes))
     check.fault = fmt::format("sentence has {} bytes; it must have 1 to {}", abort.sentence().size(), max_sentence_bytes);
+  check.name_length("checkpoint.hash", abort.checkpoint().hash());
 }
 
 }  // namespace

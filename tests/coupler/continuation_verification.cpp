@@ -39,13 +39,13 @@ struct Sides {
   void go_on_from(const Sides& other) {
     const ScratchDirectory dir;
     {
-      StateWriter file(dir / "state.h5");
+      StateWriter file;
       file("now", other.now);
       file("control", other.control);
       file("fluid", other.fluid.state());
       file("structure", other.coupled.state());
       file("coupler", other.coupler.state());
-      file.close();
+      file.to_file(dir / "state.h5");
     }
     StateReader file(dir / "state.h5");
     fluid::State<D> of_fluid;

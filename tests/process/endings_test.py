@@ -128,6 +128,22 @@ class EndingsTest(RealRunTest):
                     self.assertRegex(contents["first_cause"], rf"SIGTERM|tern-{role}|{role} process|interrupted")
                     self.assertEqual(find_damage(self.out), [])
 
+    # Seen to fail: with a run taken to have begun because steps.csv of its first part is there (5 s for the others).
+    def test_a_part_that_is_terminated_before_it_has_joined_again_is_noticed_as_soon(self):
+        first = self.start("--quiet", "--until", "0.02")
+        self.assertEqual(first.wait(timeout=60), 0)
+        for role in ("fluid", "structure"):
+            with self.subTest(role):
+                process = subprocess.Popen([ROOT / "tern", "resume", self.out, "--quiet", "--until", "60"], env=self.environment(),
+                                           stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True)
+                self.addCleanup(process.stderr.close)
+                self.assertTrue(wait_until(lambda: role in self.children(process), 5))
+                began = time.monotonic()
+                os.kill(self.children(process)[role], signal.SIGKILL)
+                errors = process.communicate(timeout=20)[1]
+                self.assertLess(time.monotonic() - began, 3.5, errors)  # 2 s and a busy machine
+                self.assertEqual(process.returncode, 4, errors)
+
     # Seen to fail: with print() alone ("tern: [Errno 32] Broken pipe" and exit code 5).
     def test_who_reads_one_line_only_is_not_complained_to(self):
         answer = subprocess.run(["bash", "-c", f"{ROOT}/tern run {CASE} --out {self.out} --until 0.03 | head -1; exit ${{PIPESTATUS[0]}}"],

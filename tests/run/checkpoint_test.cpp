@@ -25,7 +25,9 @@ struct TwoProcesses {
       : coupler(out, "coupler", scene), fluid(out, "fluid", scene) {}
 
   static std::string save(const CheckpointStore& store, std::uint64_t step, double value) {
-    return store.save(step, [&](StateWriter& file) { file("value", value); });
+    StateWriter state;
+    state("value", value);
+    return store.save(step, state);
   }
   void save(std::uint64_t step, double value) const {
     const std::string of_fluid = save(fluid, step, value);

@@ -105,9 +105,11 @@ TEST(StateFile, GivesEveryKindOfMemberBackWithAllBits) {
   written.names = {"a", "", "c"};
   written.table = {{"steps", 7}, {"", -1}};
   {
-    StateWriter file(dir / "state.h5");
-    file("all", written);
-    file.close();
+    StateWriter state;
+    state("all", std::vector<double>(7));  // forgotten again
+    state.clear();
+    state("all", written);
+    state.to_file(dir / "state.h5");
   }
   Everything read;
   read.none = {1, 2};
@@ -145,10 +147,10 @@ TEST(StateFile, GivesEveryKindOfMemberBackWithAllBits) {
 TEST(StateFile, RefusesAMemberThatIsMissingOrOfAnotherType) {
   const ScratchDirectory dir;
   {
-    StateWriter file(dir / "state.h5");
-    file("number", 1.5);
-    file("pair", std::vector<Vector<2>>{Vector<2>(1, 2)});
-    file.close();
+    StateWriter state;
+    state("number", 1.5);
+    state("pair", std::vector<Vector<2>>{Vector<2>(1, 2)});
+    state.to_file(dir / "state.h5");
   }
   StateReader file(dir / "state.h5");
   int integer = 0;
@@ -163,10 +165,10 @@ TEST(StateFile, RefusesAMemberThatIsMissingOrOfAnotherType) {
 TEST(StateFile, EqualStatesAreEqualFiles) {
   const ScratchDirectory dir;
   for (const char* name : {"a.h5", "b.h5"}) {
-    StateWriter file(dir / name);
-    file("numbers", std::vector<double>(1000, 0.25));
-    file("text", std::string("same"));
-    file.close();
+    StateWriter state;
+    state("numbers", std::vector<double>(1000, 0.25));
+    state("text", std::string("same"));
+    state.to_file(dir / name);
   }
   EXPECT_EQ(text_of(dir / "a.h5"), text_of(dir / "b.h5"));
 }

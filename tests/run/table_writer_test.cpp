@@ -78,7 +78,8 @@ TEST(TableWriter, GoesBackToAMark) {
   {
     TableWriter table(dir / "t.csv", {"t_s", "x"});
     table.row({1, 2});
-    mark = table.mark();
+    mark = table.length();
+    table.sync();
     table.row({2, 3});
   }
   TableWriter table(dir / "t.csv", {"t_s", "x"}, false);

@@ -98,6 +98,14 @@ def foreign_environment(directory, threads):
                                                                        (paths.python(), paths.old_names(), os.environ.get("PYTHONPATH")))))}
 
 
+def _touched(path):
+    """When a file was written last; None where it is missing."""
+    try:
+        return path.stat().st_mtime_ns
+    except OSError:
+        return None
+
+
 def _reports(out, roles):
     """report.<role>.json of each role; an empty one where it is missing or unreadable."""
     reports = {}
@@ -225,6 +233,8 @@ def _run_once(request):
     if request.allow_unstable:
         options.append("--allow-unstable")
     began = time.monotonic()
+    steps = out / "steps.csv"
+    touched = _touched(steps)  # the coupler makes it, or cuts it back, when all have joined
     with Interrupts() as interrupts, Group(out) as group:
         endpoint = request.endpoint or f"ipc://{group.directory}/tern.sock"
         try:
@@ -244,7 +254,7 @@ def _run_once(request):
                     group.start(role, [str(directory / f"tern-{role}"), str(path), *own])
         except OSError as error:
             raise Error(INPUT_OUTPUT, f"The run could not be started: {error}.") from error
-        group.supervise(interrupts, (out / "steps.csv").exists if "coupler" in roles else lambda: True)
+        group.supervise(interrupts, (lambda: _touched(steps) != touched) if "coupler" in roles else lambda: True)
         wall_s = time.monotonic() - began
         for half_written in [*out.glob("*.tmp"), *out.glob("checkpoint/*.tmp")]:  # by a process that was killed while it wrote
             half_written.unlink(missing_ok=True)
