@@ -58,6 +58,7 @@ Json to_json(const Manifest& manifest) {
           {"time_s", manifest.time_s},
           {"case", manifest.case_hash},
           {"program", manifest.program},
+          {"gauge", manifest.gauge},
           {"hash", manifest.hash}};
 }
 
@@ -70,8 +71,9 @@ std::optional<Manifest> read_manifest(const std::string& path) {
     Json json = Json::parse(text);
     const std::string own = json.at("own").get<std::string>();
     json.erase("own");
-    Manifest manifest{json.at("step").get<std::uint64_t>(), json.at("time_s").get<double>(), json.at("case").get<std::string>(),
-                      json.at("program").get<std::string>(), json.at("hash").get<std::map<std::string, std::string>>()};
+    using Texts = std::map<std::string, std::string>;
+    const Manifest manifest{json.at("step").get<std::uint64_t>(), json.at("time_s").get<double>(),      json.at("hash").get<Texts>(),
+                            json.at("case").get<std::string>(),   json.at("program").get<std::string>(), json.at("gauge").get<Texts>()};
     if (hash_of(to_json(manifest).dump()) != own || json != to_json(manifest)) return std::nullopt;
     return manifest;
   } catch (const Json::exception&) {
@@ -84,7 +86,7 @@ std::optional<Manifest> read_manifest(const std::string& path) {
 std::string program_name() { return fmt::format("{} ({})", program_version, git_hash); }
 
 CheckpointStore::CheckpointStore(const std::string& out_dir, std::string role, const Case& scene)
-    : directory_(out_dir + "/checkpoint"), role_(std::move(role)), case_hash_(scene.hash_of_rest) {}
+    : directory_(out_dir + "/checkpoint"), role_(std::move(role)), case_hash_(scene.hash_of_rest), gauge_hashes_(scene.gauge_hashes) {}
 
 std::string CheckpointStore::path(std::uint64_t step) const { return directory_ + "/" + name_of(role_, step, "h5"); }
 std::string CheckpointStore::temporary() const { return directory_ + "/" + role_ + ".h5.tmp"; }
@@ -128,6 +130,7 @@ std::vector<CheckpointFile> CheckpointStore::files() const {
 void CheckpointStore::write_manifest(Manifest manifest) const {
   manifest.case_hash = case_hash_;
   manifest.program = program_name();
+  manifest.gauge = gauge_hashes_;
   Json json = to_json(manifest);
   json["own"] = hash_of(json.dump());
   write_atomically(directory_ + "/" + name_of("manifest", manifest.step, "json"), json.dump(1) + "\n");
@@ -157,8 +160,13 @@ Manifest CheckpointStore::choose(const std::map<std::string, std::vector<Checkpo
     if (manifest.case_hash != case_hash_)
       throw BadInput(
           fmt::format("The case is not the one of the checkpoints in {}: what was computed so far does not belong to it. Only "
-                      "end_time and the intervals of [output] may change; undo the rest, or begin anew with ./tern run.",
+                      "end_time and the intervals of [output] may change, and gauges be added; undo the rest, or begin anew with ./tern run.",
                       directory_));
+    for (const auto& [name, hash] : manifest.gauge)
+      if (const auto now = gauge_hashes_.find(name); now == gauge_hashes_.end() || now->second != hash)
+        throw BadInput(fmt::format("The gauge '{}' {} since the checkpoints in {}; gauges may be added only: undo that, give the new one "
+                                   "another name, or begin anew with ./tern run.",
+                                   name, now == gauge_hashes_.end() ? "was removed" : "was changed", directory_));
     if (manifest.program != program_name())
       throw BadInput(
           fmt::format("The checkpoints in {} were written by tern {}, this is {}: continue with that version, or begin anew with "

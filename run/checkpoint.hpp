@@ -30,9 +30,10 @@ struct CheckpointFile {
 struct Manifest {
   std::uint64_t step = 0;
   double time_s = 0;
-  std::string case_hash;                    ///< Case::hash_of_rest
-  std::string program;                      ///< version and commit
   std::map<std::string, std::string> hash;  ///< by role
+  std::string case_hash{};                  ///< Case::hash_of_rest
+  std::string program{};                    ///< version and commit
+  std::map<std::string, std::string> gauge{};  ///< Case::gauge_hashes
 };
 
 /// Version and commit of this program, as a manifest names them.
@@ -73,6 +74,7 @@ class CheckpointStore {
   std::string temporary() const;
 
   std::string directory_, role_, case_hash_;
+  std::map<std::string, std::string> gauge_hashes_;
 };
 
 /// The state at the end of every tenth window, in memory, the last two: from what a checkpoint can still be made when a later window has

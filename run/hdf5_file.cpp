@@ -180,6 +180,7 @@ std::size_t Hdf5File::groups() {
 
 void Hdf5File::close() {
   if (H5Fflush(file_.id(), H5F_SCOPE_LOCAL) < 0 || !file_.close()) fail("finish");
+  H5garbage_collect();  // HDF5 keeps blocks of all sizes that the table of the frames' names has gone through
 }
 
 }  // namespace tern

@@ -77,6 +77,7 @@ class ProcessOutput {
     file("output/report", gathered);
     report_.go_on_from(gathered);
     report_.set_time(seconds(time()), windows_);
+    if (GaugeValues present = side_.gauges(); present.size() != gauges_.size()) gauges_ = std::move(present);  // some were added
   }
 
  private:

@@ -60,7 +60,7 @@ void Recorder::sync() {
 }
 
 void Recorder::go_back(const Mark& mark) {
-  gauges_.go_back(mark.gauges);
+  gauges_.go_back_to_lines(mark.gauge_lines);
   energy_.go_back(mark.energy);
   steps_.go_back(mark.steps);
   RowSchedule::for_each_field([](const char*, const Ticks& told, Ticks& own) { own = told; }, mark.rows, rows_);

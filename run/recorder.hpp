@@ -50,19 +50,20 @@ class Recorder {
 
   /// Where the tables are, to come back to.
   struct Mark {
-    std::uint64_t gauges = 0, energy = 0, steps = 0;  ///< [bytes]
+    std::uint64_t gauge_lines = 0;        ///< for columns may be added
+    std::uint64_t energy = 0, steps = 0;  ///< [bytes]
     RowSchedule rows{0};
 
     /// The list of the members: visit(name, member of each) for every one.
     template <class Visit, class... Same>
     static void for_each_field(Visit&& visit, Same&... all) {
-      visit("gauges", all.gauges...);
+      visit("gauge_lines", all.gauge_lines...);
       visit("energy", all.energy...);
       visit("steps", all.steps...);
       visit("rows", all.rows...);
     }
   };
-  Mark mark() const { return {gauges_.length(), energy_.length(), steps_.length(), rows_}; }
+  Mark mark() const { return {gauges_.lines(), energy_.length(), steps_.length(), rows_}; }
   /// Brings everything up to here to the disk. Throws InputOutputError, as go_back() does.
   void sync();
   void go_back(const Mark& mark);

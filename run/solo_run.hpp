@@ -60,7 +60,7 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report,
     ScopedTimer timer(output_s);
     recorder.sync();
     const std::string hash = checkpoints.save(own.step, own.state);
-    checkpoints.write_manifest({own.step, own.time_s, {}, {}, {{Side::role, hash}}});
+    checkpoints.write_manifest({own.step, own.time_s, {{Side::role, hash}}});
     clock.saved();
   };
   const auto save = [&] {

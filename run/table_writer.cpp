@@ -6,10 +6,14 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cassert>
 #include <cerrno>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
+#include <fstream>
+#include <sstream>
 
 #include "base/error.hpp"
 #include "base/log.hpp"
@@ -45,6 +49,7 @@ TableWriter::TableWriter(std::string path, std::vector<std::string> columns, boo
     pending_ += quoted(columns_[c]);
   }
   pending_ += '\n';
+  ++lines_;
   try {
     flush();
   } catch (...) {
@@ -72,9 +77,11 @@ void TableWriter::row(std::span<const Cell> cells) {
   }
   for (std::size_t c = 0; c < cells.size(); ++c) {
     if (c) pending_ += ',';
-    pending_ += cells[c].number() ? number_text(cells[c]) : quoted(cells[c].text());
+    const Cell& cell = cells[order_.empty() ? c : order_[c]];
+    pending_ += cell.number() ? number_text(cell) : quoted(cell.text());
   }
   pending_ += '\n';
+  ++lines_;
   if (since_flush_.seconds() > flush_interval_s || pending_.size() > flush_bytes) flush();
 }
 
@@ -124,6 +131,50 @@ void TableWriter::go_back(std::uint64_t bytes) {
     throw InputOutputError(fmt::format("Cannot cut {} back: {}.", path_, std::strerror(errno)));
   pending_.clear();
   written_ = bytes;
+}
+
+void TableWriter::go_back_to_lines(std::uint64_t lines) {
+  std::ifstream before(path_, std::ios::binary);
+  std::string line;
+  if (!std::getline(before, line)) throw InputOutputError(fmt::format("Cannot read {}; it was changed or lost.", path_));
+  // Quotes are only around a name with a comma, which no column has.
+  std::vector<std::string> there;
+  std::istringstream names(line);
+  for (std::string name; std::getline(names, name, ',');) there.push_back(name);
+  const auto place_of = [&](const std::string& name) {
+    return static_cast<std::size_t>(std::find(columns_.begin(), columns_.end(), name) - columns_.begin());
+  };
+  std::vector<std::size_t> order;
+  for (const std::string& name : there) {
+    order.push_back(place_of(name));
+    if (order.back() == columns_.size())
+      throw BadInput(fmt::format("{} has the column {}, which this case has not; gauges may be added only.", path_, name));
+  }
+  std::string added;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (std::find(order.begin(), order.end(), c) != order.end()) continue;
+    order.push_back(c);
+    added += "," + columns_[c];
+  }
+  const std::string temporary = path_ + ".tmp", empty(order.size() - there.size(), ',');
+  std::ofstream after(temporary, std::ios::binary);
+  after << line << added << '\n';
+  std::uint64_t done = 1;
+  for (; done < lines && std::getline(before, line) && !before.eof(); ++done) after << line << empty << '\n';
+  after.close();
+  if (done < lines)
+    throw InputOutputError(fmt::format("{} has {} lines, but had {} at the checkpoint; it was changed or lost.", path_, done, lines));
+  if (!after || std::rename(temporary.c_str(), path_.c_str()) != 0)
+    throw InputOutputError(fmt::format("Cannot write {}: {}; free space.", path_, std::strerror(errno)));
+  const int descriptor = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC);
+  const off_t end = descriptor < 0 ? -1 : ::lseek(descriptor, 0, SEEK_END);
+  if (end < 0) throw InputOutputError(fmt::format("Cannot open {}: {}.", path_, std::strerror(errno)));
+  ::close(descriptor_);
+  descriptor_ = descriptor;
+  order_ = std::move(order);
+  pending_.clear();
+  written_ = static_cast<std::uint64_t>(end);
+  lines_ = lines;
 }
 
 void TableWriter::close() {

@@ -66,6 +66,12 @@ class TableWriter {
   void sync();
   /// Cuts the file back to a length() of before. Throws InputOutputError when it has become shorter than that.
   void go_back(std::uint64_t bytes);
+  /// Lines of the file when all rows have reached it, the header among them.
+  std::uint64_t lines() const { return lines_; }
+  /// Cuts the file back to as many lines(). Columns that it has not got yet are added at its end, with empty cells in the rows that are
+  /// there; from then on the columns have the order of the file, columns() the names. Throws InputOutputError, and BadInput when the
+  /// file has other columns.
+  void go_back_to_lines(std::uint64_t lines);
 
   const std::vector<std::string>& columns() const { return columns_; }
 
@@ -74,6 +80,8 @@ class TableWriter {
   std::vector<std::string> columns_;
   std::string pending_;
   std::uint64_t written_ = 0;  ///< [bytes]
+  std::uint64_t lines_ = 0;
+  std::vector<std::size_t> order_;  ///< cell of a row in each column of the file; empty: the same
   Stopwatch since_flush_;
   int descriptor_ = -1;
 };

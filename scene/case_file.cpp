@@ -56,9 +56,10 @@ std::string motion_tables(const Case& scene) {
 }
 
 // The settings but for what a run that goes on may change.
-Setting without_end_and_output(Setting settings) {
+Setting without_what_may_change(Setting settings) {
   settings.set("end_time", {});
   settings.set("output", {});
+  settings.set("gauge", {});
   return settings;
 }
 
@@ -101,7 +102,9 @@ static Case read_and_check(const std::string& name_or_path, const CaseOptions& o
   scene.settings = to_json(settings);
   const std::string tables = motion_tables(scene);
   scene.hash = hash_of(scene.settings + tables);
-  scene.hash_of_rest = hash_of(to_json(without_end_and_output(settings)) + tables);
+  scene.hash_of_rest = hash_of(to_json(without_what_may_change(settings)) + tables);
+  if (const Setting* gauges = settings.find("gauge"))
+    for (const Setting& gauge : gauges->items) scene.gauge_hashes[gauge.at("name").text] = hash_of(to_json(gauge));
   check_scene(scene, settings);
   return scene;
 }

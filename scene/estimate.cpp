@@ -25,6 +25,10 @@ Vector<D> value(const VectorExpression& field, const Vector<D>& x) {
   return result;
 }
 
+bool is_zero(const VectorExpression& field) {
+  return std::all_of(field.begin(), field.end(), [](const Expression& part) { return part.is_constant() && part(0) == 0; });
+}
+
 template <int D>
 BodyEstimate estimate_body(const Case& scene, const StructureBody& body) {
   BodyEstimate result;
@@ -63,9 +67,7 @@ bool is_settled(const Case& scene, const Vector<D>& gravity) {
     return false;
   }
   const FluidBody& body = scene.fluid->bodies[0];
-  for (const Expression& component : body.velocity) {
-    if (!component.is_constant() || component(0) != 0) return false;
-  }
+  if (!is_zero(body.velocity)) return false;
   const auto fluid = bounding_box<D>(body.shape), wall = bounding_box<D>(scene.walls[0].shape);
   for (int d = 0; d < D; ++d) {
     const double slack = 1e-6 * scene.fluid->spacing;
@@ -100,8 +102,10 @@ void raise_to_motion(const std::optional<RigidMotion>& motion, const Shape& shap
 template <int D>
 double mean_of_largest_speed(const Case& scene, double least) {
   if (scene.structure)
-    for (const StructureBody& body : scene.structure->bodies)
+    for (const StructureBody& body : scene.structure->bodies) {
+      if (is_zero(body.velocity)) continue;
       for (const Vector<D>& x : fill_lattice<D>(body.shape, body.spacing)) least = std::max(least, value<D>(body.velocity, x).norm());
+    }
   std::vector<double> speed(instants, least);
   for (const WallCase& wall : scene.walls) raise_to_motion<D>(wall.motion, wall.shape, scene.end_time, speed);
   if (scene.structure)
@@ -120,9 +124,10 @@ void estimate_fluid(const Case& scene, Estimate& result) {
   result.settled = result.gravity > 0 && is_settled<D>(scene, gravity);
   double initial_speed = 0, top = -infinity, bottom = infinity;
   for (const FluidBody& body : fluid.bodies) {
+    const bool resting = is_zero(body.velocity);
     for (const Vector<D>& x : fill_with_fluid<D>(body.shape, fluid.spacing)) {
       ++result.fluid_particles;
-      initial_speed = std::max(initial_speed, value<D>(body.velocity, x).norm());
+      if (!resting) initial_speed = std::max(initial_speed, value<D>(body.velocity, x).norm());
       if (result.gravity > 0) {
         top = std::max(top, -gravity.dot(x) / result.gravity);
         bottom = std::min(bottom, -gravity.dot(x) / result.gravity);

@@ -142,21 +142,36 @@ constexpr double round_off = 1e-6;  // in spacings: sides given in decimal are w
 /// Whole spacings in a length.
 long cells_in(double length, double spacing) { return static_cast<long>(std::floor(length / spacing + 0.5 + round_off)); }
 
+/// How many more points of a row, `step` apart, are on the same side of the level as one whose signed distance is off it by so much: no
+/// signed distance changes faster than its point moves.
+long same_side(double off_level, double step) {
+  constexpr double most = 1e9;
+  return static_cast<long>(std::min(most, std::max(0.0, std::ceil(std::abs(off_level) / step - round_off) - 1)));
+}
+
 /// Points of a lattice with these steps from the corner of the bounding box, inside the shape.
 template <int D>
-std::vector<Vector<D>> fill(const Shape& shape, const Vector<D>& step, double spacing) {
+LatticePoints<D> fill(const Shape& shape, const Vector<D>& step, double spacing) {
   const Bounds<D> bounds = bounding_box<D>(shape);
   std::array<long, 3> count{1, 1, 1};
   for (int d = 0; d < D; ++d) count[d] = cells_in(bounds.max[d] - bounds.min[d], step[d]);
-  std::vector<Vector<D>> points;
+  LatticePoints<D> points(bounds.min, step);
   for (long k = 0; k < count[2]; ++k) {
     for (long j = 0; j < count[1]; ++j) {
-      for (long i = 0; i < count[0]; ++i) {
-        const std::array<long, 3> index{i, j, k};
-        Vector<D> x;
-        for (int d = 0; d < D; ++d) x[d] = bounds.min[d] + (static_cast<double>(index[d]) + 0.5) * step[d];
-        if (signed_distance<D>(shape, x) <= round_off * spacing) points.push_back(x);
+      typename LatticePoints<D>::Run run{{0, j, k}, 0};
+      for (long i = 0; i < count[0];) {
+        const double off = signed_distance<D>(shape, points.at({{i, j, k}, 1}, 0)) - round_off * spacing;
+        const long next = std::min(count[0], i + 1 + same_side(off, step[0]));
+        if (off <= 0) {
+          if (run.count == 0) run.index[0] = i;
+          run.count += next - i;
+        } else if (run.count > 0) {
+          points.add(run);
+          run.count = 0;
+        }
+        i = next;
       }
+      if (run.count > 0) points.add(run);
     }
   }
   return points;
@@ -171,12 +186,12 @@ const Shape* box_of(const Shape& shape) {
 }  // namespace
 
 template <int D>
-std::vector<Vector<D>> fill_lattice(const Shape& shape, double spacing) {
+LatticePoints<D> fill_lattice(const Shape& shape, double spacing) {
   return fill<D>(shape, Vector<D>::Constant(spacing), spacing);
 }
 
 template <int D>
-std::vector<Vector<D>> fill_with_fluid(const Shape& shape, double spacing) {
+LatticePoints<D> fill_with_fluid(const Shape& shape, double spacing) {
   Vector<D> step = Vector<D>::Constant(spacing);
   if (const Shape* box = box_of(shape))
     for (int d = 0; d < D; ++d) {
@@ -186,6 +201,19 @@ std::vector<Vector<D>> fill_with_fluid(const Shape& shape, double spacing) {
         step[d] = length / static_cast<double>(cells);
     }
   return fill<D>(shape, step, spacing);
+}
+
+template <int D>
+std::optional<Vector<D>> first_inside(const LatticePoints<D>& points, const Shape& shape, double depth) {
+  for (const auto& run : points.runs()) {
+    for (long i = 0; i < run.count;) {
+      const Vector<D> x = points.at(run, i);
+      const double off = signed_distance<D>(shape, x) + depth;
+      if (off < 0) return x;
+      i += 1 + same_side(off, points.step()[0]);
+    }
+  }
+  return std::nullopt;
 }
 
 template <int D>
@@ -230,15 +258,17 @@ double thickness(const Shape& shape, const Vector<D>& x, const Vector<D>& normal
 template double signed_distance<2>(const Shape&, const Vector<2>&);
 template Bounds<2> bounding_box<2>(const Shape&);
 template bool contains<2>(const Shape&, const Vector<2>&);
-template std::vector<Vector<2>> fill_lattice<2>(const Shape&, double);
-template std::vector<Vector<2>> fill_with_fluid<2>(const Shape&, double);
+template LatticePoints<2> fill_lattice<2>(const Shape&, double);
+template LatticePoints<2> fill_with_fluid<2>(const Shape&, double);
+template std::optional<Vector<2>> first_inside<2>(const LatticePoints<2>&, const Shape&, double);
 template double fitted_spacing<2>(const std::vector<Shape>&, double);
 template double thickness<2>(const Shape&, const Vector<2>&, const Vector<2>&);
 template double signed_distance<3>(const Shape&, const Vector<3>&);
 template Bounds<3> bounding_box<3>(const Shape&);
 template bool contains<3>(const Shape&, const Vector<3>&);
-template std::vector<Vector<3>> fill_lattice<3>(const Shape&, double);
-template std::vector<Vector<3>> fill_with_fluid<3>(const Shape&, double);
+template LatticePoints<3> fill_lattice<3>(const Shape&, double);
+template LatticePoints<3> fill_with_fluid<3>(const Shape&, double);
+template std::optional<Vector<3>> first_inside<3>(const LatticePoints<3>&, const Shape&, double);
 template double fitted_spacing<3>(const std::vector<Shape>&, double);
 template double thickness<3>(const Shape&, const Vector<3>&, const Vector<3>&);
 

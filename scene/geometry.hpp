@@ -2,6 +2,9 @@
 // Solid shapes: boxes, polygons (2D), balls and their union and difference. Coordinates in m.
 
 #include <array>
+#include <cstddef>
+#include <iterator>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,15 +47,86 @@ bool contains(const Shape& shape, const Vector<D>& x);
 template <int D>
 Bounds<D> bounding_box(const Shape& shape);
 
+/// Points of a lattice inside a shape, kept as runs along x: as much memory as there are rows, however many points.
+template <int D>
+class LatticePoints {
+ public:
+  struct Run {
+    std::array<long, 3> index;  ///< of its first point
+    long count;
+  };
+  class Iterator {
+   public:
+    using iterator_category = std::forward_iterator_tag;
+    using value_type = Vector<D>;
+    using difference_type = std::ptrdiff_t;
+    using pointer = const Vector<D>*;
+    using reference = const Vector<D>&;
+
+    Iterator() = default;
+    Iterator(const LatticePoints* points, std::size_t run) : points_(points), run_(run) { place(); }
+    reference operator*() const { return x_; }
+    pointer operator->() const { return &x_; }
+    Iterator& operator++() {
+      if (++in_run_ == points_->runs_[run_].count) ++run_, in_run_ = 0;
+      place();
+      return *this;
+    }
+    Iterator operator++(int) {
+      Iterator before = *this;
+      ++*this;
+      return before;
+    }
+    bool operator==(const Iterator& other) const { return run_ == other.run_ && in_run_ == other.in_run_; }
+
+   private:
+    void place() {
+      if (run_ < points_->runs_.size()) x_ = points_->at(points_->runs_[run_], in_run_);
+    }
+    const LatticePoints* points_ = nullptr;
+    std::size_t run_ = 0;
+    long in_run_ = 0;
+    Vector<D> x_;
+  };
+
+  LatticePoints(const Vector<D>& corner, const Vector<D>& step) : corner_(corner), step_(step) {}
+  void add(const Run& run) {
+    runs_.push_back(run);
+    size_ += static_cast<std::size_t>(run.count);
+  }
+
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  Iterator begin() const { return {this, 0}; }
+  Iterator end() const { return {this, runs_.size()}; }
+  const std::vector<Run>& runs() const { return runs_; }
+  const Vector<D>& step() const { return step_; }
+  /// A point of a run, counted from its first.
+  Vector<D> at(const Run& run, long in_run) const {
+    Vector<D> x;
+    for (int d = 0; d < D; ++d) x[d] = corner_[d] + (static_cast<double>(run.index[d] + (d == 0 ? in_run : 0)) + 0.5) * step_[d];
+    return x;
+  }
+
+ private:
+  Vector<D> corner_, step_;
+  std::vector<Run> runs_;
+  std::size_t size_ = 0;
+};
+
 /// Lattice points x = bounding_box.min + (k + 1/2) spacing inside the shape, x running fastest. The lattice of a box
 /// whose sides are whole multiples of the spacing fills it exactly (tolerance 1e-6 spacing).
 template <int D>
-std::vector<Vector<D>> fill_lattice(const Shape& shape, double spacing);
+LatticePoints<D> fill_lattice(const Shape& shape, double spacing);
 
 /// The same for a fluid, whose walls shall be half a step away on all sides: in a box, or what is cut out of one, the steps are stretched
 /// so that whole ones fill each side.
 template <int D>
-std::vector<Vector<D>> fill_with_fluid(const Shape& shape, double spacing);
+LatticePoints<D> fill_with_fluid(const Shape& shape, double spacing);
+
+/// The first point that lies in the shape by more than `depth` [m].
+template <int D>
+std::optional<Vector<D>> first_inside(const LatticePoints<D>& points, const Shape& shape, double depth);
 
 /// The spacing near `spacing` whose D-th power is the volume of a cell of these lattices, on average over all boxes: with it the fluid
 /// begins at its density. `spacing` itself where whole multiples of it fill the boxes.

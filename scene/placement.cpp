@@ -6,7 +6,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 
 #include "base/error.hpp"
 #include "scene/parameter_table.hpp"
@@ -64,9 +66,9 @@ class PlacementCheck {
     return scene_.structure ? scene_.structure->bodies : none;
   }
 
-  using Fill = std::vector<Vector<D>> (*)(const Shape&, double);
+  using Fill = LatticePoints<D> (*)(const Shape&, double);
 
-  std::vector<Vector<D>> fill(Fill lattice, const Shape& shape, double spacing, const std::string& where) const {
+  LatticePoints<D> fill(Fill lattice, const Shape& shape, double spacing, const std::string& where) const {
     const Bounds<D> bounds = bounding_box<D>(shape);
     auto points = lattice(shape, spacing);
     if (points.empty()) {
@@ -123,11 +125,14 @@ class PlacementCheck {
   }
 
   // First of the points that lies in the shape by more than round-off of the spacing.
-  static const Vector<D>* inside(const std::vector<Vector<D>>& points, const Shape& shape, double spacing) {
+  static std::optional<Vector<D>> inside(const LatticePoints<D>& points, const Shape& shape, double spacing) {
+    return first_inside<D>(points, shape, 1e-6 * spacing);
+  }
+  static std::optional<Vector<D>> inside(const std::vector<Vector<D>>& points, const Shape& shape, double spacing) {
     for (const Vector<D>& x : points) {
-      if (signed_distance<D>(shape, x) < -1e-6 * spacing) return &x;
+      if (signed_distance<D>(shape, x) < -1e-6 * spacing) return x;
     }
-    return nullptr;
+    return std::nullopt;
   }
 
   void check_fluid_place() const {
@@ -152,12 +157,12 @@ class PlacementCheck {
       for (const WallCase& wall : scene_.walls) {
         if (wall.container) continue;
         const auto faces = sample_surface<D>(wall.shape, dx).position;
-        const Vector<D>* x = inside(fluid_points_[i], wall.shape, dx);
+        std::optional<Vector<D>> x = inside(fluid_points_[i], wall.shape, dx);
         if (!x) x = inside(faces, fluid()[i].shape, dx);
         if (x) fail_overlap(where_fluid(i), fmt::format("fluid body {}", i + 1), fmt::format("the obstacle '{}'", wall.name), *x);
       }
       for (std::size_t j = 0; j < i; ++j) {
-        const Vector<D>* x = inside(fluid_points_[i], fluid()[j].shape, dx);
+        std::optional<Vector<D>> x = inside(fluid_points_[i], fluid()[j].shape, dx);
         if (!x) x = inside(fluid_points_[j], fluid()[i].shape, dx);
         if (x) fail_overlap(where_fluid(i), fmt::format("fluid body {}", i + 1), fmt::format("fluid body {}", j + 1), *x);
       }
@@ -191,12 +196,12 @@ class PlacementCheck {
         }
       }
       for (std::size_t f = 0; f < fluid().size(); ++f) {
-        const Vector<D>* x = inside(structure_points_[i], fluid()[f].shape, body.spacing);
+        std::optional<Vector<D>> x = inside(structure_points_[i], fluid()[f].shape, body.spacing);
         if (!x) x = inside(fluid_points_[f], body.shape, body.spacing);
         if (x) fail_overlap(where_body(i), label, fmt::format("fluid body {}", f + 1), *x);
       }
       for (std::size_t j = 0; j < i; ++j) {
-        const Vector<D>* x = inside(structure_points_[i], structure()[j].shape, body.spacing);
+        std::optional<Vector<D>> x = inside(structure_points_[i], structure()[j].shape, body.spacing);
         if (!x) x = inside(structure_points_[j], body.shape, body.spacing);
         if (x) fail_overlap(where_body(i), label, fmt::format("the elastic body '{}'", structure()[j].name), *x);
       }
@@ -242,8 +247,7 @@ class PlacementCheck {
 
   // Expressions have to be finite wherever a particle starts.
   void check_initial_values() const {
-    const auto check = [&](const VectorExpression& field, const std::vector<Vector<D>>& points, const std::string& where,
-                           const std::string& name) {
+    const auto check = [&](const VectorExpression& field, const auto& points, const std::string& where, const std::string& name) {
       for (int d = 0; d < D; ++d) {
         if (field[d].is_constant()) continue;
         if (name == "velocity" && field[d].depends_on('t')) {
@@ -266,7 +270,7 @@ class PlacementCheck {
     const std::string& gravity = settings_.at("gravity").where;
     for (std::size_t i = 0; i < fluid().size(); ++i) {
       const Bounds<D> bounds = bounding_box<D>(fluid()[i].shape);
-      check(scene_.gravity, {0.5 * (bounds.min + bounds.max)}, gravity, "gravity");  // where the estimate of the steps takes it
+      check(scene_.gravity, std::array{Vector<D>(0.5 * (bounds.min + bounds.max))}, gravity, "gravity");  // where the estimate of the steps takes it
       check(scene_.gravity, fluid_points_[i], gravity, "gravity");
       check(fluid()[i].velocity, fluid_points_[i], where_fluid(i), "velocity");
     }
@@ -278,7 +282,7 @@ class PlacementCheck {
 
   Case& scene_;
   const Setting& settings_;
-  std::vector<std::vector<Vector<D>>> fluid_points_, structure_points_;
+  std::vector<LatticePoints<D>> fluid_points_, structure_points_;
 };
 
 }  // namespace

@@ -368,7 +368,8 @@ Reference<D> build_reference(const StructureCase& structure) {
               .mass_damping = input.mass_damping,
               .first = points.size(),
               .count = 0};
-    const auto filled = fill_lattice<D>(input.shape, input.spacing);
+    const LatticePoints<D> inside = fill_lattice<D>(input.shape, input.spacing);
+    const std::vector<Vector<D>> filled(inside.begin(), inside.end());
     if (filled.empty())
       throw BadInput(
           fmt::format("Body '{}' holds no particle at spacing {:.3g} m; make the spacing at most half of its "

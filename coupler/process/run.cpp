@@ -96,6 +96,23 @@ Manifest choose_checkpoint(const CheckpointStore& checkpoints, const Hellos& hel
   return checkpoints.choose(offers);
 }
 
+/// An account of the fluid of before gauges were added: these have no value in it. `before`: the gauges there were, by name.
+wire::Account with_added_gauges(const wire::Account& old, const Case& scene, const std::map<std::string, std::string>& before) {
+  wire::Account account = old;
+  account.clear_gauge();
+  account.clear_undefined();
+  int next = 0;
+  for (const GaugeCase& gauge : scene.gauges) {
+    if (owner(gauge) != GaugeOwner::fluid) continue;
+    const bool known = before.contains(gauge.name);
+    for (std::size_t c = 0; c < gauge_columns(gauge, scene.dimension).size(); ++c, next += known) {
+      account.add_gauge(known ? old.gauge(next) : 0);
+      account.add_undefined(known ? old.undefined(next) : true);
+    }
+  }
+  return account;
+}
+
 }  // namespace
 
 template <int D>
@@ -151,7 +168,7 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
   };
   /// Completes a set of which the participants have written theirs.
   const auto save_own = [&](const KeptStates::Kept& own, const std::map<wire::Role, std::string>& hashes) {
-    Manifest set{own.step, own.time_s, {}, {}, {}};
+    Manifest set{own.step, own.time_s, {}};
     for (const auto& [role, hash] : hashes) set.hash[proto::name(role)] = hash;
     accounts.recorder().sync();
     set.hash["coupler"] = checkpoints.save(own.step, own.state);
@@ -196,6 +213,7 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
       channel.welcome(static_cast<std::uint32_t>(properties.body.size()), std::move(welcome));
       channel.resume(manifest->step, seconds(now), sent, received, record_bytes);
     });
+    *done.mutable_account() = with_added_gauges(done.account(), scene, manifest->gauge);
     participants.set_window_done(done);
     fluid_account = done.account();
     proposed = done.proposed_step_s();

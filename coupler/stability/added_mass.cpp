@@ -12,7 +12,7 @@ namespace {
 
 /// Grows a box by the points of a lattice for which `counts` is true.
 template <int D, class Counts>
-void enclose(Bounds<D>& box, const std::vector<Vector<D>>& lattice, double spacing, Counts&& counts) {
+void enclose(Bounds<D>& box, const LatticePoints<D>& lattice, double spacing, Counts&& counts) {
   const Vector<D> half = Vector<D>::Constant(0.5 * spacing);
   for (const Vector<D>& x : lattice) {
     if (!counts(x)) continue;

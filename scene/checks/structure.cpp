@@ -28,13 +28,13 @@ void check_structure(const Case& scene, const Setting& settings) {
     const std::string& where = table.at("load").items[i].where;
     const StructureBody& body = body_named(load.body, scene, where, "load '" + load.name + "'");
     const bool on_volume = load.kind == LoadCase::Kind::body_force;
-    const auto points = on_volume ? fill_lattice<D>(body.shape, body.spacing)
-                                  : sample_surface<D>(body.shape, patch_length(body.spacing, scene.fluid)).position;
     const auto is_loaded = [&](const Vector<D>& x) {
       const bool clamped = std::any_of(body.clamps.begin(), body.clamps.end(), [&](const Shape& c) { return contains<D>(c, x); });
       return !clamped && (!load.region || contains<D>(*load.region, x));
     };
-    if (std::none_of(points.begin(), points.end(), is_loaded)) {
+    const auto nowhere = [&](const auto& points) { return std::none_of(points.begin(), points.end(), is_loaded); };
+    if (on_volume ? nowhere(fill_lattice<D>(body.shape, body.spacing))
+                  : nowhere(sample_surface<D>(body.shape, patch_length(body.spacing, scene.fluid)).position)) {
       fail_at(where, fmt::format("the load '{}' acts on nothing: no {} of the body '{}' lies in its region outside the clamps; "
                                  "move or enlarge the region (a surface has to lie inside it, not on its edge).",
                                  load.name, on_volume ? "particle" : "point of the surface", load.body));

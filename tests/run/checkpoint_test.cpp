@@ -31,7 +31,7 @@ struct TwoProcesses {
   }
   void save(std::uint64_t step, double value) const {
     const std::string of_fluid = save(fluid, step, value);
-    coupler.write_manifest({step, 0.5, {}, {}, {{"fluid", of_fluid}, {"coupler", save(coupler, step, -value)}}});
+    coupler.write_manifest({step, 0.5, {{"fluid", of_fluid}, {"coupler", save(coupler, step, -value)}}});
   }
   std::uint64_t chosen() const { return coupler.choose({{"fluid", fluid.files()}, {"coupler", coupler.files()}}).step; }
 

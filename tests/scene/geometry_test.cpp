@@ -75,12 +75,37 @@ void expect_points_lie_on_the_boundary_and_look_outwards(const Shape& shape, con
 // Seen to fail with one column too few in the count.
 TEST(Lattice, FillsABoxOfWholeMultiplesExactly) {
   EXPECT_EQ(fill_lattice<2>(box({0, 0}, {0.2, 0.4}), 0.004).size(), 5000u);
-  const auto plate = fill_lattice<2>(box({0.596, -0.010}, {0.600, 0.090}), 0.001);
+  const auto lattice = fill_lattice<2>(box({0.596, -0.010}, {0.600, 0.090}), 0.001);
+  const std::vector<Vector<2>> plate(lattice.begin(), lattice.end());
   ASSERT_EQ(plate.size(), 400u);
   EXPECT_NEAR(plate.front()[0], 0.5965, 1e-12);
   EXPECT_NEAR(plate[1][0] - plate[0][0], 0.001, 1e-12) << "x runs fastest";
   EXPECT_NEAR(plate.back()[1], 0.0895, 1e-12);
   EXPECT_EQ(fill_lattice<3>(box({0, 0, 0}, {0.3, 0.2, 0.1}), 0.1).size(), 6u);
+}
+
+// Seen to fail with the sign of the distance left out (what is passed over in a row is taken for inside), and with one point more passed
+// over than the distance allows.
+TEST(Lattice, HoldsThePointsThatASearchOfAllFinds) {
+  const Shape hole = combine(difference, {box({0, 0}, {10, 7}), ball({4, 3}, 2.3), box({6.2, 1}, {7.1, 9})});
+  const Shape shape = combine(union_of, {hole, ball({12, 4}, 1.7), ball({4.3, 3.1}, 0.4)});
+  for (const double spacing : {0.5, 0.11, 0.0237}) {
+    const Bounds<2> bounds = bounding_box<2>(shape);
+    std::vector<Vector<2>> all;
+    for (long j = 0; j < std::lround((bounds.max[1] - bounds.min[1]) / spacing); ++j)
+      for (long i = 0; i < std::lround((bounds.max[0] - bounds.min[0]) / spacing); ++i) {
+        const Vector<2> x(bounds.min[0] + (static_cast<double>(i) + 0.5) * spacing, bounds.min[1] + (static_cast<double>(j) + 0.5) * spacing);
+        if (signed_distance<2>(shape, x) <= 1e-6 * spacing) all.push_back(x);
+      }
+    const auto lattice = fill_lattice<2>(shape, spacing);
+    EXPECT_EQ(lattice.size(), all.size());
+    EXPECT_TRUE(std::equal(lattice.begin(), lattice.end(), all.begin(), all.end()));
+    const Shape probe = ball({11.5, 4.2}, 0.6);
+    const auto found = first_inside<2>(lattice, probe, 0);
+    const auto first = std::find_if(all.begin(), all.end(), [&](const auto& x) { return signed_distance<2>(probe, x) < 0; });
+    ASSERT_EQ(found.has_value(), first != all.end());
+    if (found) EXPECT_EQ(*found, *first);
+  }
 }
 
 // Seen to fail with the second part of the difference added instead of subtracted.

@@ -8,6 +8,7 @@ from tern.launch import cases, status
 from tern.results import report, summary
 
 MAY_CHANGE = ("end_time", "output.frame_interval", "output.gauge_interval", "output.checkpoint_interval")
+IN_WORDS = f"{', '.join(MAY_CHANGE)} may change, and gauges be added"
 
 
 def flat(settings, prefix=""):
@@ -24,6 +25,8 @@ def flat(settings, prefix=""):
 
 def differences(then, now):
     """Sentences about what has changed in the settings and must not."""
+    gauges = {gauge["name"] for gauge in then.get("gauge", [])}
+    now = now | {"gauge": [gauge for gauge in now.get("gauge", []) if gauge["name"] in gauges]}  # more of them may be there
     then, now = flat(then), flat(now)
     return [f"{key} was {then.get(key, 'absent')} and is {now.get(key, 'absent')}" for key in sorted(then.keys() | now.keys())
             if then.get(key) != now.get(key) and key not in MAY_CHANGE]

@@ -198,7 +198,7 @@ def _run_once(request):
         before, checkpoint = resumption.newest(out)
         if changed := resumption.differences(before["settings"], case.get("settings", {})):
             raise Error(BAD_INPUT, f"{path} is not the case of {summary.shown(out)} any more: {'; '.join(changed)}. Undo that, or begin "
-                                   f"anew; only {', '.join(resumption.MAY_CHANGE)} may change.")
+                                   f"anew; only {resumption.IN_WORDS}.")
     else:
         out = cases.make_out_directory(case["name"], request.out, request.force)
     if not request.quiet:
