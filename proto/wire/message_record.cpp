@@ -43,6 +43,7 @@ void MessageRecord::write(const wire::Message& message) {
   errno = 0;
   wire::Message kept = message;
   kept.clear_sequence();
+  if (kept.has_hello()) kept.mutable_hello()->clear_process_id();  // the record of a run is always the same
   if (!google::protobuf::util::SerializeDelimitedToOstream(kept, &file_) || !file_.flush()) throw failure(path_);
 }
 

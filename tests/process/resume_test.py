@@ -15,8 +15,6 @@ import subprocess
 import unittest
 from pathlib import Path
 
-import h5py
-
 import kills
 from fake_build import ROOT, wait_until
 from real_run import RealRunTest
@@ -76,7 +74,28 @@ class ResumeTest(RealRunTest):
                 self.tern("resume", parts, "--quiet", "--until", end)
                 self.assertEqual(differences(whole, parts), [])
 
-    # Frames of a participant in Python are the same, not the bytes of their file: h5py does not give back what was removed.
+    # Seen to fail: with frames removed from the file in place (h5py does not give back their room).
+    def test_frames_in_python_go_back_byte_for_byte(self):
+        from tern.participant.frames import FrameWriter
+
+        def write(frames, steps):
+            for step in steps:
+                points = [[float(step), 0], [0, 1]]
+                frames.write(0.1 * step, step, {"position": points, "velocity": points, "pressure": [1, step]}, {"surface_force": points[:1]})
+
+        for name in ("whole", "parts"):
+            (self.path / name).mkdir()
+        write(FrameWriter(self.path / "whole", "fluid", 2), range(6))
+        frames = FrameWriter(self.path / "parts", "fluid", 2)
+        write(frames, range(3))
+        mark = frames.mark()
+        write(frames, (3, 4))
+        frames = FrameWriter(self.path / "parts", "fluid", 2, anew=False)
+        frames.go_back(mark)
+        write(frames, range(3, 6))
+        for file in ("fluid.h5", "fluid.xmf"):
+            self.assertEqual((self.path / "whole" / file).read_bytes(), (self.path / "parts" / file).read_bytes(), file)
+
     def test_foreign_participants_that_keep_their_state_go_on(self):
         foreign = {"spring": (CASES / "piston", ["--structure", "rigid_spring.py --stiffness 2e7"], 0.02),
                    "column": (CASES / "piston", ["--fluid", "column_fluid.py --step 1e-4", "--set", "coupling.scheme=pi"], 0.008),
@@ -88,13 +107,7 @@ class ResumeTest(RealRunTest):
                 self.run_case(case, whole, *words, "--until", end)
                 self.run_case(case, parts, *words, "--until", end / 2)
                 self.tern("resume", parts, "--quiet", "--until", end, cwd="/")
-                side = "fluid" if name == "column" else "structure"
-                self.assertEqual(differences(whole, parts, but=(f"{side}.h5",)), [])
-                with h5py.File(whole / f"{side}.h5") as one, h5py.File(parts / f"{side}.h5") as other:
-                    self.assertEqual(list(one), list(other))
-                    for frame in one:
-                        for field in one[frame]:
-                            self.assertEqual(one[frame][field][()].tobytes(), other[frame][field][()].tobytes(), f"{frame}/{field}")
+                self.assertEqual(differences(whole, parts), [])
 
     def test_a_participant_that_keeps_none_takes_part_and_resume_says_so(self):
         self.run_case(CASES / "piston", self.out, "--structure", "prescribed_motion.py", "--until", 0.005)

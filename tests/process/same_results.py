@@ -22,11 +22,7 @@ def _flat(value, prefix=""):
 
 
 def _bytes(path):
-    """Of a file of results; of steps.csv without its last column, the wall time; of a record without Hello, which has process
-    ids."""
-    if path.suffix == ".record":
-        from tern.participant.recording import messages
-        return [message.SerializeToString() for message in messages(path) if not message.HasField("hello")]
+    """Of a file of results; of steps.csv without its last column, the wall time."""
     text = path.read_bytes()
     return b"\n".join(line.rpartition(b",")[0] for line in text.split(b"\n")) if path.name == "steps.csv" else text
 

@@ -1,5 +1,6 @@
 """Frames of one side for ParaView and ./tern plot: NAME.h5 with a group per frame, and its index NAME.xmf (docs/ARCHITECTURE.md)."""
 
+import os
 from pathlib import Path
 
 import h5py
@@ -35,25 +36,44 @@ class FrameWriter:
         return [self.frames, self._end]
 
     def go_back(self, mark):
-        """Removes the frames written after mark()."""
+        """Makes both files what they were at mark(), byte for byte: those with more frames are written anew, for HDF5 does not give back
+        the room of what is removed."""
         self.frames, self._end = (int(entry) for entry in mark)
-        with h5py.File(self._data, "a") as file:
-            for name in [name for name in file if name not in {f"frame_{n:06d}" for n in range(self.frames)}]:
-                del file[name]
+        kept = [f"frame_{n:06d}" for n in range(self.frames)]
+        with h5py.File(self._data, "r") as file:
+            more = set(file) - set(kept)
+        if more:
+            anew = self._data.with_suffix(".h5.tmp")
+            h5py.File(anew, "w").close()
+            with h5py.File(self._data, "r") as file:
+                for name in kept:
+                    frame = file[name]
+                    self._put(anew, name, dict(frame.attrs), {field: (frame[field][()], frame[field].attrs.get("unit")) for field in frame})
+            os.replace(anew, self._data)
         self._append("")
+
+    @staticmethod
+    def _put(path, name, numbers, datasets):
+        """Adds a frame: {name: number}, {name: (array, unit or None)}. In the order of names, in which HDF5 gives them back."""
+        with h5py.File(path, "a") as file:
+            group = file.create_group(name + ".unfinished")
+            for key in sorted(numbers):
+                group.attrs[key] = numbers[key]
+            for field in sorted(datasets):
+                array, unit = datasets[field]
+                dataset = group.create_dataset(field, data=array)
+                if unit is not None:
+                    dataset.attrs["unit"] = unit
+            file.move(name + ".unfinished", name)  # a frame that could not be finished is no frame
 
     def write(self, time_s, step, fields, beside=None):
         """`fields`: name -> one scalar or vector per point, "position" among them; `beside`: points of another number."""
         name = f"frame_{self.frames:06d}"
         arrays = {field: self._array(field, values) for field, values in (fields | (beside or {})).items()}
         rows = len(arrays["position"])
-        with h5py.File(self._data, "a") as file:
-            group = file.create_group(name + ".unfinished")
-            group.attrs["time_s"], group.attrs["step"] = time_s, step
-            for field, array in arrays.items():
-                group.create_dataset(field, data=array).attrs["unit"] = self._units.get(field, "1")
-            group.create_dataset("connectivity", data=numpy.arange(rows, dtype=numpy.int32))
-            file.move(name + ".unfinished", name)  # a frame that could not be finished is no frame
+        datasets = {field: (array, self._units.get(field, "1")) for field, array in arrays.items()}
+        self._put(self._data, name, {"time_s": time_s, "step": step},
+                  datasets | {"connectivity": (numpy.arange(rows, dtype=numpy.int32), None)})
         source = f"{self._data.name}:/{name}"
         grid = (f'<Grid Name="{name}" GridType="Uniform">\n<Time Value="{time_s:.17g}"/>\n<Topology TopologyType="Polyvertex" '
                         f'NumberOfElements="{rows}" NodesPerElement="1">{_item(rows, 0, "connectivity", source, "Int")}</Topology>\n'
