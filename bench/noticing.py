@@ -57,7 +57,8 @@ def main():
     busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(load)]
     late = False
     try:
-        print(f"| event, with {load} busy processes on {os.cpu_count()} cores | to whom: time to the end [s] | documented [s] |\n|---|---|---|")
+        print(f"| event, with {load} busy processes on {os.cpu_count()} cores | to whom: time to the end [s] | documented [s] |")
+        print("|---|---|---|")
         for event, (number, victims, documented) in EVENTS.items():
             cells = []
             for whom in victims:

@@ -54,12 +54,8 @@ std::string hash_of_file(const std::string& path) {
 }
 
 Json to_json(const Manifest& manifest) {
-  return {{"step", manifest.step},
-          {"time_s", manifest.time_s},
-          {"case", manifest.case_hash},
-          {"program", manifest.program},
-          {"gauge", manifest.gauge},
-          {"hash", manifest.hash}};
+  return {{"step", manifest.step},       {"time_s", manifest.time_s}, {"case", manifest.case_hash},
+          {"program", manifest.program}, {"gauge", manifest.gauge},   {"hash", manifest.hash}};
 }
 
 std::optional<Manifest> read_manifest(const std::string& path) {
@@ -72,7 +68,7 @@ std::optional<Manifest> read_manifest(const std::string& path) {
     const std::string own = json.at("own").get<std::string>();
     json.erase("own");
     using Texts = std::map<std::string, std::string>;
-    const Manifest manifest{json.at("step").get<std::uint64_t>(), json.at("time_s").get<double>(),      json.at("hash").get<Texts>(),
+    const Manifest manifest{json.at("step").get<std::uint64_t>(), json.at("time_s").get<double>(),       json.at("hash").get<Texts>(),
                             json.at("case").get<std::string>(),   json.at("program").get<std::string>(), json.at("gauge").get<Texts>()};
     if (hash_of(to_json(manifest).dump()) != own || json != to_json(manifest)) return std::nullopt;
     return manifest;
@@ -158,15 +154,16 @@ Manifest CheckpointStore::choose(const std::map<std::string, std::vector<Checkpo
   const auto all = manifests();
   for (const Manifest& manifest : all) {
     if (manifest.case_hash != case_hash_)
-      throw BadInput(
-          fmt::format("The case is not the one of the checkpoints in {}: what was computed so far does not belong to it. Only "
-                      "end_time and the intervals of [output] may change, and gauges be added; undo the rest, or begin anew with ./tern run.",
-                      directory_));
+      throw BadInput(fmt::format(
+          "The case is not the one of the checkpoints in {}: what was computed so far does not belong to it. Only "
+          "end_time and the intervals of [output] may change, and gauges be added; undo the rest, or begin anew with ./tern run.",
+          directory_));
     for (const auto& [name, hash] : manifest.gauge)
       if (const auto now = gauge_hashes_.find(name); now == gauge_hashes_.end() || now->second != hash)
-        throw BadInput(fmt::format("The gauge '{}' {} since the checkpoints in {}; gauges may be added only: undo that, give the new one "
-                                   "another name, or begin anew with ./tern run.",
-                                   name, now == gauge_hashes_.end() ? "was removed" : "was changed", directory_));
+        throw BadInput(
+            fmt::format("The gauge '{}' {} since the checkpoints in {}; gauges may be added only: undo that, give the new one "
+                        "another name, or begin anew with ./tern run.",
+                        name, now == gauge_hashes_.end() ? "was removed" : "was changed", directory_));
     if (manifest.program != program_name())
       throw BadInput(
           fmt::format("The checkpoints in {} were written by tern {}, this is {}: continue with that version, or begin anew with "

@@ -30,9 +30,9 @@ struct CheckpointFile {
 struct Manifest {
   std::uint64_t step = 0;
   double time_s = 0;
-  std::map<std::string, std::string> hash;  ///< by role
-  std::string case_hash{};                  ///< Case::hash_of_rest
-  std::string program{};                    ///< version and commit
+  std::map<std::string, std::string> hash;     ///< by role
+  std::string case_hash{};                     ///< Case::hash_of_rest
+  std::string program{};                       ///< version and commit
   std::map<std::string, std::string> gauge{};  ///< Case::gauge_hashes
 };
 

@@ -158,12 +158,12 @@ struct Case {
   std::string path;  ///< of the file
   std::string name;  ///< folder name
   std::string title;
-  std::string hash;  ///< hexadecimal; of the effective settings (preset and overrides included) and of the motion files
+  std::string hash;          ///< hexadecimal; of the effective settings (preset and overrides included) and of the motion files
   std::string hash_of_rest;  ///< the same without what a run that goes on may change: end_time, the intervals of output, and gauges
   std::map<std::string, std::string> gauge_hashes;  ///< by name; a run that goes on may have more of them, not others
-  std::string settings;  ///< the effective settings as JSON text, for run.json
-  std::string preset;    ///< the group of numerical options
-  std::vector<std::string> preset_changes;  ///< what it made of the case, "key = value" each; --set goes on top
+  std::string settings;                             ///< the effective settings as JSON text, for run.json
+  std::string preset;                               ///< the group of numerical options
+  std::vector<std::string> preset_changes;          ///< what it made of the case, "key = value" each; --set goes on top
   int dimension = 0;
   double end_time = 0;                               ///< [s]
   VectorExpression gravity;                          ///< [m/s^2] in t, x, y, z

@@ -270,7 +270,8 @@ class PlacementCheck {
     const std::string& gravity = settings_.at("gravity").where;
     for (std::size_t i = 0; i < fluid().size(); ++i) {
       const Bounds<D> bounds = bounding_box<D>(fluid()[i].shape);
-      check(scene_.gravity, std::array{Vector<D>(0.5 * (bounds.min + bounds.max))}, gravity, "gravity");  // where the estimate of the steps takes it
+      check(scene_.gravity, std::array{Vector<D>(0.5 * (bounds.min + bounds.max))}, gravity,
+            "gravity");  // where the estimate of the steps takes it
       check(scene_.gravity, fluid_points_[i], gravity, "gravity");
       check(fluid()[i].velocity, fluid_points_[i], where_fluid(i), "velocity");
     }

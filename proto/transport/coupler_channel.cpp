@@ -35,9 +35,9 @@ struct Peer {
   std::uint32_t process_id;
   Session session;
   std::deque<wire::Message> inbox;
-  bool settled = false;   // what happened to its connection before it joined is known
-  bool finished = false;  // may leave
-  bool gone = false;      // lost, or stopped by its own Abort
+  bool settled = false;                       // what happened to its connection before it joined is known
+  bool finished = false;                      // may leave
+  bool gone = false;                          // lost, or stopped by its own Abort
   std::optional<wire::Checkpoint> kept = {};  // after a failure
 };
 

@@ -81,7 +81,8 @@ class ResumeTest(RealRunTest):
         def write(frames, steps):
             for step in steps:
                 points = [[float(step), 0], [0, 1]]
-                frames.write(0.1 * step, step, {"position": points, "velocity": points, "pressure": [1, step]}, {"surface_force": points[:1]})
+                fields = {"position": points, "velocity": points, "pressure": [1, step]}
+                frames.write(0.1 * step, step, fields, {"surface_force": points[:1]})
 
         for name in ("whole", "parts"):
             (self.path / name).mkdir()

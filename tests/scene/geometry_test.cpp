@@ -94,7 +94,8 @@ TEST(Lattice, HoldsThePointsThatASearchOfAllFinds) {
     std::vector<Vector<2>> all;
     for (long j = 0; j < std::lround((bounds.max[1] - bounds.min[1]) / spacing); ++j)
       for (long i = 0; i < std::lround((bounds.max[0] - bounds.min[0]) / spacing); ++i) {
-        const Vector<2> x(bounds.min[0] + (static_cast<double>(i) + 0.5) * spacing, bounds.min[1] + (static_cast<double>(j) + 0.5) * spacing);
+        const Vector<2> x(bounds.min[0] + (static_cast<double>(i) + 0.5) * spacing,
+                          bounds.min[1] + (static_cast<double>(j) + 0.5) * spacing);
         if (signed_distance<2>(shape, x) <= 1e-6 * spacing) all.push_back(x);
       }
     const auto lattice = fill_lattice<2>(shape, spacing);
