@@ -42,7 +42,7 @@ class FrameWriter {
   template <int D>
   void vector(const std::string& field, const std::string& unit, std::span<const Vector<D>> values);
 
-  /// Vectors on other points than the particles (surface_position, surface_force): in the frame's group as float64
+  /// Vectors on other points than the particles (surface_position, surface_force, wall_place): in the frame's group as float64
   /// [K,3], not in the XDMF index.
   template <int D>
   void side_vector(const std::string& field, const std::string& unit, std::span<const Vector<D>> values);

@@ -22,6 +22,19 @@ std::vector<std::uint32_t> numbers(const std::vector<ParticleClass>& values) {
   return result;
 }
 
+/// Of each moving wall, in the order of the case: where its points are that were at t = 0 at the origin and 1 m from it along each axis.
+template <int D>
+std::vector<Vector<D>> wall_places(const std::vector<Wall<D>>& walls, double t) {
+  std::vector<Vector<D>> places;
+  for (const Wall<D>& wall : walls) {
+    if (!wall.scene.motion) continue;
+    const Placement<D> place = placement<D>(*wall.scene.motion, t);
+    places.push_back(place(Vector<D>::Zero()));
+    for (int d = 0; d < D; ++d) places.push_back(place(Vector<D>::Unit(d)));
+  }
+  return places;
+}
+
 template <int D>
 void write_frame(const Fluid<D>& fluid, FrameWriter& frames, long step) {
   const State<D>& state = fluid.state();
@@ -42,6 +55,8 @@ void write_frame(const Fluid<D>& fluid, FrameWriter& frames, long step) {
     else
       frames.integer(name, std::span<const std::uint32_t>(numbers(sorted(values))));
   });
+  const std::vector<Vector<D>> places = wall_places(fluid.walls().all(), seconds(state.time));
+  if (!places.empty()) frames.side_vector<D>("wall_place", "m", places);
   frames.end();
 }
 

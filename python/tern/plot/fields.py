@@ -1,15 +1,15 @@
 """Fields at a time: fluid coloured by pressure, structure by Cauchy shear stress, or both by speed; the interface a black line.
 
-Particles are drawn as discs of their own spacing in metres, so a gap in the picture is a gap in the particles. In 3D
-the picture shows the particles within one spacing of the middle plane.
+Particles are drawn as discs of their own spacing in metres, so a gap in the picture is a gap in the particles. Of a 3D run
+the picture shows a slice, the particles within one spacing of a plane, and says so in its title.
 """
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import EllipseCollection, LineCollection
-from matplotlib.patches import Circle
+from matplotlib.patches import Circle, Rectangle
 
-from tern.plot import style
+from tern.plot import style, walls
 from tern.results.frames import nearest
 
 # For each field a film can show: what colours the fluid, what the structure.
@@ -55,50 +55,86 @@ def _outline(axis, position):
     axis.add_collection(LineCollection(lines, colors="black", linewidths=1.0))
 
 
-def _middle(fields, spacing):
-    """Which particles a flat picture shows: all in 2D, the middle slice in 3D."""
-    depth = fields["position"][:, 2]
-    if np.ptp(depth) < 1e-12:
-        return np.ones(len(depth), dtype=bool)
-    return np.abs(depth - 0.5 * (depth.min() + depth.max())) <= spacing
+class Cut:
+    """The plane of a slice of a 3D run: the coordinate `direction` (0, 1, 2) is `at` [m]; shown is what is within `reach` [m] of it."""
+
+    def __init__(self, direction, at):
+        self.direction, self.at = direction, at
+        self.kept = [axis for axis in range(3) if axis != direction]
+
+    def text(self, reach):
+        return f"slice at {'xyz'[self.direction]} = {self.at:.4g} m (particles within {reach:.2g} m of it)"
 
 
-def _draw_gauges(axis, run):
+def middle_cut(run):
+    """The plane through the middle of all particles of the first frame, across z."""
+    depth = [frames[0]["position"][:, 2] for frames in map(run.frames_of, ("fluid", "structure")) if frames and len(frames[0]["position"])]
+    if not depth:
+        return Cut(2, 0.0)
+    depth = np.concatenate(depth)
+    return Cut(2, 0.5 * (float(depth.min()) + float(depth.max())))
+
+
+def flat(run, fields, process, cut):
+    """The fields a flat picture shows, positions with two columns: all in 2D, in 3D what is within one spacing of the plane of `cut`."""
+    if fields is None:
+        return None
+    if cut is None:
+        return fields | {name: fields[name][:, :2] for name in ("position", "surface_position") if name in fields}
+    reach, count = run.spacing(process), len(fields["position"])
+    shown = np.abs(fields["position"][:, cut.direction] - cut.at) <= reach
+    result = {name: values[shown] if len(values) == count else values for name, values in fields.items()}
+    result["position"] = result["position"][:, cut.kept]
+    if "surface_position" in fields:
+        surface = fields["surface_position"]
+        result["surface_position"] = surface[np.abs(surface[:, cut.direction] - cut.at) <= 0.6 * reach][:, cut.kept]
+    return result
+
+
+def _draw_gauges(axis, run, cut):
     """Where the gauges of the case are at the start: points, lines, and discs of the size of a sensor."""
+    kept = cut.kept if cut else [0, 1]
     for place in run.contents.get("gauge_places", []):
         if "from" in place:
-            (x0, y0), (x1, y1) = place["from"][:2], place["to"][:2]
+            (x0, y0), (x1, y1) = (np.array(place[end])[kept] for end in ("from", "to"))
             axis.plot([x0, x1], [y0, y1], color="tab:red", linewidth=1.0, linestyle="--")
             x, y = 0.5 * (x0 + x1), 0.5 * (y0 + y1)
         else:
-            x, y = place["at"][:2]
+            x, y = np.array(place["at"])[kept]
             axis.plot(x, y, marker="+", color="tab:red", markersize=5, linestyle="none")
             if "diameter" in place:
                 axis.add_patch(Circle((x, y), 0.5 * place["diameter"], fill=False, edgecolor="tab:red", linewidth=0.8))
-        axis.annotate(style.plain(place["name"]), (x, y), xytext=(3, 3), textcoords="offset points", color="tab:red", fontsize=6)
+        axis.annotate(style.plain(place["name"]), (x, y), xytext=(3, 3), textcoords="offset points", color="tab:red", fontsize=6,
+                      annotation_clip=True)
 
 
-def _draw(axis, run, fluid, structure, limits, field):
+def _draw_walls(axis, placed, cut, view):
+    """The outlines of the walls where they are; in a corner the names of those of which nobody knows that."""
+    for wall, place in placed:
+        if place is None:
+            continue
+        lines = walls.cut(wall, place, cut.direction, cut.at, view) if cut else place(walls.outline(wall).reshape(-1, 2)).reshape(-1, 2, 2)
+        axis.add_collection(LineCollection(lines, colors="0.35", linewidths=1.5))
+    if lost := [wall["name"] for wall, place in placed if place is None]:
+        axis.text(0.99, 0.99, style.plain(f"not drawn, the frames do not say where they are: {', '.join(lost)}"), ha="right", va="top",
+                  transform=axis.transAxes, fontsize=8, color="tab:red")
+
+
+def _draw(axis, run, fluid, structure, limits, field, placed, cut, view):
     """Draws both sides; returns the mappable of each (None where absent)."""
     drawn = [None, None]
     (_, fluid_colours, of_fluid), (_, structure_colours, of_structure) = FIELDS[field]
-    for lower, upper, open_faces in run.wall_boxes():
-        (x0, y0), (x1, y1) = lower[:2], upper[:2]
-        sides = {"x_min": ((x0, y0), (x0, y1)), "x_max": ((x1, y0), (x1, y1)), "y_min": ((x0, y0), (x1, y0)),
-                 "y_max": ((x0, y1), (x1, y1))}
-        axis.add_collection(LineCollection([line for face, line in sides.items() if face not in open_faces],
-                                           colors="0.35", linewidths=1.5))
+    _draw_walls(axis, placed, cut, view)
+    fluid, structure = flat(run, fluid, "fluid", cut), flat(run, structure, "structure", cut)
     if fluid is not None:
-        shown = _middle(fluid, run.spacing("fluid"))
-        drawn[0] = _discs(axis, fluid["position"][shown], of_fluid(fluid)[shown], run.spacing("fluid"), fluid_colours, limits[0])
+        drawn[0] = _discs(axis, fluid["position"], of_fluid(fluid), run.spacing("fluid"), fluid_colours, limits[0])
     if structure is not None:
-        shown = _middle(structure, run.spacing("structure"))
-        drawn[1] = _discs(axis, structure["position"][shown], of_structure(structure)[shown], run.spacing("structure"),
-                          structure_colours, limits[1])
-        if "surface_position" in structure and len(structure["surface_position"]):
-            surface = structure["surface_position"]
-            _outline(axis, surface[np.abs(surface[:, 2] - np.median(surface[:, 2])) <= run.spacing("structure")][:, :2])
-    _draw_gauges(axis, run)
+        drawn[1] = _discs(axis, structure["position"], of_structure(structure), run.spacing("structure"), structure_colours, limits[1])
+        if "surface_position" in structure:
+            _outline(axis, structure["surface_position"])
+    _draw_gauges(axis, run, cut)
+    for set_limits, range_ in zip((axis.set_xlim, axis.set_ylim), view):
+        set_limits(*range_)
     axis.set_aspect("equal")
     axis.grid(False)
     return drawn
@@ -112,15 +148,27 @@ def limits_of(fluid, structure):
     return (min(float(lowest), 0.0), max(float(highest), 1e-9)), (-max(float(shear), 1e-9), max(float(shear), 1e-9))
 
 
-def foot(structure):
-    """(centre, half width) of the zoom: where the clamped part of the structure ends; None without a clamp."""
-    clamped = structure.get("clamped", np.zeros(1)).astype(bool)
-    if clamped.shape != structure["position"].shape[:1] or not clamped.any() or clamped.all():
+def displacement(structure, first):
+    """How far each particle of the structure is from where it was [m]; `first`: its fields in the first frame."""
+    if "displacement" in structure:
+        return np.linalg.norm(structure["displacement"], axis=1)
+    if first is None or len(first["position"]) != len(structure["position"]):
+        return np.zeros(len(structure["position"]))
+    return np.linalg.norm(structure["position"] - first["position"], axis=1)
+
+
+def focus(run, structure, view):
+    """(number of the particle, half width [m]) of an enlargement of what moves most; None where nothing moves, or the picture shows it
+    large enough already."""
+    if structure is None or len(structure["position"]) == 0:
         return None
-    held, free = structure["position"][clamped], structure["position"][~clamped]
-    gap = np.linalg.norm(held[:, None, :2] - free[None, :, :2], axis=2).min(axis=1)
-    edge = held[gap < 1.5 * gap.min()][:, :2]
-    return edge.mean(axis=0), 0.22 * max(np.ptp(free[:, 0]), np.ptp(free[:, 1]))
+    moved = displacement(structure, run.frames_of("structure")[0])
+    number = int(np.argmax(moved))
+    if moved[number] == 0:
+        return None
+    own = structure["position"][structure["body"] == structure["body"][number]] if "body" in structure else structure["position"]
+    size = np.ptp(own, axis=0).max()
+    return (number, 0.6 * size) if size < 0.35 * max(high - low for low, high in view) else None
 
 
 def read(run, time):
@@ -134,15 +182,31 @@ def read(run, time):
     return exact, fluid, structure
 
 
-def figure(run, time):
-    """Both sides at the frame nearest to `time`: (the time of the frame, the figure)."""
+def axes_of(with_focus, **options):
+    """(figure, axes of the whole, axes of the enlargement beside it, or None)."""
+    if not with_focus:
+        return *plt.subplots(figsize=(10, 6.5), **options), None
+    whole, (axis, beside) = plt.subplots(1, 2, figsize=(12.5, 6.5), gridspec_kw={"width_ratios": [3, 1]}, **options)
+    return whole, axis, beside
+
+
+def figure(run, time, cut=None):
+    """Both sides at the frame nearest to `time`: (the time of the frame, the figure). Of a 3D run a slice, by default the middle one."""
     exact, fluid, structure = read(run, time)
-    whole, axis = plt.subplots(figsize=(10, 6.5), layout="constrained")
-    drawn = panel(axis, run, fluid, structure, limits_of(fluid, structure))
-    axis.set_ylabel("y [m]")
-    axis.set_title(f"{style.plain(run.title)}, t = {exact:.3f} s", loc="left")
-    colour_bars(whole, axis, drawn, shrink=0.75)
+    cut = (cut or middle_cut(run)) if run.dimension == 3 else None
+    view = view_of(run, fluid, structure, cut)
+    shown = focus(run, structure, view) if fluid is not None else None
+    whole, axis, beside = axes_of(shown, layout="constrained")
+    drawn = panel(axis, run, fluid, structure, limits_of(fluid, structure), view=view, cut=cut, shown=shown, beside=beside)
+    title(axis, run, exact, cut)
+    colour_bars(whole, [axis, beside] if beside else axis, drawn, shrink=0.75)
     return exact, whole
+
+
+def title(axis, run, time, cut):
+    reach = max(filter(None, map(run.spacing, ("fluid", "structure"))))
+    slice_ = f"\n{cut.text(reach)}" if cut else ""
+    axis.set_title(f"{style.plain(run.title)}, t = {time:.3f} s{slice_}", loc="left")
 
 
 def colour_bars(whole, axes, drawn, field="pressure", **options):
@@ -153,37 +217,38 @@ def colour_bars(whole, axes, drawn, field="pressure", **options):
         bar.formatter.set_powerlimits((-3, 4))
 
 
-def panel(axis, run, fluid, structure, limits, field="pressure", view=None, foot_half=None):
-    """Both sides, with the foot of a clamped structure enlarged; returns the mappable of each (None where absent).
+def panel(axis, run, fluid, structure, limits, field="pressure", view=None, cut=None, shown=None, beside=None):
+    """Both sides; returns the mappable of each (None where absent).
 
-    `view` ((x, x), (y, y)) and `foot_half`, the half width of the enlargement, hold still over a film.
+    `view` ((x, x), (y, y)) holds still over a film. `shown` of focus(): what the axes `beside` show enlarged, a rectangle says where.
     """
-    drawn = _draw(axis, run, fluid, structure, limits, field)
-    for set_limits, range_ in zip((axis.set_xlim, axis.set_ylim), view or view_of(run, fluid, structure)):
-        set_limits(*range_)
-    axis.set_xlabel("x [m]")
-    place = foot(structure) if structure is not None and fluid is not None else None
-    if place is not None:
-        (x, y), half = place[0], foot_half or place[1]
-        inset = axis.inset_axes([0.03, 0.52, 0.34, 0.45])
-        _draw(inset, run, fluid, structure, limits, field)
-        inset.set_xlim(x - 1.2 * half, x + 1.2 * half)
-        inset.set_ylim(y - 0.4 * half, y + 1.6 * half)
-        inset.set_xticks([])
-        inset.set_yticks([])
-        for spine in inset.spines.values():
+    placed = walls.placed(run.settings.get("wall", []), fluid)
+    view = view or view_of(run, fluid, structure, cut)
+    drawn = _draw(axis, run, fluid, structure, limits, field, placed, cut, view)
+    kept = cut.kept if cut else [0, 1]
+    axis.set_xlabel(f"{'xyz'[kept[0]]} [m]")
+    axis.set_ylabel(f"{'xyz'[kept[1]]} [m]")
+    if shown is not None:
+        (x, y), half = structure["position"][shown[0]][kept], shown[1]
+        near = ((x - half, x + half), (y - half, y + half))
+        _draw(beside, run, fluid, structure, limits, field, placed, cut, near)
+        beside.set_xticks([])
+        beside.set_yticks([])
+        for spine in beside.spines.values():
             spine.set_visible(True)
-        axis.indicate_inset_zoom(inset, edgecolor="0.3")
+        beside.set_title(f"{2 * half:.2g} m across, where the\nstructure moved most", loc="left", fontsize=9)
+        axis.add_patch(Rectangle((x - half, y - half), 2 * half, 2 * half, fill=False, edgecolor="black", linewidth=1.0))
     return drawn
 
 
-def view_of(run, fluid, structure):
+def view_of(run, fluid, structure, cut=None):
     """((x, x), (y, y)) [m]: walls and structure wholly, the fluid but for single drops far away."""
     known = fluid is not None and len(fluid["position"]) > 0
-    parts = [np.percentile(fluid["position"][:, :2], (0.2, 99.8), axis=0)] if known else []
+    kept = cut.kept if cut else [0, 1]
+    parts = [np.percentile(fluid["position"][:, kept], (0.2, 99.8), axis=0)] if known else []
     if structure is not None:
-        parts.append(structure["position"][:, :2])
-    parts += [np.array([lower[:2], upper[:2]], dtype=float) for lower, upper, _ in run.wall_boxes()]
+        parts.append(structure["position"][:, kept])
+    parts += [place(walls.corners(wall))[:, kept] for wall, place in walls.placed(run.settings.get("wall", []), fluid) if place]
     corners = np.concatenate(parts or [np.array([[0.0, 0.0], [1.0, 1.0]])])
     margin = 0.03 * np.ptp(corners, axis=0).max()
     return tuple((float(low - margin), float(high + margin)) for low, high in zip(corners.min(axis=0), corners.max(axis=0)))

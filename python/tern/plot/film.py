@@ -33,14 +33,14 @@ def _times(run):
         f"--set output.frame_interval={end / 100:.2g}, which writes about 100.")
 
 
-def _still_parts(run, times, field):
-    """What must not move from picture to picture: (colour ranges of both sides, view, half width of the enlargement).
+def _still_parts(run, times, field, cut):
+    """What must not move from picture to picture: (colour ranges of both sides, view, what is enlarged).
 
     One pass over the frames, one frame in memory. A pressure that only a tenth of the frames reaches, an impact, does not
     set the scale for all the others.
     """
     of_fluid, of_structure = (values for _, _, values in fields.FIELDS[field])
-    ranges, views, half = [], [], None
+    ranges, views, farthest = [], [], (0.0, None)
     for time in times:
         _, fluid, structure = fields.read(run, time)
         if field == "speed":
@@ -49,26 +49,29 @@ def _still_parts(run, times, field):
             ranges.append([(0.0, fastest), (0.0, fastest)])
         else:
             ranges.append(fields.limits_of(fluid, structure))
-        views.append(fields.view_of(run, fluid, structure))
-        place = fields.foot(structure) if structure is not None else None
-        half = half or (place and place[1])
+        views.append(fields.view_of(run, fluid, structure, cut))
+        if fluid is not None and structure is not None:
+            moved = fields.displacement(structure, run.frames_of("structure")[0]).max(initial=0.0)
+            farthest = max(farthest, (float(moved), time), key=lambda one: one[0])
     ranges, views = np.array(ranges), np.array(views)
     lowest, highest = np.percentile(ranges[:, :, 0], 10, axis=0), np.percentile(ranges[:, :, 1], 90, axis=0)
     limits = [(float(low), max(float(high), float(low) + 1e-9)) for low, high in zip(lowest, highest)]
     view = [(float(low), float(high)) for low, high in zip(views[:, :, 0].min(axis=0), views[:, :, 1].max(axis=0))]
-    return limits, view, half
+    shown = fields.focus(run, fields.read(run, farthest[1])[2], view) if farthest[1] is not None else None
+    return limits, view, shown
 
 
-def _stage(run, limits, field):
-    """(figure, axis) with the colour bars in place: the axis is cleared for every picture, all else stays."""
-    figure, axis = plt.subplots(figsize=(10, 6.5), dpi=128)
+def _stage(run, limits, field, shown):
+    """(figure, its axes) with the colour bars in place: the axes are cleared for every picture, all else stays."""
+    figure, axis, beside = fields.axes_of(shown, dpi=128)
+    figure.set_size_inches(10, 6.5)
     _, fluid, structure = fields.read(run, 0.0)
-    shown = [side and ScalarMappable(Normalize(*range_), colours) for side, range_, (_, colours, _) in
-             zip((fluid, structure), limits, fields.FIELDS[field])]
-    bars = sum(mappable is not None for mappable in shown) if field != "speed" else 1
-    figure.subplots_adjust(left=0.07, right=0.99 if bars == 1 else 0.96, bottom=0.09, top=0.94)
-    fields.colour_bars(figure, axis, shown, field, shrink=0.75)
-    return figure, axis
+    mappables = [side and ScalarMappable(Normalize(*range_), colours) for side, range_, (_, colours, _) in
+                 zip((fluid, structure), limits, fields.FIELDS[field])]
+    bars = sum(mappable is not None for mappable in mappables) if field != "speed" else 1
+    figure.subplots_adjust(left=0.07, right=0.99 if bars == 1 else 0.96, bottom=0.09, top=0.9)
+    fields.colour_bars(figure, [axis, beside] if beside else axis, mappables, field, shrink=0.75)
+    return figure, axis, beside
 
 
 def _encoder(path, figure, rate):
@@ -87,16 +90,17 @@ def _progress(done, total, began):
         print(f"\rfilm: picture {done} of {total}, {left:.0f} s to go ", end="\n" if done == total else "", file=sys.stderr, flush=True)
 
 
-def animate(directory, rate=None, field="pressure"):
+def animate(directory, rate=None, field="pressure", cut=None):
     """Writes RUN/film.mp4 (film_FIELD.mp4 for another field than pressure), whole or not at all; returns its path.
 
-    `rate`: pictures per second; default: the film lasts about 8 s.
+    `rate`: pictures per second; default: the film lasts about 8 s. `cut`: the slice of a 3D run, default the middle one.
     """
     style.apply()
     run = Run(directory)
     times = _times(run)
-    limits, view, half = _still_parts(run, times, field)
-    figure, axis = _stage(run, limits, field)
+    cut = (cut or fields.middle_cut(run)) if run.dimension == 3 else None
+    limits, view, shown = _still_parts(run, times, field, cut)
+    figure, axis, beside = _stage(run, limits, field, shown)
     path = Path(directory) / ("film.mp4" if field == "pressure" else f"film_{field}.mp4")
     unfinished = path.with_name(path.name + ".part")
     encoder = _encoder(unfinished, figure, rate or min(max(len(times) / USUAL_LENGTH, 5), 30))
@@ -104,10 +108,10 @@ def animate(directory, rate=None, field="pressure"):
     try:
         for number, time in enumerate(times, 1):
             exact, fluid, structure = fields.read(run, time)
-            axis.clear()
-            fields.panel(axis, run, fluid, structure, limits, field, view, half)
-            axis.set_ylabel("y [m]")
-            axis.set_title(f"{style.plain(run.title)}, t = {exact:.3f} s", loc="left")
+            for axes in filter(None, (axis, beside)):
+                axes.clear()
+            fields.panel(axis, run, fluid, structure, limits, field, view, cut, shown, beside)
+            fields.title(axis, run, exact, cut)
             figure.canvas.draw()
             encoder.stdin.write(figure.canvas.buffer_rgba())
             _progress(number, len(times), began)

@@ -146,12 +146,3 @@ class Run:
     def label(self):
         """How a legend calls this run: its directory, or what distinguish() made of it."""
         return self.legend
-
-    def wall_boxes(self):
-        """[(min, max, open faces)] of the fixed rigid walls that are boxes [m]."""
-        boxes = []
-        for wall in self.settings.get("wall", []):
-            shape = wall.get("container") or wall.get("obstacle") or {}
-            if "box" in shape and not {"displacement", "rotation", "motion_file"} & set(wall):
-                boxes.append((shape["box"]["min"], shape["box"]["max"], set(wall.get("open", []))))
-        return boxes
