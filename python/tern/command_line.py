@@ -49,6 +49,25 @@ def _positive_number(text):
     return value
 
 
+def _plane(text):
+    axis, _, place = text.partition("=")
+    try:
+        return "xyz".index(axis or "?"), float(place)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text} is not a plane; write for example z=0.1, in m") from None
+
+
+def _camera(text):
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        numbers = []
+    if not (len(numbers) in (2, 3) and abs(numbers[0]) <= 360 and abs(numbers[1]) <= 90 and all(0 < zoom <= 100 for zoom in numbers[2:])):
+        raise argparse.ArgumentTypeError(f"{text} is not a camera; write for example 30,20 or 30,20,1.5: an azimuth up to 360 and an "
+                                         "elevation up to 90 degrees, and a zoom above 0")
+    return numbers
+
+
 def _count(text):
     try:
         value = int(text)
@@ -234,11 +253,20 @@ def parser():
     one = _add(commands, "plot", _plot, "pictures of a run; with several runs, also their gauges in one picture",
                ["./tern plot runs/dam_break_plate", "./tern plot runs/dam_break_plate --times 0.28 0.50 0.80",
                 "./tern plot runs/dam_break_plate runs/dam_break_plate-2",
+                "./tern plot runs/dam_break_3d --camera 30,20 --clip z=0.1    (a 3D run is rendered, without a display too)",
+                "./tern plot runs/dam_break_3d --slice z=0.1",
                 "./tern plot runs/dam_break_plate --animate --field speed     (writes runs/dam_break_plate/film_speed.mp4)"])
     one.add_argument("runs", metavar="RUN", nargs="+", help="directory of a run")
     one.add_argument("--times", metavar="T", nargs="+", type=float, help="times of the field pictures [s] (default: four)")
     one.add_argument("--animate", action="store_true", help="a film of the frames instead, RUN/film.mp4 (H.264)")
     one.add_argument("--fps", metavar="N", type=_positive_number, help="pictures per second of the film (default: it lasts about 8 s)")
+    one.add_argument("--camera", metavar="AZIMUTH,ELEVATION[,ZOOM]", type=_camera, help="from where a 3D run is seen: turned "
+                     "from the front to the right and raised, in degrees; ZOOM 2 shows half as much (default 30,20,1; a negative one as in "
+                     "--camera=-30,20)")
+    one.add_argument("--clip", metavar="AXIS=M", type=_plane,
+                     help="of a 3D run leave away what lies in front of this plane [m], e.g. z=0.1")
+    one.add_argument("--slice", metavar="AXIS=M", type=_plane, help="of a 3D run draw the particles within a spacing of this plane [m] "
+                     "instead of the scene; for --animate too")
     one.add_argument("--field", choices=("pressure", "speed"), help="what colours the film (default pressure, and shear stress of "
                      "the structure)")
 
@@ -374,14 +402,29 @@ def _extremes(arguments):
     return command.extremes(arguments)
 
 
+def _look(arguments):
+    """How the 3D runs among `arguments.runs` are looked at; what draws them is installed when it is needed."""
+    from tern.results import report
+    three = [report.read(Path(name)).get("settings", {}).get("dimension") == 3 if (Path(name) / "run.json").exists() else False
+             for name in arguments.runs]
+    asked = [f"--{name}" for name in ("camera", "clip", "slice") if getattr(arguments, name)]
+    if asked and not all(three):
+        raise Error(BAD_INPUT, f"{asked[0]} is for 3D runs; {arguments.runs[three.index(False)]} is none.")
+    if arguments.slice and len(asked) > 1:
+        raise Error(BAD_INPUT, f"--slice draws no scene, {asked[0]} is for one; leave one of them out.")
+    _ensure_pictures(*(packages.RENDER if any(three) and not arguments.slice else []), *(packages.FILM if arguments.animate else []))
+    from tern.plot import render, scenes
+    return scenes.Look(render.Camera(*(arguments.camera or [])), arguments.clip, arguments.slice)
+
+
 def _plot(arguments):
     if arguments.animate:
         return _animate(arguments)
     if arguments.fps or arguments.field:
         raise Error(BAD_INPUT, "--fps and --field are for a film; add --animate.")
-    _ensure_pictures()
+    look = _look(arguments)
     from tern.plot import pictures
-    for picture in pictures.plot(arguments.runs, arguments.times):
+    for picture in pictures.plot(arguments.runs, arguments.times, look):
         print(picture)
     return DONE
 
@@ -389,15 +432,18 @@ def _plot(arguments):
 def _animate(arguments):
     if arguments.times:
         raise Error(BAD_INPUT, "--times is for pictures; a film (--animate) takes all frames.")
-    _ensure_pictures(*packages.FILM)
+    look = _look(arguments)
     from tern.plot import film
     for directory in arguments.runs:
-        print(film.animate(directory, arguments.fps, arguments.field or "pressure"), flush=True)
+        print(film.animate(directory, arguments.fps, arguments.field or "pressure", look), flush=True)
     return DONE
 
 
 def _report(arguments):
-    _ensure_pictures(*packages.REPORT)
+    from tern.results import report
+    three = any((Path(name) / "run.json").exists() and report.read(Path(name)).get("settings", {}).get("dimension") == 3
+                for name in arguments.directories)
+    _ensure_pictures(*packages.REPORT, *(packages.RENDER if three else []))
     from tern.report import write
     print(write.write_page(arguments.directories, arguments.out, arguments.times))
     return DONE
@@ -410,7 +456,7 @@ def _python(arguments):
 
 def _test(arguments):
     paths.source()
-    packages.ensure(packages.BUILD + packages.PYTHON + packages.REPORT + packages.FILM + packages.TESTS
+    packages.ensure(packages.BUILD + packages.PYTHON + packages.REPORT + packages.FILM + packages.RENDER + packages.TESTS
                     + sum(packages.PARTICIPANTS.values(), []))
     fuzz = arguments.label == "fuzz"
     if fuzz:

@@ -33,6 +33,20 @@ def write_sides(directory, fluid=True, structure=True, frames=3):
                      clamped=(plate[:, 1] < 0).astype(np.int32), surface_position=block(0.299, 0, 0.001, 0.05, 0.002))
 
 
+def write_3d(directory):
+    """Frames and run.json of water in the lower half of a tank of 1 m; in its middle a column of 0.2 x 0.6 x 0.2 m that sticks out."""
+    for name, low, high, spacing in (("fluid", (0, 0, 0), (1, 0.5, 1), 0.05), ("structure", (0.4, 0.3, 0.4), (0.6, 0.9, 0.6), 0.04)):
+        axes = [np.arange(a + spacing / 2, b, spacing) for a, b in zip(low, high)]
+        place = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+        if name == "fluid":
+            place = place[np.any(np.abs(place - [0.5, 0.6, 0.5]) > [0.1, 0.3, 0.1], axis=1)]
+        fields = {"pressure": 9810 * (0.5 - place[:, 1])} if name == "fluid" else {"von_mises": 1e5 * (place[:, 1] - 0.3)}
+        write_frames(directory / f"{name}.h5", place, 5, velocity=0 * place, **fields)
+    (directory / "run.json").write_text(json.dumps({"case": "made_up", "title": "A made-up scene", "status": "done", "settings": {
+        "dimension": 3, "gravity": [0, -9.81, 0], "wall": [
+            {"name": "tank", "container": {"box": {"min": [0, 0, 0], "max": [1, 1, 1]}}, "open": ["y_max"]}]}}))
+
+
 def write_tables(directory):
     (directory / "gauges.csv").write_text("t_s,P.ux_m,front_m\n0,0,\n0.1,0.01,0.2\n0.2,0.02,0.3\n")
     (directory / "energy.csv").write_text("t_s,fluid_kinetic_J,fluid_potential_J\n0,0,5\n0.1,1,4\n")

@@ -83,6 +83,23 @@ class ReportTest(unittest.TestCase):
         marked = self.browser.evaluate("[...document.querySelectorAll('tr.differs')].map(row => row.cells[0].innerText)")
         self.assertEqual(marked, ["fluid.numerics.courant", "wall.tank.open"])
 
+    def test_a_3d_run_is_shown_as_a_scene(self):
+        # Seen to fail: with fields.figure() in place of scenes.figure() in field_pictures(), and with one text for both.
+        run = self.path / "scene"
+        run.mkdir()
+        made_up_run.write_3d(run)
+        code, _, errors = self.report(run, "--times", "0.1")
+        self.assertEqual((code, errors), (0, ""))
+        self.assert_sound(run / "report.html", 1)
+        self.assertEqual(self.browser.evaluate("[...document.images].map(image => image.alt)"),
+                         ["Scene at t = 0.100 s: fluid by pressure, structure by von Mises stress"])
+        # Glass and the white around it: a scene has no axes, whose labels stand left and below.
+        grey = self.browser.evaluate("""(() => { const picture = document.images[0], canvas = document.createElement("canvas");
+            canvas.width = picture.naturalWidth; canvas.height = picture.naturalHeight;
+            const pen = canvas.getContext("2d"); pen.drawImage(picture, 0, 0);
+            return Math.min(...pen.getImageData(0, canvas.height / 2, 25, 1).data); })()""")
+        self.assertGreater(grey, 240)
+
     def test_verdicts_are_those_of_verify(self):
         # Seen to fail: with verdict() of the negated row.
         run = self.made_up("run")

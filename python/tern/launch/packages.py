@@ -21,6 +21,7 @@ BUILD = (
 TESTS = "iproute2 chromium".split()  # network namespaces; pages are looked at
 REPORT = ["python3-markdown", "python3-pil"]
 FILM = ["ffmpeg"]
+RENDER = ["python3-vtk9", "xvfb"]  # of 3D scenes, where none may have a display; 250 MB on the disk
 FUZZ = "clang libclang-rt-dev libomp-dev".split()
 PICTURES = "python3-numpy python3-matplotlib python3-h5py".split()
 PYTHON = [*PICTURES, *"python3-zmq python3-protobuf".split()]  # with a participant

@@ -1,7 +1,7 @@
 """Fields at a time: fluid coloured by pressure, structure by Cauchy shear stress, or both by speed; the interface a black line.
 
 Particles are drawn as discs of their own spacing in metres, so a gap in the picture is a gap in the particles. Of a 3D run
-the picture shows a slice, the particles within one spacing of a plane, and says so in its title.
+these pictures show a slice, the particles within one spacing of a plane, and say so in their title; scenes.py renders it whole.
 """
 
 import matplotlib.pyplot as plt

@@ -12,7 +12,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 
 from tern.errors import UnreadableRun
-from tern.plot import fields, style
+from tern.plot import fields, scenes, style
 from tern.results.run import Run
 
 FEWEST_FRAMES = 5
@@ -90,28 +90,61 @@ def _progress(done, total, began):
         print(f"\rfilm: picture {done} of {total}, {left:.0f} s to go ", end="\n" if done == total else "", file=sys.stderr, flush=True)
 
 
-def animate(directory, rate=None, field="pressure", cut=None):
+def _flat(run, times, field, cut):
+    """(figure, what draws the frame at a time into it) of a 2D run or of a slice."""
+    limits, view, shown = _still_parts(run, times, field, cut)
+    figure, axis, beside = _stage(run, limits, field, shown)
+
+    def draw(time):
+        exact, fluid, structure = fields.read(run, time)
+        for axes in filter(None, (axis, beside)):
+            axes.clear()
+        fields.panel(axis, run, fluid, structure, limits, field, view, cut, shown, beside)
+        fields.title(axis, run, exact, cut)
+    return figure, draw
+
+
+def _rendered(run, times, field, look):
+    """The same of a 3D run: one camera and one scale for all frames."""
+    boxes, ranges = [], []
+    for time in times:
+        _, fluid, structure = fields.read(run, time)
+        boxes.append(scenes.box_of(run, fluid, structure))
+        fastest = [np.percentile(np.linalg.norm(side["velocity"], axis=1), 99.5) for side in (fluid, structure)
+                   if side is not None and len(side["velocity"])]
+        ranges.append(scenes.limits_of(fluid, structure) if field == "pressure" else 2 * [(0.0, max([*fastest, 1e-9]))])
+    box = np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
+    ranges = np.array(ranges)
+    limits = list(zip(np.percentile(ranges[:, :, 0], 10, axis=0), np.percentile(ranges[:, :, 1], 90, axis=0)))
+    figure, axis, drawn = scenes.stage(run, *fields.read(run, times[0])[1:], limits, field, box, look, dpi=128)
+
+    def draw(time):
+        exact, fluid, structure = fields.read(run, time)
+        drawn.set_data(scenes.pixels(run, fluid, structure, limits, field, box, look)[0])
+        fields.title(axis, run, exact, None)
+    return figure, draw
+
+
+def animate(directory, rate=None, field="pressure", look=None):
     """Writes RUN/film.mp4 (film_FIELD.mp4 for another field than pressure), whole or not at all; returns its path.
 
-    `rate`: pictures per second; default: the film lasts about 8 s. `cut`: the slice of a 3D run, default the middle one.
+    `rate`: pictures per second; default: the film lasts about 8 s. `look` (scenes.Look): how a 3D run is looked at.
     """
     style.apply()
     run = Run(directory)
     times = _times(run)
-    cut = (cut or fields.middle_cut(run)) if run.dimension == 3 else None
-    limits, view, shown = _still_parts(run, times, field, cut)
-    figure, axis, beside = _stage(run, limits, field, shown)
+    look = look or scenes.Look()
+    if scenes.is_rendered(run, look):
+        figure, draw = _rendered(run, times, field, look)
+    else:
+        figure, draw = _flat(run, times, field, fields.Cut(*look.slice) if look.slice else None)
     path = Path(directory) / ("film.mp4" if field == "pressure" else f"film_{field}.mp4")
     unfinished = path.with_name(path.name + ".part")
     encoder = _encoder(unfinished, figure, rate or min(max(len(times) / USUAL_LENGTH, 5), 30))
     began = clock.monotonic()
     try:
         for number, time in enumerate(times, 1):
-            exact, fluid, structure = fields.read(run, time)
-            for axes in filter(None, (axis, beside)):
-                axes.clear()
-            fields.panel(axis, run, fluid, structure, limits, field, view, cut, shown, beside)
-            fields.title(axis, run, exact, cut)
+            draw(time)
             figure.canvas.draw()
             encoder.stdin.write(figure.canvas.buffer_rgba())
             _progress(number, len(times), began)

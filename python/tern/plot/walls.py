@@ -67,7 +67,7 @@ def outline(wall):
 
 
 def cut(wall, place, direction, at, view):
-    """The outline [n, 2 ends, 2] of a 3D wall, which is at `place`, in the plane where a coordinate is `at`, within `view` ((m, m), (m, m))."""
+    """The outline [n, 2 ends, 2] of a 3D wall, which is at `place`, in the plane where a coordinate is `at`, within `view`."""
     kept = [axis for axis in range(3) if axis != direction]
     shape = wall.get("container") or wall.get("obstacle")
     origin = place(np.zeros((1, 3)))[0]

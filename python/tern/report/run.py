@@ -6,7 +6,7 @@ from urllib.parse import quote
 
 from tern.results import summary
 from tern.verify import bands, expected
-from tern.plot import curves, fields
+from tern.plot import curves, fields, scenes
 from tern.report import markup, settings
 from tern.report.markup import number, text
 
@@ -92,13 +92,14 @@ def field_pictures(run, times):
     """Fields at the times asked for, or at four."""
     try:
         chosen = fields.choose_times(run, times)
-        drawn = [fields.figure(run, time) for time in chosen]
+        drawn = [scenes.figure(run, time) for time in chosen]
     except OSError as error:
         return f'<p class="note">The frames cannot be read: {text(error)}</p>'
     if not drawn:
         return '<p class="note">The run wrote no frames.</p>'
+    shown = ("Particles", "shear stress") if run.dimension == 2 else ("Scene", "von Mises stress")
     return '<div class="pair">' + "".join(
-        markup.drawing(figure, f"Particles at t = {time:.3f} s: fluid by pressure, structure by shear stress", vector=False)
+        markup.drawing(figure, f"{shown[0]} at t = {time:.3f} s: fluid by pressure, structure by {shown[1]}", vector=False)
         for time, figure in drawn) + "</div>"
 
 

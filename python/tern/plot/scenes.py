@@ -1,0 +1,134 @@
+"""Pictures of a run as its dimension asks for: flat in 2D, in 3D rendered or, where a plane is given, a slice."""
+
+from dataclasses import dataclass, field as default
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+
+from tern.errors import BAD_INPUT, Error
+from tern.plot import fields, render, style, walls
+
+MISES = ("von Mises stress of the structure [Pa]", "plasma", lambda side: side["von_mises"])
+FIELDS = fields.FIELDS | {"pressure": (fields.PRESSURE, MISES)}
+SEEN_THROUGH = 0.4  # opacity of water that bodies may be in; a cut opens it anyway
+HEADROOM = 0.25  # above what is in an open tank is shown, of the longest other side
+
+
+@dataclass
+class Look:
+    """How a 3D run is looked at. `clip` and `slice`: (direction, coordinate [m]) or None."""
+
+    camera: render.Camera = default(default_factory=render.Camera)
+    clip: tuple | None = None
+    slice: tuple | None = None
+
+
+def is_rendered(run, look):
+    return run.dimension == 3 and not (look and look.slice)
+
+
+def box_of(run, fluid, structure):
+    """(lower, upper corner) [m] of what is shown: all there is, of the walls above it only a part."""
+    known = [side["position"] for side in (fluid, structure) if side is not None and len(side["position"])]
+    inner = [np.percentile(position, (0.2, 99.8), axis=0) for position in known]
+    outer = [place(walls.corners(wall)) for wall, place in walls.placed(run.settings.get("wall", []), fluid) if place]
+    corners = np.concatenate([*inner, *outer] or [np.array([[0.0] * 3, [1.0] * 3])])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    _, up, _ = render.basis(run.settings.get("gravity", []))
+    axis = int(np.argmax(np.abs(up)))
+    if inner:
+        room = HEADROOM * max(np.delete(high - low, axis))
+        content = np.concatenate(inner)[:, axis]
+        if up[axis] > 0:
+            high[axis] = min(high[axis], content.max() + room)
+        else:
+            low[axis] = max(low[axis], content.min() - room)
+    return low, high
+
+
+def limits_of(fluid, structure):
+    """Colour ranges: of the pressure as in 2D, of the von Mises stress from 0 to its outermost half per cent."""
+    pressure, _ = fields.limits_of(fluid, None)
+    known = structure is not None and "von_mises" in structure and len(structure["von_mises"])
+    return pressure, (0.0, max(float(np.percentile(structure["von_mises"], 99.5)), 1e-9) if known else 1.0)
+
+
+def _check(run, plane, box, option):
+    axis, at = plane
+    if not box[0][axis] < at < box[1][axis]:
+        raise Error(BAD_INPUT, f"{option} {'xyz'[axis]}={at:g}: {run.directory} reaches from {box[0][axis]:.4g} to {box[1][axis]:.4g} m in "
+                               f"{'xyz'[axis]}; take a plane in between.")
+
+
+def pixels(run, fluid, structure, limits, field, box, look):
+    """A frame, rendered."""
+    parts = []
+    for process, side, (_, colours, values), range_ in zip(("fluid", "structure"), (fluid, structure), FIELDS[field], limits):
+        if side is None or len(side["position"]) == 0:
+            continue
+        known = values is not MISES[2] or "von_mises" in side
+        parts.append((side["position"], values(side) if known else np.zeros(len(side["position"])), run.spacing(process),
+                      colours if known else None, range_, SEEN_THROUGH if process == "fluid" and structure is not None and not look.clip
+                      else 1.0))
+    placed = walls.placed(run.settings.get("wall", []), fluid)
+    return render.image(parts, placed, box, run.settings.get("gravity", []), look.camera, look.clip), [
+        wall["name"] for wall, place in placed if place is None]
+
+
+def _triad(axis, run, look):
+    """The axes of the scene in the lower left corner, as the camera sees them."""
+    eye = render.direction(look.camera, run.settings.get("gravity", []))
+    _, up, _ = render.basis(run.settings.get("gravity", []))
+    right = np.cross(up, eye)
+    if np.linalg.norm(right) < 1e-3:
+        return
+    right /= np.linalg.norm(right)
+    above = np.cross(eye, right)
+    for direction, name in enumerate("xyz"):
+        end = 45 * np.array([right[direction], above[direction]])
+        axis.annotate("", xy=(60 + end[0], 740 - end[1]), xytext=(60, 740), arrowprops={"arrowstyle": "->", "color": "0.3"})
+        axis.text(60 + 1.35 * end[0], 740 - 1.35 * end[1], name, ha="center", va="center", fontsize=9, color="0.3")
+
+
+def below(box, look):
+    """The line that says how large what is seen is, and what is left away."""
+    size = " x ".join(f"{length:.3g}" for length in box[1] - box[0])
+    clip = f"; cut at {'xyz'[look.clip[0]]} = {look.clip[1]:.4g} m, what is in front of that is left away" if look.clip else ""
+    return f"shown: {size} m in x, y, z{clip}"
+
+
+def stage(run, fluid, structure, limits, field, box, look, **options):
+    """(figure, axis, image) of the first picture, with colour bars; a film puts the next pictures into the same image."""
+    whole, axis = plt.subplots(figsize=(10, 6.5), **options)
+    shown, lost = pixels(run, fluid, structure, limits, field, box, look)
+    drawn = axis.imshow(shown)
+    axis.set_axis_off()
+    _triad(axis, run, look)
+    axis.text(0.99, 0.01, below(box, look), ha="right", va="bottom", transform=axis.transAxes, fontsize=9, color="0.3")
+    if lost:
+        axis.text(0.99, 0.99, style.plain(f"not drawn, the frames do not say where they are: {', '.join(lost)}"), ha="right", va="top",
+                  transform=axis.transAxes, fontsize=8, color="tab:red")
+    mappables = [None if side is None or (label is MISES[0] and "von_mises" not in side) else ScalarMappable(Normalize(*range_), colours)
+                 for side, range_, (label, colours, _) in zip((fluid, structure), limits, FIELDS[field])]
+    bars = {label: mappable for mappable, (label, _, _) in zip(mappables, FIELDS[field]) if mappable is not None}
+    for label, mappable in bars.items():
+        whole.colorbar(mappable, ax=axis, pad=0.02, label=label, shrink=0.75).formatter.set_powerlimits((-3, 4))
+    return whole, axis, drawn
+
+
+def figure(run, time, look=None):
+    """A run at the frame nearest to `time`: (the time of the frame, the figure)."""
+    look = look or Look()
+    exact, fluid, structure = fields.read(run, time)
+    if not is_rendered(run, look):
+        if look.slice:
+            _check(run, look.slice, box_of(run, fluid, structure), "--slice")
+        return fields.figure(run, time, fields.Cut(*look.slice) if look.slice else None)
+    box = box_of(run, fluid, structure)
+    if look.clip:
+        _check(run, look.clip, box, "--clip")
+    whole, axis, _ = stage(run, fluid, structure, limits_of(fluid, structure), "pressure", box, look, layout="constrained")
+    fields.title(axis, run, exact, None)
+    return exact, whole
