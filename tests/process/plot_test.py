@@ -226,6 +226,12 @@ shape = { box = { min = [0, 0], max = [0.2, 0.2] } }
         moved = self.rendered(run, camera=render.Camera(40, 20))
         self.assertGreater(np.abs(moved - front).mean(), 3)
 
+    def test_the_surface_of_a_cube_of_particles_is_the_cube(self):
+        # Seen to fail: with NEAR = 0, and with the surface at 0.2 in place of 0.5.
+        place = np.stack(np.meshgrid(*3 * [np.arange(0.05, 1, 0.1)], indexing="ij"), axis=-1).reshape(-1, 3)
+        mesh = render.surface(place, place[:, 0], 0.1, (place.min(axis=0) + 0.01, place.max(axis=0) - 0.01), None)
+        np.testing.assert_allclose(mesh.GetBounds(), 3 * (0, 1), atol=0.01)
+
     def test_a_3d_run_gives_pictures_and_a_film_and_refuses_what_is_not_there(self):
         # Seen to fail: without _check(); with the text left out of below().
         made_up_run.write_3d(self.run_directory)

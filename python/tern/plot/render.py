@@ -13,6 +13,7 @@ from tern.plot import screen, walls
 CELLS_PER_SPACING = 2
 VIEW_ANGLE = 25  # of the whole height [degrees]
 MOST_CELLS = 40_000_000  # of a grid; a larger one gets coarser cells
+NEAR = 4  # so far outside the box particles are still shown [spacings]
 SMOOTHING = 0.6  # standard deviation of the smoothing [spacings]
 BODY = (0.75, 0.75, 0.75)  # of whom nobody knows the stress
 
@@ -76,6 +77,8 @@ def surface(position, values, spacing, box, clip):
     from vtkmodules.util.numpy_support import numpy_to_vtk
     from vtkmodules.vtkCommonDataModel import vtkImageData
     from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D
+    around = NEAR * spacing
+    box = box[0] - around, box[1] + around
     inside = np.all((position >= box[0]) & (position <= box[1]), axis=1)
     position, values = position[inside], values[inside]
     if len(position) == 0:
@@ -257,8 +260,8 @@ def image(parts, placed, box, gravity, camera=Camera(), clip=None, size=(1200, 8
     """The scene as pixels, an array [rows, columns, 3] of bytes.
 
     `parts`: [(position [n, 3], value of each, spacing [m], name of a colour map or None, its limits, opacity)]. `placed` of walls.placed().
-    `box` (lower, upper corner) [m]: what is shown. `clip` (direction, coordinate [m]): what lies in front of this plane, as the camera
-    sees it, is left away.
+    `box` (lower, upper corner) [m]: what fills the picture. `clip` (direction, coordinate [m]): what lies in front of this plane, as
+    the camera sees it, is left away.
     """
     screen.start()
     import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  its classes register themselves

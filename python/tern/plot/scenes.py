@@ -30,9 +30,9 @@ def is_rendered(run, look):
 
 
 def box_of(run, fluid, structure):
-    """(lower, upper corner) [m] of what is shown: all there is, of the walls above it only a part."""
-    known = [side["position"] for side in (fluid, structure) if side is not None and len(side["position"])]
-    inner = [np.percentile(position, (0.2, 99.8), axis=0) for position in known]
+    """(lower, upper corner) [m] of what is shown: all there is but single drops far away, of the walls above it only a part."""
+    inner = [np.percentile(side["position"], spread, axis=0) for side, spread in ((fluid, (0.2, 99.8)), (structure, (0, 100)))
+             if side is not None and len(side["position"])]
     outer = [place(walls.corners(wall)) for wall, place in walls.placed(run.settings.get("wall", []), fluid) if place]
     corners = np.concatenate([*inner, *outer] or [np.array([[0.0] * 3, [1.0] * 3])])
     low, high = corners.min(axis=0), corners.max(axis=0)
@@ -106,7 +106,7 @@ def stage(run, fluid, structure, limits, field, box, look, **options):
     drawn = axis.imshow(shown)
     axis.set_axis_off()
     _triad(axis, run, look)
-    axis.text(0.99, 0.01, below(box, look), ha="right", va="bottom", transform=axis.transAxes, fontsize=9, color="0.3")
+    axis.text(0.99, -0.01, below(box, look), ha="right", va="top", transform=axis.transAxes, fontsize=9, color="0.3")
     if lost:
         axis.text(0.99, 0.99, style.plain(f"not drawn, the frames do not say where they are: {', '.join(lost)}"), ha="right", va="top",
                   transform=axis.transAxes, fontsize=8, color="tab:red")
