@@ -233,13 +233,14 @@ shape = { box = { min = [0, 0], max = [0.2, 0.2] } }
         np.testing.assert_allclose(mesh.GetBounds(), 3 * (0, 1), atol=0.01)
 
     def test_a_3d_run_gives_pictures_and_a_film_and_refuses_what_is_not_there(self):
-        # Seen to fail: without _check(); with the text left out of below().
+        # Seen to fail: without check(), in figure() or for a film; with the text left out of below().
         made_up_run.write_3d(self.run_directory)
         code, pictures, errors = self.plot("--times", "0.1", "--clip", "z=0.5", "--camera=-30,20,1.2")
         self.assertEqual((code, errors), (0, ""))
         self.assertIn("field_0.100s.png", pictures)
         self.assertIn("cut at z = 0.5 m", scenes.below((np.zeros(3), np.ones(3)), scenes.Look(clip=(2, 0.5))))
         for words, reason in ((("--clip", "z=5"), "z=5: "), (("--slice", "y=-1"), "take a plane in between"),
+                              (("--clip", "z=5", "--animate"), "z=5: "), (("--slice", "y=-1", "--animate"), "take a plane in between"),
                               (("--camera", "1"), "is not a camera"), (("--slice", "z=0.5", "--clip", "z=0.5"), "leave one of them out")):
             code, _, errors = self.plot(*words)
             self.assertEqual(code, 2)

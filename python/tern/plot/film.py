@@ -114,6 +114,8 @@ def _rendered(run, times, field, look):
                    if side is not None and len(side["velocity"])]
         ranges.append(scenes.limits_of(fluid, structure) if field == "pressure" else 2 * [(0.0, max([*fastest, 1e-9]))])
     box = np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
+    if look.clip:
+        scenes.check(run, look.clip, box, "--clip")
     ranges = np.array(ranges)
     limits = list(zip(np.percentile(ranges[:, :, 0], 10, axis=0), np.percentile(ranges[:, :, 1], 90, axis=0)))
     figure, axis, drawn = scenes.stage(run, *fields.read(run, times[0])[1:], limits, field, box, look, dpi=128)
@@ -137,6 +139,8 @@ def animate(directory, rate=None, field="pressure", look=None):
     if scenes.is_rendered(run, look):
         figure, draw = _rendered(run, times, field, look)
     else:
+        if look.slice:
+            scenes.check(run, look.slice, scenes.box_of(run, *fields.read(run, times[0])[1:]), "--slice")
         figure, draw = _flat(run, times, field, fields.Cut(*look.slice) if look.slice else None)
     path = Path(directory) / ("film.mp4" if field == "pressure" else f"film_{field}.mp4")
     unfinished = path.with_name(path.name + ".part")

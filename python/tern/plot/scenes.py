@@ -55,7 +55,8 @@ def limits_of(fluid, structure):
     return pressure, (0.0, max(float(np.percentile(structure["von_mises"], 99.5)), 1e-9) if known else 1.0)
 
 
-def _check(run, plane, box, option):
+def check(run, plane, box, option):
+    """Refuses a plane that is not inside the scene."""
     axis, at = plane
     if not box[0][axis] < at < box[1][axis]:
         raise Error(BAD_INPUT, f"{option} {'xyz'[axis]}={at:g}: {run.directory} reaches from {box[0][axis]:.4g} to {box[1][axis]:.4g} m in "
@@ -124,11 +125,11 @@ def figure(run, time, look=None):
     exact, fluid, structure = fields.read(run, time)
     if not is_rendered(run, look):
         if look.slice:
-            _check(run, look.slice, box_of(run, fluid, structure), "--slice")
+            check(run, look.slice, box_of(run, fluid, structure), "--slice")
         return fields.figure(run, time, fields.Cut(*look.slice) if look.slice else None)
     box = box_of(run, fluid, structure)
     if look.clip:
-        _check(run, look.clip, box, "--clip")
+        check(run, look.clip, box, "--clip")
     whole, axis, _ = stage(run, fluid, structure, limits_of(fluid, structure), "pressure", box, look, layout="constrained")
     fields.title(axis, run, exact, None)
     return exact, whole
