@@ -17,10 +17,9 @@ std::pair<std::int32_t, std::int32_t> backward_bond(const Reference<D>& referenc
   for (const Block& block : reference.blocks) {
     if (!block.deforms) continue;
     const Stencil<D>& stencil = reference.stencils[block.stencil];
-    const std::uint32_t first = stencil.first + stencil.count - stencil.pairs;
-    for (std::uint32_t k = 0; k < stencil.pairs; ++k) {
-      const Pair<D>& pair = reference.pairs[stencil.first_pair + k];
-      const std::ptrdiff_t i = block.row, j = i + reference.row_offset[first + k];
+    for (std::uint32_t k = stencil.later; k < stencil.first + stencil.count; ++k) {
+      const Pair<D>& pair = reference.pairs[k];
+      const std::ptrdiff_t i = block.row, j = i + reference.row_offset[k];
       Lanes along = {};
       for (int a = 0; a < D; ++a) {
         Lanes expected = 2 * pair.half_offset[a];

@@ -1,7 +1,9 @@
 // Deformation gradient  F_i = I + H_i,  H_i = sum_j V_j (d_j - d_i) x g_ij,  from displacements, not positions, so that
 // round-off does not grow with the distance from the origin, and its own gradient, K_i^ab = sum_j V_j (d_j - d_i) k_ij^ab.
-// The velocity gradient L_i is the sum of H over velocities.
+// The velocity gradient l_i is that in the present place, l_i = (sum_j V_j (v_j - v_i) x g_ij) F_i^-1: in a rigid rotation it is the
+// spin, however the body is deformed.
 
+#include "structure/cofactor.hpp"
 #include "structure/time_step.hpp"
 
 namespace tern::structure {
@@ -31,14 +33,26 @@ void gradients(const Reference<D>& reference, const State<D>& state, Workspace<D
   for_each_deforming_block(reference, [&](std::ptrdiff_t, const Block& block, const Stencil<D>& stencil) {
     const Neighbour<D>* neighbour = reference.neighbours.data() + stencil.first;
     const std::int32_t* offset = reference.row_offset.data() + stencil.first;
+    Lanes f[D][D], material_gradient[D][D] = {};
     for (int a = 0; a < D; ++a) {
-      Lanes gradient[D] = {}, second[curvature_components<D>] = {}, velocity_gradient[D] = {};
+      Lanes gradient[D] = {}, second[curvature_components<D>] = {};
       gradients_of_component<D, with_velocity>(stencil, neighbour, offset, state.displacement[a].data() + block.row,
-                                               state.velocity[a].data() + block.row, gradient, second, velocity_gradient);
-      for (int b = 0; b < D; ++b) store(work.displacement_gradient[a][b].data() + block.row, gradient[b]);
+                                               state.velocity[a].data() + block.row, gradient, second, material_gradient[a]);
+      for (int b = 0; b < D; ++b) {
+        store(work.displacement_gradient[a][b].data() + block.row, gradient[b]);
+        f[a][b] = gradient[b] + (a == b ? 1.0 : 0.0);
+      }
       for (int c = 0; c < curvature_components<D>; ++c) store(work.curvature[a][c].data() + block.row, second[c]);
-      if constexpr (with_velocity)
-        for (int b = 0; b < D; ++b) store(work.velocity_gradient[a][b].data() + block.row, velocity_gradient[b]);
+    }
+    if constexpr (with_velocity) {
+      Lanes inverse_transposed[D][D];
+      const Lanes inverse_j = 1 / cofactor(f, inverse_transposed);
+      for (int a = 0; a < D; ++a)
+        for (int b = 0; b < D; ++b) {
+          Lanes l = material_gradient[a][0] * inverse_transposed[b][0];
+          for (int c = 1; c < D; ++c) l += material_gradient[a][c] * inverse_transposed[b][c];
+          store(work.velocity_gradient[a][b].data() + block.row, l * inverse_j);
+        }
     }
   });
 }

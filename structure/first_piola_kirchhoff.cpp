@@ -14,30 +14,11 @@
 #include <limits>
 
 #include "base/error.hpp"
+#include "structure/cofactor.hpp"
 #include "structure/time_step.hpp"
 
 namespace tern::structure {
 namespace {
-
-/// Cofactors of F; returns J.
-Lanes cofactor(const Lanes (&f)[2][2], Lanes (&c)[2][2]) {
-  c[0][0] = f[1][1];
-  c[0][1] = -f[1][0];
-  c[1][0] = -f[0][1];
-  c[1][1] = f[0][0];
-  return f[0][0] * c[0][0] + f[0][1] * c[0][1];
-}
-
-Lanes cofactor(const Lanes (&f)[3][3], Lanes (&c)[3][3]) {
-  for (int a = 0; a < 3; ++a) {
-    const int p = (a + 1) % 3, q = (a + 2) % 3;
-    for (int b = 0; b < 3; ++b) {
-      const int r = (b + 1) % 3, s = (b + 2) % 3;
-      c[a][b] = f[p][r] * f[q][s] - f[p][s] * f[q][r];
-    }
-  }
-  return f[0][0] * c[0][0] + f[0][1] * c[0][1] + f[0][2] * c[0][2];
-}
 
 bool all_positive_and_finite(const Lanes& j) {
   const auto fine = (j > Lanes{}) & (j <= broadcast(std::numeric_limits<double>::max()));
@@ -155,9 +136,12 @@ std::ptrdiff_t stresses_of_blocks(const Reference<D>& reference, Workspace<D>& w
       for (int b = 0; b < D; ++b) inverse_transposed[a][b] *= inverse_j;
     std::visit([&](const auto& law) { law.template stress<D>(gradient, f, inverse_transposed, j, stress); }, material.law);
     strain_gradient<D>(material, body.spacing * body.spacing / 12, inverse_transposed, second, stress, double_stress);
+    // Energy belongs to free particles: what a particle on the face of a clamp thinks of its neighbours exerts no force.
+    const Lanes zero = {};
+    const auto has_energy = block.has_face ? load(reference.volume.data() + block.row) > zero : zero == zero;
     for (int a = 0; a < D; ++a) {
-      for (int b = 0; b < D; ++b) store(p[a][b] + block.row, stress[a][b]);
-      for (int c = 0; c < pairs; ++c) store(q[a][c] + block.row, double_stress[a][c]);
+      for (int b = 0; b < D; ++b) store(p[a][b] + block.row, has_energy ? stress[a][b] : zero);
+      for (int c = 0; c < pairs; ++c) store(q[a][c] + block.row, has_energy ? double_stress[a][c] : zero);
     }
   });
   return failed;

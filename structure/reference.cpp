@@ -242,14 +242,14 @@ class StencilStore {
       std::copy_n(curvature_sum, curvature_components<D>, stencil.curvature_sum);
       stencil.first = static_cast<std::uint32_t>(reference_.neighbours.size());
       stencil.count = static_cast<std::uint32_t>(entries.size());
-      stencil.first_pair = static_cast<std::uint32_t>(reference_.pairs.size());
+      stencil.later = stencil.first;
       for (const auto& [offset, entry] : entries) {
         reference_.row_offset.push_back(offset);
         reference_.pair_slot.push_back(static_cast<std::int32_t>(entry.slot));
         reference_.neighbours.push_back(entry.neighbour);
-        if (offset > 0) reference_.pairs.push_back(entry.pair);
+        reference_.pairs.push_back(entry.pair);
+        if (offset < 0) ++stencil.later;
       }
-      stencil.pairs = static_cast<std::uint32_t>(reference_.pairs.size()) - stencil.first_pair;
       reference_.stencils.push_back(stencil);
     }
     return static_cast<std::uint32_t>(found->second);
@@ -280,7 +280,7 @@ void add_blocks(const std::vector<Cell<D>>& cells, const StructureNumerics& nume
     const auto first_cell = std::find_if(cell_of_row.begin() + (row - first_row), cell_of_row.begin() + (row - first_row + lane_count),
                                          [](const Cell<D>* cell) { return cell != nullptr; });
     if (first_cell == cell_of_row.begin() + (row - first_row + lane_count)) continue;
-    Block block{row, 0, body_index, false};
+    Block block{row, 0, body_index};
     std::map<std::int32_t, Entry<D>> entries;
     Lanes gradient_sum[D] = {}, curvature_sum[curvature_components<D>] = {};
     for (int lane = 0; lane < lane_count; ++lane) {
@@ -288,6 +288,7 @@ void add_blocks(const std::vector<Cell<D>>& cells, const StructureNumerics& nume
       if (cell == nullptr || lattice.content_of(*cell) == hidden) continue;
       block.deforms = true;
       const bool is_free = lattice.content_of(*cell) == free_particle;
+      block.has_face |= !is_free;
       const auto& own = derivatives[lattice.pattern[lattice.index(*cell)]];
       for (std::size_t o = 0; o < offsets.size(); ++o) {
         const Content other = lattice.content_of(shifted<D>(*cell, offsets[o]));
@@ -296,17 +297,15 @@ void add_blocks(const std::vector<Cell<D>>& cells, const StructureNumerics& nume
         const auto& mirror = derivatives[lattice.pattern[n]][offsets.size() - 1 - o];
         Entry<D>& entry = entries[lattice.row[n] - lane - row];
         entry.slot = static_cast<std::int64_t>(std::min(o, offsets.size() - 1 - o));
-        // Energy belongs to free particles: what a particle on a face thinks of its neighbours exerts no force.
-        const double own_volume = is_free ? volume : 0, other_volume = other == free_particle ? volume : 0;
         for (int a = 0; a < D; ++a) {
           entry.neighbour.gradient[a][lane] = volume * own[o].gradient[a];
-          entry.neighbour.mirror_gradient[a][lane] = other_volume * volume * mirror.gradient[a];
-          gradient_sum[a][lane] += own_volume * volume * own[o].gradient[a];
+          entry.neighbour.mirror_gradient[a][lane] = volume * volume * mirror.gradient[a];
+          gradient_sum[a][lane] += volume * volume * own[o].gradient[a];
         }
         for (int c = 0; c < curvature_components<D>; ++c) {
           entry.neighbour.curvature[c][lane] = volume * own[o].curvature[c];
-          entry.neighbour.mirror_curvature[c][lane] = other_volume * volume * mirror.curvature[c];
-          curvature_sum[c][lane] += own_volume * volume * own[o].curvature[c];
+          entry.neighbour.mirror_curvature[c][lane] = volume * volume * mirror.curvature[c];
+          curvature_sum[c][lane] += volume * volume * own[o].curvature[c];
         }
         const Vector<D> x = offset_between<D>(lattice, *cell, offsets[o], body.spacing);
         for (int a = 0; a < D; ++a) entry.pair.half_offset[a][lane] = 0.5 * x[a];

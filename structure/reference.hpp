@@ -38,7 +38,7 @@ struct Neighbour {
   Lanes mirror_curvature[curvature_components<D>];  ///< V_i V_j k_ji [m^(D-2)]
 };
 
-/// A neighbour in a later row: the forces of the pair are computed once, from its first row.
+/// The same neighbour as the other end of a pair force. The force is computed once, from the first row of the pair.
 template <int D>
 struct Pair {
   Lanes half_offset[D];  ///< (X_j - X_i)/2 [m]
@@ -46,12 +46,11 @@ struct Pair {
   Lanes diffusion;       ///< chi rho_0 V_i V_j |w'_ij|
 };
 
-/// The neighbourhood of a block; blocks with the same neighbourhood share one. Entries are in the order of their rows:
-/// the `pairs` last ones of the `count` neighbours are those in later rows.
+/// The neighbourhood of a block; blocks with the same neighbourhood share one. Entries are in the order of their rows.
 template <int D>
 struct Stencil {
-  std::uint32_t first = 0, count = 0;                 ///< range of Reference::neighbours, row_offset and pair_slot
-  std::uint32_t first_pair = 0, pairs = 0;            ///< range of Reference::pairs
+  std::uint32_t first = 0, count = 0;                 ///< range of Reference::neighbours, pairs, row_offset and pair_slot
+  std::uint32_t later = 0;                            ///< the first of those in later rows
   Lanes gradient_sum[D] = {};                         ///< V_i sum_j V_j g_ij
   Lanes curvature_sum[curvature_components<D>] = {};  ///< V_i sum_j V_j k_ij
 };
@@ -60,7 +59,8 @@ struct Block {
   std::int32_t row = 0;
   std::uint32_t stencil = 0;
   std::uint32_t body = 0;
-  bool deforms = false;  ///< some row of it is free or on the face of a clamp
+  bool deforms = false;   ///< some row of it is free or on the face of a clamp
+  bool has_face = false;  ///< some row of it is on the face of a clamp
 };
 
 struct Body {

@@ -1,10 +1,12 @@
 // The two pair forces that keep particles from motions F does not see: Riemann diffusion (riemann_diffusion.hpp) and
 // hourglass penalty (hourglass_penalty.hpp). Both measure how far a pair departs from the linear field of its ends,
-//   (F_i + F_j)/2 X_ji - x_ji = (H_i + H_j)/2 X_ji - (d_j - d_i)   and   v_j - v_i - (L_i + L_j)/2 X_ji,
+//   (F_i + F_j)/2 X_ji - x_ji = (H_i + H_j)/2 X_ji - (d_j - d_i)   and   v_j - v_i - (l_i + l_j)/2 x_ji,
 // and both are equal and opposite on the two ends, so each pair is computed once.
 
 #include <algorithm>
+#include <cmath>
 
+#include "structure/cofactor.hpp"
 #include "structure/hourglass_penalty.hpp"
 #include "structure/riemann_diffusion.hpp"
 #include "structure/time_step.hpp"
@@ -37,7 +39,8 @@ struct Gradient {
   }
 };
 
-/// Forces of the pairs into work.pair_force, their sum over the pairs that begin in a row into state.internal_force.
+/// Forces of the pairs into work.drag and work.pull. Of the pairs that begin in a row, their sum into state.internal_force, and that
+/// of f_ij x x_ji of the diffusion into work.diffusion_stress.
 template <int D, bool with_diffusion, bool with_penalty>
 void pair_forces(const Reference<D>& reference, double dt, State<D>& state, Workspace<D>& work) {
   const auto rows = static_cast<std::ptrdiff_t>(reference.rows);
@@ -45,22 +48,21 @@ void pair_forces(const Reference<D>& reference, double dt, State<D>& state, Work
     const std::ptrdiff_t i = block.row;
     const Material& material = reference.bodies[block.body].material;
     const double pressure_speed = material.pressure_wave_speed(), shear_speed = material.shear_wave_speed();
-    const std::uint32_t first = stencil.first + stencil.count - stencil.pairs;
     const Gradient<D> displacement_gradient(work.displacement_gradient, i);
     const Gradient<D> velocity_gradient(work.velocity_gradient, i);
 
     const double *d[D], *v[D];
-    Lanes own_d[D], own_v[D], force[D] = {}, dissipated = {}, stored = {};
+    Lanes own_d[D], own_v[D], force[D] = {}, moment[D][D] = {}, dissipated = {}, stored = {};
     for (int a = 0; a < D; ++a) {
       d[a] = state.displacement[a].data();
       v[a] = state.velocity[a].data();
       own_d[a] = load(d[a] + i);
       own_v[a] = load(v[a] + i);
     }
-    for (std::uint32_t k = 0; k < stencil.pairs; ++k) {
-      const Pair<D>& pair = reference.pairs[stencil.first_pair + k];
-      const std::ptrdiff_t j = i + reference.row_offset[first + k];
-      Lanes moved[D], jump[D], x[D], pair_force[D] = {}, square = broadcast(smallest_square);
+    for (std::uint32_t k = stencil.later; k < stencil.first + stencil.count; ++k) {
+      const Pair<D>& pair = reference.pairs[k];
+      const std::ptrdiff_t j = i + reference.row_offset[k], place = reference.pair_slot[k] * rows + i;
+      Lanes moved[D], jump[D], x[D], square = broadcast(smallest_square);
       for (int a = 0; a < D; ++a) {
         moved[a] = load(d[a] + j) - own_d[a];
         jump[a] = load(v[a] + j) - own_v[a];
@@ -75,52 +77,112 @@ void pair_forces(const Reference<D>& reference, double dt, State<D>& state, Work
         hourglass_penalty<D>(x, inverse_square, mismatch, pull);
         for (int a = 0; a < D; ++a) {
           pull[a] *= pair.penalty;
-          pair_force[a] += pull[a];
+          force[a] += pull[a];
           stored += pull[a] * jump[a];
+          store(work.pull[a].data() + place, pull[a]);
         }
       }
       if constexpr (with_diffusion) {
         Lanes reconstructed[D], drag[D];
-        velocity_gradient.sum_times(j, pair.half_offset, reconstructed);
-        for (int a = 0; a < D; ++a) reconstructed[a] = jump[a] - reconstructed[a];
-        riemann_diffusion<D>(x, inverse_square, jump, reconstructed, pressure_speed, shear_speed, drag);
+        velocity_gradient.sum_times(j, x, reconstructed);
+        for (int a = 0; a < D; ++a) reconstructed[a] = jump[a] - 0.5 * reconstructed[a];
+        riemann_diffusion<D>(x, inverse_square, reconstructed, pressure_speed, shear_speed, drag);
         for (int a = 0; a < D; ++a) {
           drag[a] *= pair.diffusion;
-          pair_force[a] += drag[a];
-          dissipated += drag[a] * jump[a];
+          dissipated += drag[a] * reconstructed[a];
+          for (int b = 0; b < D; ++b) moment[a][b] += drag[a] * x[b];
+          store(work.drag[a].data() + place, drag[a]);
+          force[a] += drag[a];
         }
-      }
-      const std::ptrdiff_t place = reference.pair_slot[first + k] * rows + i;
-      for (int a = 0; a < D; ++a) {
-        force[a] += pair_force[a];
-        store(work.pair_force[a].data() + place, pair_force[a]);
       }
     }
     for (int a = 0; a < D; ++a) store(state.internal_force[a].data() + i, force[a]);
     if constexpr (with_penalty) state.penalty_store[n] += dt * stored;
-    if constexpr (with_diffusion) state.diffusion_loss[n] += dt * dissipated;
+    if constexpr (with_diffusion) {
+      for (int a = 0; a < D; ++a)
+        for (int b = 0; b < D; ++b) store(work.diffusion_stress[a][b].data() + i, moment[a][b]);
+      state.diffusion_loss[n] += dt * dissipated;
+    }
   });
 }
 
-/// Subtracts from the force of every row that of the pairs that end in it. The energy that a pair loses is its force times the
-/// velocity in the middle of the kick, f dt/(2m) past the present one.
-template <int D>
-void collect(const Reference<D>& reference, double dt, const Workspace<D>& work, State<D>& state) {
+/// Subtracts from the force of every row that of the pairs that end in it, and completes the stress of the diffusion.
+template <int D, bool with_diffusion, bool with_penalty>
+void collect(const Reference<D>& reference, State<D>& state, Workspace<D>& work) {
   const auto rows = static_cast<std::ptrdiff_t>(reference.rows);
-  for_each_deforming_block(reference, [&](std::ptrdiff_t n, const Block& block, const Stencil<D>& stencil) {
-    Lanes force[D];
-    for (int a = 0; a < D; ++a) force[a] = load(state.internal_force[a].data() + block.row);
-    for (std::uint32_t k = stencil.first; k < stencil.first + stencil.count - stencil.pairs; ++k) {
-      const std::ptrdiff_t place = reference.pair_slot[k] * rows + block.row + reference.row_offset[k];
-      for (int a = 0; a < D; ++a) force[a] -= load(work.pair_force[a].data() + place);
-    }
-    Lanes squared = {};
+  for_each_deforming_block(reference, [&](std::ptrdiff_t, const Block& block, const Stencil<D>& stencil) {
+    const std::ptrdiff_t i = block.row;
+    Lanes force[D], moment[D][D];
     for (int a = 0; a < D; ++a) {
-      store(state.internal_force[a].data() + block.row, force[a]);
-      squared += force[a] * force[a];
+      force[a] = load(state.internal_force[a].data() + i);
+      for (int b = 0; b < D; ++b) moment[a][b] = load(work.diffusion_stress[a][b].data() + i);
     }
-    if (reference.has_diffusion) state.diffusion_loss[n] -= 0.5 * dt * dt * load(reference.inverse_mass.data() + block.row) * squared;
+    for (std::uint32_t k = stencil.first; k < stencil.later; ++k) {
+      const std::ptrdiff_t j = i + reference.row_offset[k], place = reference.pair_slot[k] * rows + j;
+      if constexpr (with_penalty)
+        for (int a = 0; a < D; ++a) force[a] -= load(work.pull[a].data() + place);
+      if constexpr (with_diffusion) {
+        Lanes x[D];
+        for (int a = 0; a < D; ++a) {
+          const double* d = state.displacement[a].data();
+          x[a] = 2 * reference.pairs[k].half_offset[a] + load(d + j) - load(d + i);
+        }
+        for (int a = 0; a < D; ++a) {
+          const Lanes drag = load(work.drag[a].data() + place);
+          force[a] -= drag;
+          for (int b = 0; b < D; ++b) moment[a][b] -= drag * x[b];
+        }
+      }
+    }
+    for (int a = 0; a < D; ++a) store(state.internal_force[a].data() + i, force[a]);
+    if constexpr (with_diffusion) {
+      Lanes f[D][D], inverse_transposed[D][D];
+      for (int a = 0; a < D; ++a)
+        for (int b = 0; b < D; ++b) f[a][b] = load(work.displacement_gradient[a][b].data() + i) + (a == b ? 1.0 : 0.0);
+      const double volume = std::pow(reference.bodies[block.body].spacing, D);
+      const Lanes factor = -0.5 / (volume * cofactor(f, inverse_transposed));
+      for (int a = 0; a < D; ++a)
+        for (int b = 0; b < D; ++b) {
+          Lanes p = moment[a][0] * inverse_transposed[0][b];
+          for (int c = 1; c < D; ++c) p += moment[a][c] * inverse_transposed[c][b];
+          store(work.diffusion_stress[a][b].data() + i, factor * p);
+        }
+    }
   });
+}
+
+/// Adds the divergence of the stress of the diffusion. The energy that the diffusion takes is its force times the velocity in the middle
+/// of the kick, f dt/(2m) past the present one.
+template <int D>
+void spread(const Reference<D>& reference, double dt, const Workspace<D>& work, State<D>& state) {
+  for_each_deforming_block(reference, [&](std::ptrdiff_t n, const Block& block, const Stencil<D>& stencil) {
+    // One sum per entry of the stress: a single one would wait for each of its own additions.
+    const double* p[D][D];
+    Lanes sum[D][D], squared = {};
+    for (int a = 0; a < D; ++a)
+      for (int b = 0; b < D; ++b) {
+        p[a][b] = work.diffusion_stress[a][b].data() + block.row;
+        sum[a][b] = load(p[a][b]) * stencil.gradient_sum[b];
+      }
+    for (std::uint32_t k = stencil.first; k < stencil.first + stencil.count; ++k)
+      for (int a = 0; a < D; ++a)
+        for (int b = 0; b < D; ++b) sum[a][b] -= load(p[a][b] + reference.row_offset[k]) * reference.neighbours[k].mirror_gradient[b];
+    for (int a = 0; a < D; ++a) {
+      double* f = state.internal_force[a].data() + block.row;
+      Lanes force = load(f);
+      for (int b = 0; b < D; ++b) force += sum[a][b];
+      store(f, force);
+      squared += force * force;
+    }
+    state.diffusion_loss[n] -= 0.5 * dt * dt * load(reference.inverse_mass.data() + block.row) * squared;
+  });
+}
+
+template <int D, bool with_diffusion, bool with_penalty>
+void evaluate(const Reference<D>& reference, double dt, State<D>& state, Workspace<D>& work) {
+  pair_forces<D, with_diffusion, with_penalty>(reference, dt, state, work);
+  collect<D, with_diffusion, with_penalty>(reference, state, work);
+  if constexpr (with_diffusion) spread(reference, dt, work, state);
 }
 
 }  // namespace
@@ -134,12 +196,11 @@ void stabilising_forces(const Reference<D>& reference, double dt, State<D>& stat
   if (reference.has_diffusion) work.evaluations.riemann_diffusion += reference.rows;
   if (reference.has_penalty) work.evaluations.hourglass_penalty += reference.rows;
   if (reference.has_diffusion && reference.has_penalty)
-    pair_forces<D, true, true>(reference, dt, state, work);
+    evaluate<D, true, true>(reference, dt, state, work);
   else if (reference.has_diffusion)
-    pair_forces<D, true, false>(reference, dt, state, work);
+    evaluate<D, true, false>(reference, dt, state, work);
   else
-    pair_forces<D, false, true>(reference, dt, state, work);
-  collect(reference, dt, work, state);
+    evaluate<D, false, true>(reference, dt, state, work);
 }
 
 template void stabilising_forces<2>(const Reference<2>&, double, State<2>&, Workspace<2>&);

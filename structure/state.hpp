@@ -64,9 +64,11 @@ struct Workspace {
   RowMatrices<D> displacement_gradient;  ///< H = F - I
   RowCurvatures<D> curvature;            ///< K = d2u/dX dX [1/m]
   RowCurvatures<D> double_stress;        ///< Q = dW/dK, W the energy density of a particle's cell [N/m]
-  RowMatrices<D> velocity_gradient;      ///< L, for the reconstruction in the diffusion
+  RowMatrices<D> velocity_gradient;      ///< dv/dx [1/s], for the reconstruction in the diffusion
+  RowMatrices<D> diffusion_stress;       ///< what the diffusion adds to P for its reconstruction [Pa]
   RowMatrices<D> stress;                 ///< first Piola-Kirchhoff P [Pa]
-  RowVectors<D> pair_force;              ///< stabilising force on the first row of each pair: array of rows per pair slot
+  RowVectors<D> drag;                    ///< force of the diffusion on the first row of each pair: array of rows per pair slot
+  RowVectors<D> pull;                    ///< the same of the penalty
   RowVectors<D> external_force;          ///< all that acts from outside, constant over a window [N/m^(3-D)]
   Evaluations evaluations;
 };
@@ -86,15 +88,17 @@ State<D> state_at_rest(const Reference<D>& reference, std::size_t surface_points
 template <int D>
 Workspace<D> workspace_for(const Reference<D>& reference) {
   Workspace<D> work;
-  for (auto* matrices : {&work.displacement_gradient, &work.velocity_gradient, &work.stress})
+  for (auto* matrices : {&work.displacement_gradient, &work.velocity_gradient, &work.diffusion_stress, &work.stress})
     for (auto& component : *matrices)
       for (auto& direction : component) direction.assign(reference.rows, 0);
   for (auto* curvatures : {&work.curvature, &work.double_stress})
     for (auto& component : *curvatures)
       for (auto& pair : component) pair.assign(reference.rows, 0);
   for (auto& axis : work.external_force) axis.assign(reference.rows, 0);
-  if (reference.has_penalty || reference.has_diffusion)
-    for (auto& axis : work.pair_force) axis.assign(reference.rows * reference.pair_slots, 0);
+  if (reference.has_diffusion)
+    for (auto& axis : work.drag) axis.assign(reference.rows * reference.pair_slots, 0);
+  if (reference.has_penalty)
+    for (auto& axis : work.pull) axis.assign(reference.rows * reference.pair_slots, 0);
   return work;
 }
 

@@ -9,7 +9,7 @@ namespace tern::structure {
 
 template <int D>
 void internal_forces(const Reference<D>& reference, double time_s, double dt, State<D>& state, Workspace<D>& work) {
-  deformation_gradient(reference, state, work);           // F_i, K_i, and L_i for the reconstruction
+  deformation_gradient(reference, state, work);           // F_i, K_i, and l_i for the reconstruction
   first_piola_kirchhoff(reference, state, time_s, work);  // P, Q of W(F, K)
   stabilising_forces(reference, dt, state, work);         // Riemann diffusion, hourglass penalty
   elastic_force(reference, work, state);                  // -dE/dx of sum V W(F, K)

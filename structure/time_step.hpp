@@ -7,11 +7,11 @@
 
 namespace tern::structure {
 
-/// H_i = sum_j V_j (d_j - d_i) x g_ij, its derivatives K_i and, when `work` is used by the diffusion, L_i from the velocities.
+/// H_i = sum_j V_j (d_j - d_i) x g_ij, its derivatives K_i and, when `work` is used by the diffusion, l_i from the velocities.
 template <int D>
 void deformation_gradient(const Reference<D>& reference, const State<D>& state, Workspace<D>& work);
 
-/// The same without L_i.
+/// The same without l_i.
 template <int D>
 void displacement_gradients(const Reference<D>& reference, const State<D>& state, Workspace<D>& work);
 

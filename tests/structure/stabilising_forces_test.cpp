@@ -1,5 +1,6 @@
 // Riemann diffusion and hourglass penalty: blind to what F sees, opposed to what it does not.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "fixtures/structure_scenes.hpp"
@@ -24,18 +25,20 @@ struct BlockState {
     structure.numerics.hourglass_penalty = penalty;
     return build_reference<D>(structure);
   }
-  /// Largest stabilising force in a pair.
-  double largest_pair_force() {
+  /// Largest stabilising force on a particle or in a pair.
+  double largest_force() {
     deformation_gradient(reference, state, work);
     stabilising_forces(reference, 0, state, work);
     double largest = 0;
-    for (const auto& axis : work.pair_force)
-      for (double f : axis) largest = std::max(largest, std::abs(f));
+    for (const auto* forces : {&state.internal_force, &work.drag, &work.pull})
+      for (const auto& axis : *forces)
+        for (double f : axis) largest = std::max(largest, std::abs(f));
     return largest;
   }
   /// Power of the diffusion, sum f . v.
   double power() {
-    evaluate(reference, state, work);
+    deformation_gradient(reference, state, work);
+    stabilising_forces(reference, 0, state, work);
     double total = 0;
     for (const auto row : reference.particle_row) total += row_vector<D>(state.internal_force, row).dot(row_vector<D>(state.velocity, row));
     return total;
@@ -48,7 +51,7 @@ double force_in_an_affine_velocity_field() {
   Matrix<D> a = Matrix<D>::Constant(0.4);
   a(0, 1) = -1.1;
   set_rows<D>(s.reference, s.state.velocity, [&](const Vector<D>& x) -> Vector<D> { return a * x; });
-  return s.largest_pair_force() / (1000 * s.reference.bodies[0].material.pressure_wave_speed());
+  return s.largest_force() / (1000 * s.reference.bodies[0].material.pressure_wave_speed());
 }
 
 // Seen to fail: without the reconstruction the force is 0.15 of rho c.
@@ -106,14 +109,109 @@ TEST(RiemannDiffusion, NeverLetsTheEnergyOfAFreeBodyRise) {
   EXPECT_LT(largest_energy_rise<3>(5, 100, 10), 1e-4);
 }
 
-// The limiter works per pair, so even a field whose reconstruction overshoots everywhere must not gain energy: a kink, and
-// a smooth wave of four particles. Seen to fail: without the limiter of
-// the normal part, and without that of the tangential part.
-TEST(RiemannDiffusion, LetsNoPairGainEnergy) {
+/// The body is deformed without order.
+template <int D>
+void disorder(BlockState<D>& s, std::mt19937& random) {
+  set_rows<D>(s.reference, s.state.displacement, [&](const Vector<D>& x) -> Vector<D> {
+    return random_vector<D>(random, 0.05) + Vector<D>::Constant(0.02 * x[0] * x[1]) - 0.1 * x;
+  });
+}
+
+template <int D>
+double force_in_a_rigid_motion() {
+  BlockState<D> s(5, 1, 0);
+  std::mt19937 random(3);
+  disorder(s, random);
+  Matrix<D> spin = Matrix<D>::Zero();
+  spin(0, 1) = -1.1;
+  spin(1, 0) = 1.1;
+  if (D == 3) spin(D - 1, 0) = -(spin(0, D - 1) = 0.7);
+  for (const auto row : s.reference.particle_row) {
+    const Vector<D> v = Vector<D>::Constant(0.3) + spin * (s.reference.position_of(row) + row_vector<D>(s.state.displacement, row));
+    for (int a = 0; a < D; ++a) s.state.velocity[a][row] = v[a];
+  }
+  return s.largest_force() / (1000 * s.reference.bodies[0].material.pressure_wave_speed());
+}
+
+// Seen to fail: with the reconstruction in the reference configuration, v_j - v_i - (L_i + L_j)/2 X_ji (0.2 of rho c).
+TEST(RiemannDiffusion, DoesNotSeeARigidMotionOfADeformedBody) {
+  EXPECT_LT(force_in_a_rigid_motion<2>(), 1e-12);
+  EXPECT_LT(force_in_a_rigid_motion<3>(), 1e-12);
+}
+
+template <int D>
+void expect_no_force_and_no_moment() {
+  BlockState<D> s(5, 1, 0);
+  std::mt19937 random(7);
+  disorder(s, random);
+  set_rows<D>(s.reference, s.state.velocity, [&](const Vector<D>&) { return random_vector<D>(random, 1.0); });
+  const double size = s.largest_force();
+  const auto [force, moment] = force_and_moment(s.reference, s.state);
+  EXPECT_LT(force.norm(), 1e-11 * size);
+  EXPECT_LT(moment.norm(), 1e-11 * size);
+}
+
+// Seen to fail: without the stress that the reconstruction answers with (0.13 of the largest force in 2D, 1 in 3D).
+TEST(RiemannDiffusion, OfARandomMotionHasNoResultantAndNoMoment) {
+  expect_no_force_and_no_moment<2>();
+  expect_no_force_and_no_moment<3>();
+}
+
+/// What is lost of the angular momentum of a free body that spins fast, from no strain on.
+template <int D>
+double lost_angular_momentum(double n, int windows) {
+  StructureBody b = body("block", {-0.5 * n, -0.5 * n, -0.5 * n}, {0.5 * n, 0.5 * n, 0.5 * n}, 1);
+  const double spin = 16 / n;  // [rad/s]: the faces move at a quarter of the speed of pressure waves
+  b.velocity[0] = Expression(fmt::format("{}*y", -spin));
+  b.velocity[1] = Expression(fmt::format("{}*x", spin));
+  if (D == 3) b.velocity[2] = Expression("2*sin(3*x)*cos(2*y)");
+  Structure<D> structure(scene(D, {b}));
+  const Momentum before = structure.momentum();
+  for (int k = 0; k < windows; ++k) structure.trial(structure.time(), to_ticks(10 * structure.largest_sub_step()));
+  const Momentum after = structure.momentum();
+  EXPECT_GT(structure.energies().diffusion, 1e-3 * structure.energies().kinetic) << "the diffusion does work";
+  double squared = 0;
+  for (int a = 0; a < 3; ++a) squared += std::pow(after.angular[a] - before.angular[a], 2);
+  return std::sqrt(squared) / std::abs(before.angular[2]);
+}
+
+// Seen to fail: without the stress of the reconstruction (2.3e-4 in 2D, 2.7e-4 in 3D; with a limiter beside it 0.03 and 0.04).
+TEST(RiemannDiffusion, LeavesTheAngularMomentumOfAFreeBodyAlone) {
+  EXPECT_LT(lost_angular_momentum<2>(10, 100), 1e-12);
+  EXPECT_LT(lost_angular_momentum<3>(6, 40), 1e-12);
+}
+
+/// A block that is clamped at its foot, where the reconstruction of the particles on the face has its share.
+Reference<2> clamped_block() {
+  StructureCase structure = block<2>(6);
+  structure.bodies[0].clamps = {box({-1, -1, 0}, {7, 2, 0})};
+  return build_reference<2>(structure);
+}
+
+// Pairs whose reconstruction overshoots, a kink, a wave of four particles, and a clamp: the power is that of the jumps, so that no pair
+// gains. Seen to fail: with the stress of the reconstruction left out, and with that of the particles on a face left out.
+TEST(RiemannDiffusion, TakesWhatItsPairsLose) {
   BlockState<2> s(12, 1, 0);
+  std::mt19937 random(13);
+  disorder(s, random);
   set_rows<2>(s.reference, s.state.velocity, [](const Vector<2>& x) { return Vector<2>(std::sin(1.6 * x[0]), std::abs(x[0] - 6)); });
-  evaluate(s.reference, s.state, s.work, 1e-9);
-  for (std::size_t n = 0; n < s.reference.blocks.size(); ++n) EXPECT_GT(sum(s.state.diffusion_loss[n]), -1e-14) << "block " << n;
+  const auto expect_balance = [](const Reference<2>& reference, State<2>& state, Workspace<2>& work) {
+    constexpr double dt = 1e-9;  // the second-order part of the account is 1e-9 of it
+    deformation_gradient(reference, state, work);
+    stabilising_forces(reference, dt, state, work);
+    double power = 0, loss = 0;
+    for (const auto row : reference.particle_row) power += row_vector<2>(state.internal_force, row).dot(row_vector<2>(state.velocity, row));
+    for (const auto& block : state.diffusion_loss) loss += sum(block);
+    EXPECT_NEAR(-power * dt, loss, 1e-7 * loss);
+    EXPECT_GT(loss, 0);
+  };
+  expect_balance(s.reference, s.state, s.work);
+  const auto reference = clamped_block();
+  auto state = state_at_rest(reference, 0);
+  auto work = workspace_for(reference);
+  set_rows<2>(reference, state.velocity,
+              [&](const Vector<2>& x) -> Vector<2> { return x[1] < 2 ? Vector<2>(0.1, 0) : random_vector<2>(random, 1.0); });
+  expect_balance(reference, state, work);
 }
 
 // The loss that is counted is what the kick takes from the kinetic energy. Seen to fail: with pairs counted twice, and with the
@@ -139,7 +237,7 @@ double penalty_in_an_affine_deformation() {
   Matrix<D> a = Matrix<D>::Constant(0.1);
   a(0, 1) = -0.2;
   set_rows<D>(s.reference, s.state.displacement, [&](const Vector<D>& x) -> Vector<D> { return a * x; });
-  return s.largest_pair_force() / 1e6;
+  return s.largest_force() / 1e6;
 }
 
 // Seen to fail: with X_ji instead of F X_ji the penalty resists the deformation (8e-4 of E).
