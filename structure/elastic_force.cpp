@@ -33,16 +33,21 @@ inline Lanes component_of_force(const Stencil<D>& stencil, const Neighbour<D>* n
 template <int D>
 void elastic_force(const Reference<D>& reference, const Workspace<D>& work, State<D>& state) {
   constexpr int pairs = curvature_components<D>;
-  for_each_deforming_block(reference, [&](std::ptrdiff_t, const Block& block, const Stencil<D>& stencil) {
+  for_each_deforming_block(reference, [&](std::ptrdiff_t n, const Block& block, const Stencil<D>& stencil) {
     const Neighbour<D>* neighbour = reference.neighbours.data() + stencil.first;
     const std::int32_t* offset = reference.row_offset.data() + stencil.first;
+    Lanes product = {};
     for (int a = 0; a < D; ++a) {
       const double *p[D], *q[pairs];
       for (int b = 0; b < D; ++b) p[b] = work.stress[a][b].data() + block.row;
       for (int c = 0; c < pairs; ++c) q[c] = work.double_stress[a][c].data() + block.row;
       double* force = state.internal_force[a].data() + block.row;
-      store(force, load(force) + component_of_force<D>(stencil, neighbour, offset, p, q));
+      const Lanes stabilising = load(force), total = stabilising + component_of_force<D>(stencil, neighbour, offset, p, q);
+      product += stabilising * total;
+      store(force, total);
     }
+    // The power of the diffusion, -f . v, falls by f . (total force)/m in a second.
+    if (reference.has_diffusion) state.diffusion_brake[n] = load(reference.inverse_mass.data() + block.row) * product;
   });
 }
 

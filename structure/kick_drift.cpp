@@ -1,5 +1,6 @@
 // Velocity Verlet:  v += dt (f_internal + f_external)/m,   d += dt v.
 // Clamped rows and rows without particle have 1/m = 0: they keep the velocity they are given.
+// The energy that the diffusion takes in a kick is its power in the middle of it.
 // Mass damping alpha (the first term of Rayleigh's) decays the velocity by exp(-alpha dt) in the same kick.
 
 #include <cmath>
@@ -26,6 +27,11 @@ void kick(const Reference<D>& reference, const Workspace<D>& work, double dt, St
         store(v, factor * before);
       }
       state.damping_loss[n] += 0.5 * load(reference.mass.data() + i) * lost;
+      state.diffusion_power[n] *= decay;
+    }
+    if (reference.has_diffusion) {
+      state.diffusion_loss[n] += dt * (state.diffusion_power[n] - 0.5 * dt * state.diffusion_brake[n]);
+      state.diffusion_power[n] -= dt * state.diffusion_brake[n];
     }
     for (int a = 0; a < D; ++a) {
       double* v = state.velocity[a].data() + i;

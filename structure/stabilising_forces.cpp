@@ -101,7 +101,7 @@ void pair_forces(const Reference<D>& reference, double dt, State<D>& state, Work
     if constexpr (with_diffusion) {
       for (int a = 0; a < D; ++a)
         for (int b = 0; b < D; ++b) store(work.diffusion_stress[a][b].data() + i, moment[a][b]);
-      state.diffusion_loss[n] += dt * dissipated;
+      state.diffusion_power[n] = dissipated;
     }
   });
 }
@@ -151,14 +151,13 @@ void collect(const Reference<D>& reference, State<D>& state, Workspace<D>& work)
   });
 }
 
-/// Adds the divergence of the stress of the diffusion. The energy that the diffusion takes is its force times the velocity in the middle
-/// of the kick, f dt/(2m) past the present one.
+/// Adds the divergence of the stress of the diffusion.
 template <int D>
-void spread(const Reference<D>& reference, double dt, const Workspace<D>& work, State<D>& state) {
-  for_each_deforming_block(reference, [&](std::ptrdiff_t n, const Block& block, const Stencil<D>& stencil) {
+void spread(const Reference<D>& reference, const Workspace<D>& work, State<D>& state) {
+  for_each_deforming_block(reference, [&](std::ptrdiff_t, const Block& block, const Stencil<D>& stencil) {
     // One sum per entry of the stress: a single one would wait for each of its own additions.
     const double* p[D][D];
-    Lanes sum[D][D], squared = {};
+    Lanes sum[D][D];
     for (int a = 0; a < D; ++a)
       for (int b = 0; b < D; ++b) {
         p[a][b] = work.diffusion_stress[a][b].data() + block.row;
@@ -172,9 +171,7 @@ void spread(const Reference<D>& reference, double dt, const Workspace<D>& work, 
       Lanes force = load(f);
       for (int b = 0; b < D; ++b) force += sum[a][b];
       store(f, force);
-      squared += force * force;
     }
-    state.diffusion_loss[n] -= 0.5 * dt * dt * load(reference.inverse_mass.data() + block.row) * squared;
   });
 }
 
@@ -182,7 +179,7 @@ template <int D, bool with_diffusion, bool with_penalty>
 void evaluate(const Reference<D>& reference, double dt, State<D>& state, Workspace<D>& work) {
   pair_forces<D, with_diffusion, with_penalty>(reference, dt, state, work);
   collect<D, with_diffusion, with_penalty>(reference, state, work);
-  if constexpr (with_diffusion) spread(reference, dt, work, state);
+  if constexpr (with_diffusion) spread(reference, work, state);
 }
 
 }  // namespace

@@ -26,11 +26,13 @@ struct State {
   SurfaceLoad<D> load;            ///< of the last window
   double interface_work = 0;      ///< [J/m^(3-D)] since t = 0
   double gravity_work = 0;
-  double load_work = 0;               ///< of tractions, pressures and body loads
-  double clamp_work = 0;              ///< of clamps that move
-  std::vector<Lanes> diffusion_loss;  ///< per block: energy dissipated by the diffusion in its pairs
-  std::vector<Lanes> penalty_store;   ///< per block: energy taken up by the penalty in its pairs
-  std::vector<Lanes> damping_loss;    ///< per block: energy dissipated by the mass damping; empty without
+  double load_work = 0;                ///< of tractions, pressures and body loads
+  double clamp_work = 0;               ///< of clamps that move
+  std::vector<Lanes> diffusion_loss;   ///< per block: energy dissipated by the diffusion in its pairs
+  std::vector<Lanes> diffusion_power;  ///< what it dissipates at the present velocity
+  std::vector<Lanes> diffusion_brake;  ///< and by how much less with every second that the present forces act
+  std::vector<Lanes> penalty_store;    ///< per block: energy taken up by the penalty in its pairs
+  std::vector<Lanes> damping_loss;     ///< per block: energy dissipated by the mass damping; empty without
 
   /// The list of the members: visit(name, member of each state) for every one.
   template <class Visit, class... States>
@@ -47,6 +49,8 @@ struct State {
     visit("load_work", state.load_work...);
     visit("clamp_work", state.clamp_work...);
     visit("diffusion_loss", state.diffusion_loss...);
+    visit("diffusion_power", state.diffusion_power...);
+    visit("diffusion_brake", state.diffusion_brake...);
     visit("penalty_store", state.penalty_store...);
     visit("damping_loss", state.damping_loss...);
   }
@@ -79,7 +83,8 @@ State<D> state_at_rest(const Reference<D>& reference, std::size_t surface_points
   for (auto* vectors : {&state.displacement, &state.velocity, &state.internal_force})
     for (auto& axis : *vectors) axis.assign(reference.rows, 0);
   state.load.force.assign(surface_points, Vector<D>::Zero());
-  state.diffusion_loss.assign(reference.blocks.size(), broadcast(0));
+  for (auto* values : {&state.diffusion_loss, &state.diffusion_power, &state.diffusion_brake})
+    values->assign(reference.blocks.size(), broadcast(0));
   state.penalty_store.assign(reference.blocks.size(), broadcast(0));
   if (reference.has_damping) state.damping_loss.assign(reference.blocks.size(), broadcast(0));
   return state;

@@ -23,12 +23,12 @@ void first_piola_kirchhoff(const Reference<D>& reference, const State<D>& state,
 template <int D>
 bool stresses(const Reference<D>& reference, Workspace<D>& work);
 
-/// Riemann diffusion and hourglass penalty of every row into state.internal_force, and the energy they take up in a sub-step
-/// of `dt` [s] into the account of `state`.
+/// Riemann diffusion and hourglass penalty of every row into state.internal_force, and what they take up into the accounts of
+/// `state`: of the diffusion its power, which kick() counts, of the penalty the energy of a sub-step of `dt` [s].
 template <int D>
 void stabilising_forces(const Reference<D>& reference, double dt, State<D>& state, Workspace<D>& work);
 
-/// Adds the elastic force of every row to state.internal_force.
+/// Adds the elastic force of every row to state.internal_force, which holds the stabilising ones.
 template <int D>
 void elastic_force(const Reference<D>& reference, const Workspace<D>& work, State<D>& state);
 
@@ -40,7 +40,7 @@ bool evaluate_elastic_force(const Reference<D>& reference, State<D>& state, Work
 template <int D>
 void internal_forces(const Reference<D>& reference, double time_s, double dt, State<D>& state, Workspace<D>& work);
 
-/// v += dt (f_internal + f_external) / m, after the mass damping; unchanged where clamped.
+/// v += dt (f_internal + f_external) / m, after the mass damping; unchanged where clamped. Counts what the diffusion takes.
 template <int D>
 void kick(const Reference<D>& reference, const Workspace<D>& work, double dt, State<D>& state);
 

@@ -19,7 +19,7 @@ class StructureSide {
   std::vector<double> energies() const { return energy_values(scene_, structure_); }
   void write_frame(FrameWriter& frames, long step) const { structure::write_frame(structure_, frames, step); }
   void add_window() { measures_.add(structure_); }
-  void report(RunReport& report) const { measures_.report(structure_, report); }
+  void report(RunReport& report) const { measures_.report(scene_, structure_, report); }
 
   /// The list of what add_window() has gathered: visit(name, member of each) for every one.
   template <class Visit, class... Same>
