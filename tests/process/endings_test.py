@@ -104,7 +104,8 @@ class EndingsTest(RealRunTest):
             process.send_signal(signal.SIGINT)
             errors = process.communicate(timeout=10)[1]
             self.assertNotIn("Traceback", errors, f"after {wait:.3f} s")
-            self.assertEqual(process.returncode, 130, f"after {wait:.3f} s: {errors}")
+            # Before the interpreter's first line nothing can answer: the signal itself ends it, which a shell reports as 130 too.
+            self.assertIn(process.returncode, (130, -signal.SIGINT), f"after {wait:.3f} s: {errors}")
             self.assertTrue(wait_until(lambda: not self.pids_of_run(), 3))
 
     # Seen to fail: with 5 s for the others also where none of them can have noticed.

@@ -112,7 +112,6 @@ class PlotTest(unittest.TestCase):
         np.testing.assert_allclose([corners.min(axis=0), corners.max(axis=0)], [[0.2, 0.3], [0.5, 0.32]], atol=1e-12)
 
     def test_the_fluid_writes_where_a_moving_wall_is(self):
-        # Seen to fail: with the placement at t = 0 in wall_places().
         case = self.run_directory / "case.toml"
         case.write_text("""
 dimension = 2

@@ -154,7 +154,6 @@ class ResumeTest(RealRunTest):
         self.assertEqual(process.returncode, 5, errors)
         return errors
 
-    # Seen to fail: without save_after_failure() of the participants, of the coupler, and of a process that runs alone (no checkpoint).
     def test_the_state_before_a_failure_is_kept(self):
         for role, case, words in (("fluid", SMALL, ["--until", "0.8"]), ("structure", SMALL, ["--until", "0.8"]),
                                   ("fluid", CASES / "hydrostatic_tank", ["--until", "1"])):
@@ -236,7 +235,6 @@ class ResumeTest(RealRunTest):
         self.assertFalse((self.path / "none" / "checkpoint").exists())
         self.assertIn("output.checkpoint_interval = 0", self.tern("resume", self.path / "none", code=2))
 
-    # Seen to fail: with the columns in the order of the case (values under the wrong name), and with a mark in bytes of the narrow table.
     def test_gauges_may_be_added(self):
         case = self.path / "mine"
         shutil.copytree(PLATE, case)

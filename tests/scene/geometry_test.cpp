@@ -84,8 +84,6 @@ TEST(Lattice, FillsABoxOfWholeMultiplesExactly) {
   EXPECT_EQ(fill_lattice<3>(box({0, 0, 0}, {0.3, 0.2, 0.1}), 0.1).size(), 6u);
 }
 
-// Seen to fail with the sign of the distance left out (what is passed over in a row is taken for inside), and with one point more passed
-// over than the distance allows.
 TEST(Lattice, HoldsThePointsThatASearchOfAllFinds) {
   const Shape hole = combine(difference, {box({0, 0}, {10, 7}), ball({4, 3}, 2.3), box({6.2, 1}, {7.1, 9})});
   const Shape shape = combine(union_of, {hole, ball({12, 4}, 1.7), ball({4.3, 3.1}, 0.4)});
