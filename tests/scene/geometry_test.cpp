@@ -103,7 +103,9 @@ TEST(Lattice, HoldsThePointsThatASearchOfAllFinds) {
     const auto found = first_inside<2>(lattice, probe, 0);
     const auto first = std::find_if(all.begin(), all.end(), [&](const auto& x) { return signed_distance<2>(probe, x) < 0; });
     ASSERT_EQ(found.has_value(), first != all.end());
-    if (found) EXPECT_EQ(*found, *first);
+    if (found) {
+      EXPECT_EQ(*found, *first);
+    }
   }
 }
 
