@@ -1,8 +1,10 @@
 """A film of a run from its frames, H.264 in MP4 through ffmpeg: one colour scale, one view, the time in the title."""
 
 import os
+import signal
 import subprocess
 import sys
+import threading
 import time as clock
 from pathlib import Path
 
@@ -146,20 +148,32 @@ def animate(directory, rate=None, field="pressure", look=None):
     unfinished = path.with_name(path.name + ".part")
     encoder = _encoder(unfinished, figure, rate or min(max(len(times) / USUAL_LENGTH, 5), 30))
     began = clock.monotonic()
+    interrupted = []
+    here = threading.current_thread() is threading.main_thread()  # the only one in which Python lets a handler be set
+    # A flag, since an exception within a callback of matplotlib would be dropped and the film go on.
+    handler = signal.signal(signal.SIGINT, lambda *_: interrupted.append(True)) if here else None
     try:
         for number, time in enumerate(times, 1):
+            if interrupted:
+                raise KeyboardInterrupt
             draw(time)
             figure.canvas.draw()
             encoder.stdin.write(figure.canvas.buffer_rgba())
             _progress(number, len(times), began)
         encoder.stdin.close()
         complaint = encoder.stderr.read().decode(errors="replace").strip()
+        if interrupted:
+            raise KeyboardInterrupt
         if encoder.wait() != 0:
             raise OSError(f"{path} could not be written: ffmpeg says: {complaint}")
         os.replace(unfinished, path)
     except BrokenPipeError:
+        if interrupted:  # ffmpeg got it as well
+            raise KeyboardInterrupt from None
         raise OSError(f"{path} could not be written: ffmpeg says: {encoder.stderr.read().decode(errors='replace').strip()}") from None
     finally:
+        if here:
+            signal.signal(signal.SIGINT, handler)
         plt.close(figure)
         if encoder.poll() is None:
             encoder.kill()
