@@ -71,6 +71,7 @@ struct Body {
   double spacing = 0;                ///< dx_s [m]
   double smoothing_length = 0;       ///< h_0 [m]
   double mass_damping = 0;           ///< [1/s]
+  double stable_step_at_rest = 0;    ///< of explicit steps (stable_step.hpp) [s]
   std::size_t first = 0, count = 0;  ///< range of Reference::particle_row
 };
 

@@ -1,6 +1,7 @@
-// Stable sub-step of the explicit integration: dt = courant dx/(c + |v|max), the minimum over the bodies. Under
-// compression the neo-Hookean solid stiffens while its reference spacing stays, in tension the St Venant-Kirchhoff solid: c is
-// the largest wave speed at rest, at the smallest and at the largest stretch. A sub-step a thousand times shorter than at rest means
+// Stable sub-step of the explicit integration: dt = min(courant dx, 0.9 c_0 dt_0)/(c + |v|max), the minimum over the bodies. dt_0 is what
+// the forces at rest allow (stable_step.hpp), c_0 the wave speed at rest. Under compression the neo-Hookean solid stiffens while its
+// reference spacing stays, in tension the St Venant-Kirchhoff solid: c is the largest wave speed at rest, at the smallest and at the
+// largest stretch. A sub-step a thousand times shorter than at rest means
 // that a particle has been flung off or torn out; the run would crawl on from there and never end.
 
 #include <fmt/format.h>
@@ -30,6 +31,7 @@ template <int D>
 double stable_sub_step(const Reference<D>& reference, double courant, const State<D>& state, const Workspace<D>& work) {
   constexpr double least_stretch = 0.05;  // the step must not shrink without bound before J <= 0 is found
   constexpr double collapse = 1e-3;
+  constexpr double margin = 0.9;  // of the measured step: the largest eigenvalues are found from below, and forces turn with the body
   double dt = std::numeric_limits<double>::max();
   for (const Body& body : reference.bodies) {
     double smallest = 1, largest = 1, speed = 0;
@@ -59,7 +61,7 @@ double stable_sub_step(const Reference<D>& reference, double courant, const Stat
           "is stretched to {:.3g} of its length, the pressure wave at rest runs at {:.3g} m/s. A particle has been flung off or torn out; "
           "the load is too violent for this material and resolution. Refine [structure] spacing ({:.3g} m), or make the body stiffer.",
           body.name, at_rest / signal_speed, seconds(state.time), fastest, std::sqrt(speed), longest, largest, at_rest, body.spacing));
-    dt = std::min(dt, courant * body.spacing / signal_speed);
+    dt = std::min(dt, std::min(courant * body.spacing, margin * body.stable_step_at_rest * at_rest) / signal_speed);
   }
   return dt;
 }

@@ -16,6 +16,7 @@
 #include "structure/loads.hpp"
 #include "structure/material_point.hpp"
 #include "structure/reference.hpp"
+#include "structure/stable_step.hpp"
 #include "structure/surface_points.hpp"
 #include "structure/time_step.hpp"
 
@@ -62,6 +63,8 @@ struct Structure<D>::Parts {
     }
     if (scene.structure->numerics.integrator != Integrator::explicit_steps) implicit = std::make_unique<ImplicitStep<D>>(reference);
     always_implicit = scene.structure->numerics.integrator == Integrator::implicit_steps;
+    const std::vector<double> stable = stable_steps_at_rest(reference);
+    for (std::size_t b = 0; b < stable.size(); ++b) reference.bodies[b].stable_step_at_rest = stable[b];
     all_forces();
   }
 

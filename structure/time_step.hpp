@@ -52,8 +52,8 @@ void drift(const Reference<D>& reference, double dt, State<D>& state);
 template <int D>
 double clamp_power(const Reference<D>& reference, const State<D>& state);
 
-/// Largest stable sub-step [s]: courant dx/(c + |v|max), c the pressure wave speed at the strongest compression. `work` holds
-/// the deformation gradient of `state`.
+/// Largest stable sub-step [s]: courant dx/(c + |v|max), c the pressure wave speed at the strongest compression, and no more than the
+/// forces at rest allow. `work` holds the deformation gradient of `state`.
 template <int D>
 double stable_sub_step(const Reference<D>& reference, double courant, const State<D>& state, const Workspace<D>& work);
 
