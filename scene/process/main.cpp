@@ -11,6 +11,7 @@
 #include "scene/estimate.hpp"
 #include "scene/gauges.hpp"
 #include "scene/parameter_table.hpp"
+#include "scene/scene_at_start.hpp"
 
 namespace {
 
@@ -61,6 +62,7 @@ int run(int argc, char** argv) {
   std::string case_path;
   std::vector<std::string> overrides;
   std::string costs_path;
+  std::size_t most_points = 0;
   CaseOptions options;
   CLI::App app("Reads a case of tern and says what is in it.", "tern-case");
   app.set_version_flag("--version", fmt::format("tern-case {} ({})", program_version, git_hash));
@@ -75,6 +77,8 @@ int run(int argc, char** argv) {
   CLI::App* check = add("check", "validate; print particles, step limits, memory and expected time");
   CLI::App* explain = add("explain", "say in plain words what is modelled, what is not, and what it costs");
   const CLI::App* json = add("json", "print the effective settings as JSON");
+  CLI::App* start = add("scene", "print where everything is before the first step as JSON, for pictures");
+  start->add_option("--most", most_points, "leave the particles out of a scene with more than N")->required()->type_name("N");
   for (CLI::App* command : {check, explain})
     command->add_option("--costs", costs_path, "what a step costs on this machine, measured by ./tern")->type_name("FILE");
   const CLI::App* reference = app.add_subcommand("parameters", "print the reference of all keys (docs/PARAMETERS.md)");
@@ -97,7 +101,10 @@ int run(int argc, char** argv) {
   }
   const Case scene = read_case(case_path, options);
   const Costs costs = costs_path.empty() ? Costs{} : read_costs(costs_path);
-  const std::string answer = *check ? check_text(scene, costs) : *explain ? explain_text(scene, costs) : *json ? json_text(scene) : "";
+  const std::string answer = *check     ? check_text(scene, costs)
+                             : *explain ? explain_text(scene, costs)
+                             : *json    ? json_text(scene)
+                                        : scene_at_start(scene, most_points);
   std::fputs(answer.c_str(), stdout);
   return 0;
 }

@@ -13,6 +13,7 @@ from tern.plot import screen, walls
 CELLS_PER_SPACING = 2
 VIEW_ANGLE = 25  # of the whole height [degrees]
 MOST_CELLS = 40_000_000  # of a grid; a larger one gets coarser cells
+SIZE = (1200, 800)  # of a picture [pixels]
 NEAR = 4  # so far outside the box particles are still shown [spacings]
 SMOOTHING = 0.6  # standard deviation of the smoothing [spacings]
 BODY = (0.75, 0.75, 0.75)  # of whom nobody knows the stress
@@ -72,11 +73,28 @@ def _smooth(values, width):
     return vtk_to_numpy(smoothing.GetOutput().GetPointData().GetScalars()).copy()
 
 
-def surface(position, values, spacing, box, clip):
-    """The surface of particles as vtkPolyData with a value at each point; None where there are none. `clip` of Scene."""
+def _shared(position, low, cell, counts, values=None):
+    """Each particle shared among the eight nodes around it: their number at each node of a grid or, with `values`, the sum of those."""
+    place = (position - low) / cell
+    corner = np.floor(place).astype(int)
+    share = place - corner
+    total = np.zeros(counts.prod())
+    for offset in np.ndindex(2, 2, 2):
+        weight = np.prod(np.where(offset, share, 1 - share), axis=1)
+        node = np.ravel_multi_index(np.minimum(corner + offset, counts - 1).T, counts)
+        total += np.bincount(node, weight if values is None else weight * values, minlength=len(total))
+    return total.reshape(counts)
+
+
+def surface(position, values, spacing, box, clip, bodies=()):
+    """The surface of particles as vtkPolyData with a value at each point; None where there are none. `clip` of image().
+
+    `bodies`: [(position, spacing [m])] of what lies in the particles. They count as filled, so that there is no surface between both: it
+    would lie in that of the body. Where there are more bodies than particles, the surface is that of a body and is left away.
+    """
     from vtkmodules.util.numpy_support import numpy_to_vtk
     from vtkmodules.vtkCommonDataModel import vtkImageData
-    from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D
+    from vtkmodules.vtkFiltersCore import vtkClipPolyData, vtkFlyingEdges3D
     around = NEAR * spacing
     box = box[0] - around, box[1] + around
     inside = np.all((position >= box[0]) & (position <= box[1]), axis=1)
@@ -84,38 +102,40 @@ def surface(position, values, spacing, box, clip):
     if len(position) == 0:
         return None
     low, cell, counts = _grid(position, spacing, box)
-    # Each particle is shared among the eight nodes around it.
-    place = (position - low) / cell
-    corner = np.floor(place).astype(int)
-    share = place - corner
-    number, total = np.zeros(counts.prod()), np.zeros(counts.prod())
-    for offset in np.ndindex(2, 2, 2):
-        weight = np.prod(np.where(offset, share, 1 - share), axis=1)
-        node = np.ravel_multi_index(np.minimum(corner + offset, counts - 1).T, counts)
-        number += np.bincount(node, weight, minlength=len(number))
-        total += np.bincount(node, weight * values, minlength=len(total))
     width = SMOOTHING * spacing / cell
-    number, total = _smooth(number.reshape(counts), width), _smooth(total.reshape(counts), width)
-    field = np.divide(total, number, out=np.zeros_like(total), where=number > 1e-6)
     full = (cell / spacing) ** 3
+    number = _smooth(_shared(position, low, cell, counts), width) / full
+    total = _smooth(_shared(position, low, cell, counts, values), width) / full
+    field = np.divide(total, number, out=np.zeros_like(total), where=number > 1e-6)
+    filled, own = number, None
+    if bodies:
+        solid = np.zeros(counts)
+        for place, step in bodies:
+            near = np.all((place >= low) & (place < low + cell * (counts - 1)), axis=1)
+            solid += _shared(place[near], low, cell, counts) * (step / cell) ** 3
+        solid = _smooth(solid, width)
+        filled, own = number + solid, number - solid
     image = vtkImageData()
     image.SetDimensions(*counts)
     image.SetOrigin(*low)
     image.SetSpacing(*3 * [cell])
-    scalars = numpy_to_vtk((number / full).astype(np.float32), deep=True)
     if clip is not None:  # what is in front of the plane is empty: the surface closes along it, coloured by what is there
         axis, at, sign = clip
         coordinate = low[axis] + cell * np.arange(counts[axis])
         share = np.clip(0.5 + sign * (at - coordinate) / cell, 0, 1)  # linear over a cell: half at the plane itself
         shape = [1, 1, 1]
         shape[2 - axis] = counts[axis]
-        solid = np.minimum(number / full, 1).reshape(counts[::-1]) * share.reshape(shape)
-        scalars = numpy_to_vtk(np.ascontiguousarray(solid.ravel(), dtype=np.float32), deep=True)
+        filled = (np.minimum(filled, 1).reshape(counts[::-1]) * share.reshape(shape)).ravel()
+    scalars = numpy_to_vtk(filled.astype(np.float32), deep=True)
     scalars.SetName("filled")
     image.GetPointData().SetScalars(scalars)
     colour = numpy_to_vtk(field.astype(np.float32), deep=True)
     colour.SetName("value")
     image.GetPointData().AddArray(colour)
+    if own is not None:
+        difference = numpy_to_vtk(own.astype(np.float32), deep=True)
+        difference.SetName("own")
+        image.GetPointData().AddArray(difference)
     contour = vtkFlyingEdges3D()
     contour.SetInputData(image)
     contour.SetValue(0, 0.5)
@@ -123,6 +143,13 @@ def surface(position, values, spacing, box, clip):
     contour.InterpolateAttributesOn()
     contour.Update()
     found = contour.GetOutput()
+    if own is not None and found.GetNumberOfPoints():
+        found.GetPointData().SetActiveScalars("own")
+        dry = vtkClipPolyData()
+        dry.SetInputData(found)
+        dry.SetValue(0.0)
+        dry.Update()
+        found = dry.GetOutput()
     if found.GetNumberOfPoints() == 0:
         return None
     found.GetPointData().SetActiveScalars("value")
@@ -144,7 +171,8 @@ def _coloured(mesh, colours, limits):
     else:
         table = vtkLookupTable()
         table.SetNumberOfTableValues(256)
-        for place, colour in enumerate(matplotlib.colormaps[colours](np.linspace(0, 1, 256))):
+        scale = matplotlib.colormaps[colours] if isinstance(colours, str) else colours
+        for place, colour in enumerate(scale(np.linspace(0, 1, 256))):
             table.SetTableValue(place, *colour)
         table.SetRange(*limits)
         mapper.SetLookupTable(table)
@@ -216,7 +244,7 @@ def _shape(wall, place):
     return mesh
 
 
-def _wall_actors(wall, place, plane):
+def _wall_actors(wall, place, plane, colour=(0.55, 0.65, 0.75)):
     """Glass: a container hardly visible with its edges, an obstacle more so."""
     from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
     shape = wall.get("container") or wall.get("obstacle")
@@ -235,7 +263,7 @@ def _wall_actors(wall, place, plane):
         actor = vtkActor()
         actor.SetMapper(mapper)
         own = actor.GetProperty()
-        own.SetColor(*(3 * [0.25] if is_edge else (0.55, 0.65, 0.75)))
+        own.SetColor(*(3 * [0.25] if is_edge else colour))
         if is_edge:
             own.SetLineWidth(1.5)
             own.LightingOff()
@@ -245,21 +273,37 @@ def _wall_actors(wall, place, plane):
         yield actor
 
 
-def _distance(box, eye, up, size):
+def _distance(box, axes, size):
     """How far from the middle of `box` its corners just fill the picture but for a margin [m]."""
-    right = np.cross(up, eye)
-    right /= np.linalg.norm(right)
-    above = np.cross(eye, right)
+    right, above, eye = axes
     corners = 0.5 * (2 * np.array(list(np.ndindex(2, 2, 2))) - 1) * (box[1] - box[0])
     slope = 0.95 * np.tan(np.radians(0.5 * VIEW_ANGLE))
     return max(np.max(corners @ eye + np.abs(corners @ above) / slope),
                np.max(corners @ eye + np.abs(corners @ right) / (slope * size[0] / size[1])))
 
 
-def image(parts, placed, box, gravity, camera=Camera(), clip=None, size=(1200, 800)):
+def axes_of(camera, gravity):
+    """(to the right, up in the picture, towards the eye), unit vectors."""
+    eye = direction(camera, gravity)
+    _, up, towards = basis(gravity)
+    right = np.cross(up if abs(eye @ up) < 0.999 else -towards, eye)
+    right /= np.linalg.norm(right)
+    return right, np.cross(eye, right), eye
+
+
+def projected(points, box, gravity, camera, size=SIZE):
+    """Where points [n, 3] are in the picture of image(): columns and rows of pixels, an array [n, 2]."""
+    right, above, eye = axes = axes_of(camera, gravity)
+    arm = np.asarray(points, dtype=float) - 0.5 * (box[0] + box[1])
+    scale = 0.5 * size[1] / np.tan(np.radians(0.5 * VIEW_ANGLE / camera.zoom)) / (_distance(box, axes, size) - arm @ eye)
+    return np.column_stack([0.5 * size[0] + scale * (arm @ right), 0.5 * size[1] - scale * (arm @ above)])
+
+
+def image(parts, placed, box, gravity, camera=Camera(), clip=None, size=SIZE, outlines=()):
     """The scene as pixels, an array [rows, columns, 3] of bytes.
 
-    `parts`: [(position [n, 3], value of each, spacing [m], name of a colour map or None, its limits, opacity)]. `placed` of walls.placed().
+    `parts`: [(position [n, 3], value of each, spacing [m], a colour map, its name or None, its limits, opacity)]; the first is what the
+    others may lie in. `placed` of walls.placed(). `outlines`: [(shape, colour)] drawn as coloured glass.
     `box` (lower, upper corner) [m]: what fills the picture. `clip` (direction, coordinate [m]): what lies in front of this plane, as
     the camera sees it, is left away.
     """
@@ -279,8 +323,9 @@ def image(parts, placed, box, gravity, camera=Camera(), clip=None, size=(1200, 8
         plane.SetNormal(*(-sign * np.eye(3)[axis]))
     renderer = vtkRenderer()
     renderer.SetBackground(1, 1, 1)
-    for position, values, spacing, colours, limits, opacity in parts:
-        mesh = surface(position, np.asarray(values, dtype=float), spacing, box, signed)
+    for part, (position, values, spacing, colours, limits, opacity) in enumerate(parts):
+        within = [(other[0], other[2]) for other in parts[1:]] if part == 0 else []
+        mesh = surface(position, np.asarray(values, dtype=float), spacing, box, signed, within)
         if mesh is not None:
             actor = _coloured(mesh, colours, limits)
             actor.GetProperty().SetOpacity(opacity)
@@ -288,14 +333,16 @@ def image(parts, placed, box, gravity, camera=Camera(), clip=None, size=(1200, 8
     for wall, place in placed:
         for actor in _wall_actors(wall, place, plane) if place else ():
             renderer.AddActor(actor)
-    _, up, towards = basis(gravity)
-    up = up if abs(eye @ up) < 0.999 else -towards
+    for shape, colour in outlines:
+        for actor in _wall_actors({"obstacle": shape}, lambda points: points, plane, colour):
+            renderer.AddActor(actor)
+    axes = axes_of(camera, gravity)
     middle = 0.5 * (box[0] + box[1])
     view = renderer.GetActiveCamera()
     view.SetViewAngle(VIEW_ANGLE)
     view.SetFocalPoint(*middle)
-    view.SetPosition(*(middle + _distance(box, eye, up, size) * eye))
-    view.SetViewUp(*up)
+    view.SetPosition(*(middle + _distance(box, axes, size) * eye))
+    view.SetViewUp(*axes[1])
     view.Zoom(camera.zoom)
     renderer.ResetCameraClippingRange()
     renderer.UseFXAAOn()

@@ -34,9 +34,14 @@ def box_of(run, fluid, structure):
     inner = [np.percentile(side["position"], spread, axis=0) for side, spread in ((fluid, (0.2, 99.8)), (structure, (0, 100)))
              if side is not None and len(side["position"])]
     outer = [place(walls.corners(wall)) for wall, place in walls.placed(run.settings.get("wall", []), fluid) if place]
+    return box_around(inner, outer, run.settings.get("gravity", []))
+
+
+def box_around(inner, outer, gravity):
+    """The same of the corners of what is inside and of the walls, lists of arrays [n, 3]."""
     corners = np.concatenate([*inner, *outer] or [np.array([[0.0] * 3, [1.0] * 3])])
     low, high = corners.min(axis=0), corners.max(axis=0)
-    _, up, _ = render.basis(run.settings.get("gravity", []))
+    _, up, _ = render.basis(gravity)
     axis = int(np.argmax(np.abs(up)))
     if inner:
         room = HEADROOM * max(np.delete(high - low, axis))
@@ -78,19 +83,23 @@ def pixels(run, fluid, structure, limits, field, box, look):
         wall["name"] for wall, place in placed if place is None]
 
 
-def _triad(axis, run, look):
+def triad(axis, gravity, look):
     """The axes of the scene in the lower left corner, as the camera sees them."""
-    eye = render.direction(look.camera, run.settings.get("gravity", []))
-    _, up, _ = render.basis(run.settings.get("gravity", []))
-    right = np.cross(up, eye)
-    if np.linalg.norm(right) < 1e-3:
-        return
-    right /= np.linalg.norm(right)
-    above = np.cross(eye, right)
+    right, above, _ = render.axes_of(look.camera, gravity)
     for direction, name in enumerate("xyz"):
         end = 45 * np.array([right[direction], above[direction]])
         axis.annotate("", xy=(60 + end[0], 740 - end[1]), xytext=(60, 740), arrowprops={"arrowstyle": "->", "color": "0.3"})
         axis.text(60 + 1.35 * end[0], 740 - 1.35 * end[1], name, ha="center", va="center", fontsize=9, color="0.3")
+
+
+def draw_gauges(axis, places, camera, box, gravity):
+    """Where the gauges are at the start, in front of all else: points, lines, and for discs their middle."""
+    for place in places:
+        ends = [place[key] for key in ("at", "from", "to") if key in place]
+        seen = render.projected(ends, box, gravity, camera)
+        axis.plot(*seen.T, color="tab:red", linewidth=1.0, linestyle="--", marker="+", markersize=6, scalex=False, scaley=False)
+        axis.annotate(style.plain(place["name"]), seen.mean(axis=0), xytext=(3, 3), textcoords="offset points", color="tab:red", fontsize=7,
+                      annotation_clip=True)
 
 
 def below(box, look):
@@ -106,7 +115,8 @@ def stage(run, fluid, structure, limits, field, box, look, **options):
     shown, lost = pixels(run, fluid, structure, limits, field, box, look)
     drawn = axis.imshow(shown)
     axis.set_axis_off()
-    _triad(axis, run, look)
+    triad(axis, run.settings.get("gravity", []), look)
+    draw_gauges(axis, run.contents.get("gauge_places", []), look.camera, box, run.settings.get("gravity", []))
     axis.text(0.99, -0.01, below(box, look), ha="right", va="top", transform=axis.transAxes, fontsize=9, color="0.3")
     if lost:
         axis.text(0.99, 0.99, style.plain(f"not drawn, the frames do not say where they are: {', '.join(lost)}"), ha="right", va="top",
