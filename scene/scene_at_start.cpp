@@ -10,7 +10,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int path_parts = 64;           ///< of the run's time
+constexpr int path_parts = 512;          ///< of the run's time
 constexpr double most_velocities = 200;  ///< about, of one body
 
 template <int D>
@@ -60,23 +60,23 @@ Vector<D> value(const VectorExpression& expression, const Vector<D>& x) {
   return result;
 }
 
-/// Place and velocity at every n-th point in each direction; empty where all are at rest.
+/// Adds the largest speed of all points and, where they move, place and velocity at every n-th one in each direction.
 template <int D>
-json velocities(const LatticePoints<D>& points, const VectorExpression& expression) {
+void add_velocities(const LatticePoints<D>& points, const VectorExpression& expression, json& said) {
   const long n = std::max(1L, std::lround(std::pow(static_cast<double>(points.size()) / most_velocities, 1.0 / D)));
-  json result = json::array();
-  bool moves = false;
+  json shown = json::array();
+  double fastest = 0;
   for (const auto& run : points.runs()) {
     bool taken = true;
     for (int d = 1; d < D; ++d) taken &= run.index[d] % n == n / 2;
-    for (long i = 0; taken && i < run.count; ++i) {
-      if ((run.index[0] + i) % n != n / 2) continue;
+    for (long i = 0; i < run.count; ++i) {
       const Vector<D> x = points.at(run, i), u = value<D>(expression, x);
-      moves |= !u.isZero();
-      result.push_back(json::array({array_of<D>(x), array_of<D>(u)}));
+      fastest = std::max(fastest, u.norm());
+      if (taken && (run.index[0] + i) % n == n / 2) shown.push_back(json::array({array_of<D>(x), array_of<D>(u)}));
     }
   }
-  return moves ? result : json::array();
+  said["fastest"] = fastest;
+  said["velocity"] = fastest > 0 ? shown : json::array();
 }
 
 template <int D>
@@ -136,7 +136,7 @@ std::string text(const Case& scene, std::size_t most_points) {
       said["step"] = points.step()[0];
       said["rows"] = rows<D>(points);
     }
-    said["velocity"] = velocities<D>(points, *velocity);
+    add_velocities<D>(points, *velocity, said);
     result["bodies"].push_back(std::move(said));
   }
   for (const WallCase& wall : scene.walls) result["walls"].push_back(with_path<D>(wall.name, wall.motion, scene.end_time));

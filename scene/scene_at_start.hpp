@@ -8,11 +8,14 @@
 
 namespace tern {
 
-/// JSON text. `bodies`: of each fluid and structure body kind, name, spacing [m], number of particles and of clamped ones. Where the
-/// scene has at most `most_points` particles also `step` [m] and `rows`, and of clamped ones `clamped_rows`: first point [m] and number
-/// of points, one step apart along x; and `velocity`, place [m] and velocity [m/s] of some, where it is not zero. `walls` and `clamps`:
-/// name and, of what moves, `path`: time [s], angle [rad] and where the points are that were at t = 0 at the origin and 1 m from it along each axis.
-/// `gravity` [m/s^2] at t = 0 in the middle of the domain; `domain` [m]; `periodic` per direction.
+/// JSON text.
+/// `bodies`, those of the fluid first: kind, name, spacing [m], number of particles and of clamped ones; `fastest`, the largest speed
+/// at the start [m/s], and `velocity`, place [m] and velocity [m/s] of some particles where that is not 0. Where the scene has at most
+/// `most_points` particles also `step` [m] and `rows`, of the clamped ones `clamped_rows`: the first point [m] and the number of points,
+/// one step apart along x.
+/// `walls` and `clamps`: name and, of what moves, `path`: time [s], angle [rad] and where the points are that were at the origin and 1 m
+/// from it along each axis before it moved.
+/// `gravity` [m/s^2] at t = 0 in the middle of the domain; `domain` [m]; `periodic` per direction; `count` of all particles.
 std::string scene_at_start(const Case& scene, std::size_t most_points);
 
 }  // namespace tern

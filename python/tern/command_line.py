@@ -104,6 +104,13 @@ def _network_options(parser):
     parser.add_argument("--insecure", action="store_true", help="use a network address without keys")
 
 
+def _look_options(parser, whose):
+    parser.add_argument("--camera", metavar="AZIMUTH,ELEVATION[,ZOOM]", type=_camera, help=whose + "from where it is seen: turned "
+                        "from the front to the right and raised, in degrees; ZOOM 2 shows half as much (default 30,20,1; a negative one as "
+                        "in --camera=-30,20)")
+    parser.add_argument("--clip", metavar="AXIS=M", type=_plane, help=whose + "leave away what lies in front of this plane [m], e.g. z=0.1")
+
+
 def _add(commands, name, function, summary, examples):
     parser = commands.add_parser(name, help=summary, description=summary[0].upper() + summary[1:] + ".",
                                  epilog="examples:\n" + "\n".join(f"  {line}" for line in examples),
@@ -184,9 +191,14 @@ def parser():
     one.add_argument("--build", choices=build.PRESETS, default="release", help="build to test (default release)")
 
     one = _add(commands, "check", _case_tool, "validate a case; print particles, step limits, memory, expected time",
-               ["./tern check dam_break_plate", "./tern check dam_break_plate --set fluid.spacing=0.002"])
+               ["./tern check dam_break_plate", "./tern check dam_break_plate --set fluid.spacing=0.002",
+                "./tern check dam_break_plate --picture              (draws the scene into runs/dam_break_plate-start.png)",
+                "./tern check dam_break_3d --picture scene.png --camera 60,15 --clip z=0.1"])
     one.set_defaults(tool="check")
     _case_options(one)
+    one.add_argument("--picture", metavar="FILE", nargs="?", const="", help="also draw the scene before the first step, as PNG, PDF or SVG "
+                     "by the end of FILE: particles, bodies, clamps, walls and where they go, gauges (default runs/<case>-start.png)")
+    _look_options(one, "of a 3D case, with --picture, ")
 
     one = _add(commands, "explain", _case_tool, "say in plain words what a case models, what not, and what each part costs",
                ["./tern explain dam_break_plate"])
@@ -254,17 +266,13 @@ def parser():
                ["./tern plot runs/dam_break_plate", "./tern plot runs/dam_break_plate --times 0.28 0.50 0.80",
                 "./tern plot runs/dam_break_plate runs/dam_break_plate-2",
                 "./tern plot runs/dam_break_3d --camera 30,20 --clip z=0.1    (a 3D run is rendered, without a display too)",
-                "./tern plot runs/dam_break_3d --slice z=0.1",
+                "./tern plot runs/dam_break_3d --slice z=0.1              (writes plots/field_..._slice_z0.1.png)",
                 "./tern plot runs/dam_break_plate --animate --field speed     (writes runs/dam_break_plate/film_speed.mp4)"])
     one.add_argument("runs", metavar="RUN", nargs="+", help="directory of a run")
     one.add_argument("--times", metavar="T", nargs="+", type=float, help="times of the field pictures [s] (default: four)")
     one.add_argument("--animate", action="store_true", help="a film of the frames instead, RUN/film.mp4 (H.264)")
     one.add_argument("--fps", metavar="N", type=_positive_number, help="pictures per second of the film (default: it lasts about 8 s)")
-    one.add_argument("--camera", metavar="AZIMUTH,ELEVATION[,ZOOM]", type=_camera, help="from where a 3D run is seen: turned "
-                     "from the front to the right and raised, in degrees; ZOOM 2 shows half as much (default 30,20,1; a negative one as in "
-                     "--camera=-30,20)")
-    one.add_argument("--clip", metavar="AXIS=M", type=_plane,
-                     help="of a 3D run leave away what lies in front of this plane [m], e.g. z=0.1")
+    _look_options(one, "of a 3D run ")
     one.add_argument("--slice", metavar="AXIS=M", type=_plane, help="of a 3D run draw the particles within a spacing of this plane [m] "
                      "instead of the scene; for --animate too")
     one.add_argument("--field", choices=("pressure", "speed"), help="what colours the film (default pressure, and shear stress of "
@@ -347,6 +355,12 @@ def _keys(arguments):
 
 def _case_tool(arguments):
     path = cases.find(arguments.case)
+    asked = [f"--{name}" for name in ("camera", "clip") if getattr(arguments, name, None)]
+    picture = getattr(arguments, "picture", None)
+    if asked and picture is None:
+        raise Error(BAD_INPUT, f"{asked[0]} is for the picture of a case; add --picture.")
+    if picture and Path(picture).suffix.lower() not in (".png", ".pdf", ".svg"):
+        raise Error(BAD_INPUT, f"--picture {picture}: the name must end in .png, .pdf or .svg, which says what is written.")
     from tern.launch import calibration
     directory = build.ensure(arguments.build, ["tern-case"])
     costs = calibration.costs_file(directory)
@@ -356,7 +370,22 @@ def _case_tool(arguments):
         from tern.studies import advice
         if words := advice.text(cases.read(directory, path, _forwarded(arguments))):
             print("\n" + words)
+    if code == DONE and picture is not None:
+        print(f"picture: {_draw_case(arguments, directory, path, asked)}")
     return code
+
+
+def _draw_case(arguments, directory, path, asked):
+    """The picture of a case before its first step."""
+    case = cases.read(directory, path, _forwarded(arguments))
+    three = case["dimension"] == 3
+    if asked and not three:
+        raise Error(BAD_INPUT, f"{asked[0]} is for 3D cases; {case['name']} is none.")
+    _ensure_pictures(*(packages.RENDER if three else []))
+    from tern.plot import at_start, render, scenes
+    start = cases.scene(directory, path, _forwarded(arguments), at_start.MOST_PARTICLES)
+    look = scenes.Look(render.Camera(*(arguments.camera or [])), arguments.clip)
+    return at_start.write(case, start, arguments.picture or Path("runs") / f"{case['name']}-start.png", look)
 
 
 def _ensure_pictures(*more):

@@ -32,7 +32,16 @@ def find(name_or_path):
 
 def read(build, path, options):
     """Validates the case with tern-case and returns what it says: name, hash, has_fluid, has_structure, settings ..."""
-    answer = subprocess.run([build / "tern-case", "json", path, *options], stdout=subprocess.PIPE,
+    return _answer(build, "json", path, options)
+
+
+def scene(build, path, options, most_particles):
+    """Where everything is before the first step (scene/scene_at_start.hpp); the particles if they are at most so many."""
+    return _answer(build, "scene", path, [*options, "--most", str(most_particles)])
+
+
+def _answer(build, tool, path, options):
+    answer = subprocess.run([build / "tern-case", tool, path, *options], stdout=subprocess.PIPE,
                             stderr=subprocess.PIPE, text=True, errors="replace", check=False)
     if answer.returncode != 0:
         sentence = answer.stderr.strip().removeprefix("tern-case:").strip()
@@ -41,7 +50,7 @@ def read(build, path, options):
     try:
         return json.loads(answer.stdout)
     except json.JSONDecodeError as error:
-        raise Error(INPUT_OUTPUT, f"tern-case json {path} did not answer with JSON ({error}).") from error
+        raise Error(INPUT_OUTPUT, f"tern-case {tool} {path} did not answer with JSON ({error}).") from error
 
 
 def is_run(directory):

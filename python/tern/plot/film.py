@@ -130,7 +130,7 @@ def _rendered(run, times, field, look):
 
 
 def animate(directory, rate=None, field="pressure", look=None):
-    """Writes RUN/film.mp4 (film_FIELD.mp4 for another field than pressure), whole or not at all; returns its path.
+    """Writes RUN/film.mp4, whole or not at all; returns its path. The name also says another field than pressure, and another look.
 
     `rate`: pictures per second; default: the film lasts about 8 s. `look` (scenes.Look): how a 3D run is looked at.
     """
@@ -144,7 +144,7 @@ def animate(directory, rate=None, field="pressure", look=None):
         if look.slice:
             scenes.check(run, look.slice, scenes.box_of(run, *fields.read(run, times[0])[1:]), "--slice")
         figure, draw = _flat(run, times, field, fields.Cut(*look.slice) if look.slice else None)
-    path = Path(directory) / ("film.mp4" if field == "pressure" else f"film_{field}.mp4")
+    path = Path(directory) / f"film{'' if field == 'pressure' else '_' + field}{scenes.name_of(look)}.mp4"
     unfinished = path.with_name(path.name + ".part")
     encoder = _encoder(unfinished, figure, rate or min(max(len(times) / USUAL_LENGTH, 5), 30))
     began = clock.monotonic()

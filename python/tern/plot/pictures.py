@@ -15,7 +15,7 @@ def of_run(run, times, look=None):
     digits = next(count for count in range(3, 18) if len({f"{time:.{count}f}" for time in chosen}) == len(chosen))
     for time in chosen:
         exact, figure = scenes.figure(run, time, look)
-        pictures.append(style.save(figure, run, f"field_{exact:.{digits}f}s"))
+        pictures.append(style.save(figure, run, f"field_{exact:.{digits}f}s{scenes.name_of(look)}"))
     for name, figure in (("gauges", curves.gauges([run])), ("energies", curves.energies(run)), ("steps", curves.steps(run))):
         pictures.append(save(figure, run, name))
     return pictures

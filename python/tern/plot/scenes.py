@@ -25,6 +25,15 @@ class Look:
     slice: tuple | None = None
 
 
+def name_of(look):
+    """What a file's name says of how a run is looked at: "" by default, else for example "_clip_z0.1"."""
+    look = look or Look()
+    planes = "".join(f"_{kind}_{'xyz'[plane[0]]}{plane[1]:g}" for kind, plane in (("clip", look.clip), ("slice", look.slice)) if plane)
+    camera = look.camera
+    turned = "" if camera == render.Camera() else f"_camera_{camera.azimuth:g}_{camera.elevation:g}"
+    return planes + turned + (f"_{camera.zoom:g}" if camera.zoom != 1 else "")
+
+
 def is_rendered(run, look):
     return run.dimension == 3 and not (look and look.slice)
 
@@ -93,10 +102,15 @@ def triad(axis, gravity, look):
 
 
 def draw_gauges(axis, places, camera, box, gravity):
-    """Where the gauges are at the start, in front of all else: points, lines, and for discs their middle."""
+    """Where the gauges are at the start, in front of all else: points, rectangles, and for discs their middle."""
     for place in places:
-        ends = [place[key] for key in ("at", "from", "to") if key in place]
-        seen = render.projected(ends, box, gravity, camera)
+        if "from" in place:  # opposite corners of a rectangle
+            low, high = np.array(place["from"]), np.array(place["to"])
+            one = np.eye(3)[(int(np.argmin(np.abs(high - low))) + 1) % 3] * (high - low)
+            points = [low, low + one, high, high - one, low]
+        else:
+            points = [place["at"]]
+        seen = render.projected(points, box, gravity, camera)
         axis.plot(*seen.T, color="tab:red", linewidth=1.0, linestyle="--", marker="+", markersize=6, scalex=False, scaley=False)
         axis.annotate(style.plain(place["name"]), seen.mean(axis=0), xytext=(3, 3), textcoords="offset points", color="tab:red", fontsize=7,
                       annotation_clip=True)
