@@ -391,22 +391,29 @@ def _scale(first, last):
     return LinearSegmentedColormap.from_list("body", [first, last])
 
 
-def write(case, start, file, look=None):
-    """Draws a case, what `tern-case json` and `tern-case scene` say of it, into a file; returns its path."""
-    style.apply()
-    file = Path(file)
+def figure_of(case, start, look=None):
+    """A case as a figure: what `tern-case json` and `tern-case scene` say of it, in 3D looked at as `look` (scenes.Look) says."""
     settings, places = case["settings"], case["gauge_places"]
     bodies, motions = bodies_of(settings, start), motions_of(settings, start)
-    if settings["dimension"] == 3:
-        figure, axis = _rendered(settings, start, bodies, motions, places, look or scenes.Look())
-    else:
+    flat = settings["dimension"] == 2
+    if flat:
         figure, axis = _flat(settings, start, bodies, motions, places)
+    else:
+        figure, axis = _rendered(settings, start, bodies, motions, places, look or scenes.Look())
     few = f"\n{_too_many(start)}" if bodies and bodies[0].points is None else ""
     axis.set_title(f"{style.plain(case['title'])}, before the first step; {_gravity_text(settings, start)}{few}", loc="left")
     handles, texts = zip(*legend_of(settings, start, bodies, motions, places))
     axis.legend(handles, [style.plain(text) for text in texts], loc="upper left", bbox_to_anchor=(0.0, 0.0),
-                bbox_transform=axis.transAxes + ScaledTranslation(0, -0.6 if settings["dimension"] == 2 else -0.2, figure.dpi_scale_trans),
+                bbox_transform=axis.transAxes + ScaledTranslation(0, -0.6 if flat else -0.2, figure.dpi_scale_trans),
                 ncols=2 if len(texts) > 4 else 1, frameon=False, fontsize=9)
+    return figure
+
+
+def write(case, start, file, look=None):
+    """Draws a case into a file, as figure_of() does; returns its path."""
+    style.apply()
+    file = Path(file)
+    figure = figure_of(case, start, look)
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
         figure.savefig(file, bbox_inches="tight")
