@@ -1,6 +1,6 @@
 """A case as it stands before the first step: what it describes, where it is, and where walls and clamps go.
 
-Particles and motions are those of `tern-case scene`, which takes them from what the processes take. Lengths are in m.
+Particles and motions are those of `tern-case scene`, which fills the bodies and places the walls as the processes do. Lengths are in m.
 """
 
 from dataclasses import dataclass
@@ -131,7 +131,8 @@ def legend_of(settings, start, bodies, motions, places):
     fluid = [body for body in bodies if body.kind == "fluid"]
     if fluid:
         number = f"fluid ({len(fluid)} bodies)" if len(fluid) > 1 else "fluid"
-        lines.append((_handle(FLUID), f"{number}: {_count(sum(body.count for body in fluid), 'particles')}, spacing {fluid[0].spacing:.4g} m"))
+        total = _count(sum(body.count for body in fluid), "particles")
+        lines.append((_handle(FLUID), f"{number}: {total}, spacing {fluid[0].spacing:.4g} m"))
     solids = [body for body in bodies if body.kind != "fluid"]
     lines += [(_handle(body.colour), f"{body.name}: {_count(body.count, 'particles')}, spacing {body.spacing:.4g} m")
               for body in solids[:MOST_NAMES]]
@@ -150,7 +151,8 @@ def legend_of(settings, start, bodies, motions, places):
                       + ("" if "region" in load else ", all of it")))
     if any(start["periodic"]):
         sides = ", ".join(name for name, periodic in zip("xyz", start["periodic"]) if periodic)
-        lines.append((Line2D([], [], color="tab:green", linestyle="--"), f"periodic in {sides}: what leaves at one side enters at the other"))
+        lines.append((Line2D([], [], color="tab:green", linestyle="--"),
+                      f"periodic in {sides}: what leaves at one side enters at the other"))
     shown = {place["name"] for place in places}
     if shown:
         lines.append((Line2D([], [], color="tab:red", marker="+", linestyle="--"), f"gauges: {', '.join(sorted(shown))}"))
@@ -273,7 +275,8 @@ def _view(corners):
 def _enlarged(bodies, view):
     """The view of an enlargement of the smallest body, None where the picture shows it large enough."""
     whole = max(high - low for low, high in view)
-    sizes = [(np.ptp(corners, axis=0).max(), number) for number, corners in enumerate(_corners(bodies, 2)) if bodies[number].kind != "fluid"]
+    sizes = [(np.ptp(corners, axis=0).max(), number) for number, corners in enumerate(_corners(bodies, 2))
+             if bodies[number].kind != "fluid"]
     if not sizes or min(sizes)[0] > 0.35 * whole:
         return None, None
     size, number = min(sizes)
