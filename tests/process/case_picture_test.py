@@ -73,7 +73,7 @@ class CasePictureTest(unittest.TestCase):
         return cases.read(self.build, self.case, []), cases.scene(self.build, self.case, [], most)
 
     def test_the_particles_and_walls_are_those_of_the_processes(self):
-        # Seen to fail: with fill_lattice in place of fill_with_fluid for SPACING 0.011; with the clamped rows left whole.
+        # Seen to fail: with fill_lattice in place of fill_with_fluid in scene_at_start().
         self.case.write_text(SCENE.replace("max = [0.2, 0.1] } }\nvelocity", "max = [0.2, 0.095] } }\nvelocity"))
         case, start = self.said()
         fluid, plate = at_start.bodies_of(case["settings"], start)
@@ -94,7 +94,7 @@ class CasePictureTest(unittest.TestCase):
             np.testing.assert_allclose(entry["place"], frame["wall_place"][:, :2], atol=1e-9)
 
     def test_the_picture_names_what_the_case_describes(self):
-        # Seen to fail: with the gate where it is at the end, and without the lines of the legend.
+        # Seen to fail: with the gate drawn where it is farthest away.
         case, start = self.said()
         figure = at_start.figure_of(case, start)
         self.addCleanup(plt.close, figure)
@@ -111,7 +111,7 @@ class CasePictureTest(unittest.TestCase):
         np.testing.assert_allclose([gate.min(axis=0), gate.max(axis=0)], [[0.2, 0], [0.22, 0.3]])
 
     def test_of_too_many_particles_the_outlines_are_drawn(self):
-        # Seen to fail: without the sentence in figure_of(), and with rows written whatever their number.
+        # Seen to fail: without the sentence in figure_of().
         case, start = self.said(most=100)
         self.assertNotIn("rows", start["bodies"][0])
         figure = at_start.figure_of(case, start)
@@ -119,7 +119,7 @@ class CasePictureTest(unittest.TestCase):
         self.assertTrue(any("outlines only: of 296 particles" in axis.get_title(loc="left") for axis in figure.axes))
 
     def test_every_case_can_be_described(self):
-        # Seen to fail: with a moving wall's path left out.
+        # It fails with the path of a wall left out.
         for name in cases.named("case.toml"):
             path = cases.find(name)
             case, start = cases.read(self.build, path, []), cases.scene(self.build, path, [], at_start.MOST_PARTICLES)
@@ -144,6 +144,7 @@ class CasePictureTest(unittest.TestCase):
             code, _, errors = self.check(*words)
             self.assertEqual(code, 2)
             self.assertIn(reason, errors)
+            self.assertEqual(len(errors.splitlines()), 1, errors)
             self.assertFalse(other.exists())
 
 

@@ -261,7 +261,7 @@ shape = { box = { min = [0, 0], max = [0.2, 0.2] } }
         return measured.GetSurfaceArea()
 
     def test_water_has_no_surface_within_that_of_a_body(self):
-        # It fails without what fills the bodies in surface() (the cavity adds 0.9 m^2), and without what leaves away the part of a body.
+        # It fails without what fills the bodies in surface() (0.2 m^2 too much), and without what leaves away the part of a body (0.12).
         place = np.stack(np.meshgrid(*3 * [np.arange(0.025, 1, 0.05)], indexing="ij"), axis=-1).reshape(-1, 3)
         box = np.zeros(3), np.ones(3)
         full = self.area(render.surface(place, place[:, 0], 0.05, box, None))
