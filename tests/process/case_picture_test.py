@@ -73,7 +73,7 @@ class CasePictureTest(unittest.TestCase):
         return cases.read(self.build, self.case, []), cases.scene(self.build, self.case, [], most)
 
     def test_the_particles_and_walls_are_those_of_the_processes(self):
-        # Seen to fail: with fill_lattice in place of fill_with_fluid in scene_at_start().
+        # Seen to fail: with fill_lattice in place of fill_with_fluid in scene_at_start.cpp.
         self.case.write_text(SCENE.replace("max = [0.2, 0.1] } }\nvelocity", "max = [0.2, 0.095] } }\nvelocity"))
         case, start = self.said()
         fluid, plate = at_start.bodies_of(case["settings"], start)
@@ -119,7 +119,7 @@ class CasePictureTest(unittest.TestCase):
         self.assertTrue(any("outlines only: of 296 particles" in axis.get_title(loc="left") for axis in figure.axes))
 
     def test_every_case_can_be_described(self):
-        # It fails with the path of a wall left out.
+        # Seen to fail: with the path of moving walls left out of scene_at_start().
         for name in cases.named("case.toml"):
             path = cases.find(name)
             case, start = cases.read(self.build, path, []), cases.scene(self.build, path, [], at_start.MOST_PARTICLES)
