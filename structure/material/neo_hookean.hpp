@@ -74,13 +74,13 @@ struct NeoHookean : Hooke {
     return {1, lambda * log_j2 / j2};
   }
 
-  /// ln F33 in plane stress, mu (F33^2 - 1) + lambda ln (J_2 F33) = 0. Newton's method in ln F33, in which the function is
-  /// convex and rising.
-  double log_thickness_stretch(double log_j2) const {
-    double y = -lambda * log_j2 / (lambda + 2 * mu);
+  /// ln F33 in plane stress, mu (F33^2 - 1) + lambda ln (J_2 F33) = 0; with two `free` directions, each of this stretch, that of
+  /// J_2 F33^2. Newton's method in ln F33, in which the function is convex and rising.
+  double log_thickness_stretch(double log_j2, double free = 1) const {
+    double y = -lambda * log_j2 / (free * lambda + 2 * mu);
     for (int n = 0; n < 50; ++n) {
       const double square = std::exp(2 * y);
-      const double step = (mu * (square - 1) + lambda * (log_j2 + y)) / (2 * mu * square + lambda);
+      const double step = (mu * (square - 1) + lambda * (log_j2 + free * y)) / (2 * mu * square + free * lambda);
       y -= step;
       if (!(std::abs(step) > 1e-15 * (1 + std::abs(y)))) break;
     }

@@ -1,0 +1,169 @@
+// Least squares in the tangent plane. The offsets are measured in spacings, so that the weights are those of a square lattice.
+
+#include "structure/shell/shell_layer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.hpp"
+#include "sph/kernel.hpp"
+
+namespace tern::structure {
+namespace {
+
+constexpr double smoothing_ratio = 1.1;  // h over spacing
+
+template <int D>
+using Offset = Eigen::Matrix<double, shell_slopes<D>, 1>;  ///< xi_a over the spacing along a
+
+template <int D>
+Offset<D> offset_between(const ShellParticles<D>& particles, std::size_t i, std::size_t j) {
+  Offset<D> offset;
+  for (int a = 0; a < D - 1; ++a)
+    offset[a] = (particles.position[j] - particles.position[i]).dot(particles.frame[i].col(a)) / particles.spacing[a];
+  return offset;
+}
+
+/// Squared distance in spacings as i sees it; the height over the tangent plane counts in the smallest spacing.
+template <int D>
+double squared_distance(const ShellParticles<D>& particles, std::size_t i, std::size_t j) {
+  const double height = (particles.position[j] - particles.position[i]).dot(particles.frame[i].col(D - 1)) /
+                        *std::min_element(particles.spacing.begin(), particles.spacing.end());
+  return offset_between(particles, i, j).squaredNorm() + height * height;
+}
+
+/// Weights of the first `slopes` and of all second derivatives in spacings, one column per offset, by the terms xi_a (if slopes > 0)
+/// and xi_a xi_b/2 (a <= b; xi_0 xi_1 whole). Empty when the offsets do not determine them.
+template <int D>
+Eigen::MatrixXd fit(const std::vector<Offset<D>>& offsets, bool with_slopes) {
+  const int slopes = with_slopes ? shell_slopes<D> : 0, terms = slopes + shell_derivatives<D> - shell_slopes<D>;
+  const Kernel<2> kernel(smoothing_ratio);
+  Eigen::MatrixXd basis(terms, offsets.size());
+  Eigen::VectorXd weight(offsets.size());
+  for (std::size_t n = 0; n < offsets.size(); ++n) {
+    const auto& xi = offsets[n];
+    int m = 0;
+    for (int a = 0; a < slopes; ++a) basis(m++, n) = xi[a];
+    for (int a = 0; a < D - 1; ++a)
+      for (int b = a; b < D - 1; ++b) basis(m++, n) = (a == b ? 0.5 : 1) * xi[a] * xi[b];
+    weight[n] = kernel.value(xi.norm());
+  }
+  const Eigen::MatrixXd moments = basis * weight.asDiagonal() * basis.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(moments);
+  constexpr double largest_condition_number = 1e8;
+  if (!(eigen.eigenvalues()[0] > 0) || eigen.eigenvalues()[terms - 1] > largest_condition_number * eigen.eigenvalues()[0]) return {};
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose() * basis *
+         weight.asDiagonal();
+}
+
+}  // namespace
+
+template <int D>
+ShellParticles<D> rectangle_particles(const ShellRectangle<D>& rectangle) {
+  using Kind = ShellEdge::Kind;
+  ShellParticles<D> particles;
+  std::array<int, 2> size{1, 1}, first{0, 0};
+  for (int a = 0; a < D - 1; ++a) {
+    const bool low = rectangle.edges[a][0].kind != Kind::free, high = rectangle.edges[a][1].kind != Kind::free;
+    size[a] = rectangle.count[a] + low + high;
+    first[a] = low ? 1 : 0;
+    particles.spacing[a] = rectangle.length[a] / (rectangle.count[a] + 0.5 * (low + high));
+  }
+  for (int n = 0; n < size[0] * size[1]; ++n) {
+    const std::array<int, 2> cell{n % size[0], n / size[0]};
+    Vector<D> x = rectangle.corner;
+    double area = 1;
+    ShellEdge edge;
+    for (int a = 0; a < D - 1; ++a) {
+      x += (cell[a] + (first[a] == 0 ? 0.5 : 0)) * particles.spacing[a] * rectangle.frame.col(a);
+      area *= particles.spacing[a];
+      const int end = cell[a] == 0 ? 0 : cell[a] == size[a] - 1 ? 1 : -1;
+      if (end < 0 || rectangle.edges[a][end].kind == Kind::free) continue;
+      area *= 0.5;
+      if (edge.kind != Kind::clamp) edge = rectangle.edges[a][end];
+    }
+    if (D == 2 && edge.kind == Kind::hinge) area = 0;
+    particles.position.push_back(x);
+    particles.frame.push_back(rectangle.frame);
+    particles.area.push_back(area);
+    particles.held.push_back(edge.kind != Kind::free);
+    particles.clamp.push_back(edge.kind == Kind::clamp ? edge.clamp : -1);
+  }
+  return particles;
+}
+
+template <int D>
+double ShellLayer<D>::modulus() const {
+  const double nu = poisson_ratio();
+  return D == 2 && material.plane_stress ? material.young_modulus : material.young_modulus / (1 - nu * nu);
+}
+
+template <int D>
+ShellLayer<D> make_shell_layer(const std::string& name, ShellParticles<D> particles, const Material& material, double thickness) {
+  if (std::holds_alternative<MooneyRivlin>(material.law))
+    throw BadInput(
+        fmt::format("Body '{}': a shell of the material {} is not built; use neo_hookean or st_venant_kirchhoff, or model it as "
+                    "a solid.",
+                    name, material.name()));
+  ShellLayer<D> layer{std::move(particles), material, thickness, {}, {}, {}, {}, {}, {}, {}};
+  const ShellParticles<D>& p = layer.particles;
+  const std::size_t count = p.position.size();
+  for (int a = 0; a < D - 1; ++a) layer.cell_squared[a] = std::pow(std::min(p.spacing[a], thickness), 2) / 12;
+  layer.clamp_slope.resize(count);
+  layer.reference.resize(count);
+  layer.first.push_back(0);
+  const double reach = 4 * smoothing_ratio * smoothing_ratio * (1 - 1e-9);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::vector<Offset<D>> offsets;
+    for (std::size_t j = 0; j < count; ++j) {
+      if (j == i || 0.5 * (squared_distance(p, i, j) + squared_distance(p, j, i)) >= reach) continue;
+      layer.neighbour.push_back(static_cast<std::uint32_t>(j));
+      offsets.push_back(offset_between(p, i, j));
+    }
+    layer.first.push_back(static_cast<std::uint32_t>(layer.neighbour.size()));
+    Eigen::MatrixXd weights = fit<D>(offsets, true);
+    const Eigen::MatrixXd held = p.clamp[i] >= 0 ? fit<D>(offsets, false) : Eigen::MatrixXd();
+    if (weights.size() == 0 || (p.clamp[i] >= 0 && held.size() == 0))
+      throw BadInput(
+          fmt::format("Body '{}': a particle of the shell has {} neighbours within {:.3g} spacings, which do not determine its "
+                      "curvature; make the spacing at most a third of its shortest side.",
+                      name, offsets.size(), 2 * smoothing_ratio));
+    if (p.clamp[i] >= 0) weights.bottomRows(held.rows()) = held;
+    Eigen::Matrix<double, shell_derivatives<D>, 1> scale;
+    for (int a = 0; a < D - 1; ++a) {
+      scale[a] = 1 / p.spacing[a];
+      for (int b = a; b < D - 1; ++b) scale[second_derivative<D>(a, b)] = 1 / (p.spacing[a] * p.spacing[b]);
+    }
+    layer.reference[i].setZero();
+    layer.clamp_slope[i].setZero();
+    for (std::size_t n = 0; n < offsets.size(); ++n) {
+      layer.weight.push_back(scale.cwiseProduct(weights.col(n)));
+      const auto& w = layer.weight.back();
+      layer.reference[i] += (p.position[layer.neighbour[layer.first[i] + n]] - p.position[i]) * w.transpose();
+      if (p.clamp[i] < 0) continue;
+      for (int c = 0; c < D - 1; ++c)
+        layer.clamp_slope[i].col(c) += w.template tail<shell_derivatives<D> - shell_slopes<D>>() * offsets[n][c] * p.spacing[c];
+    }
+    for (int c = 0; c < D - 1 && p.clamp[i] >= 0; ++c)
+      layer.reference[i].template rightCols<shell_derivatives<D> - shell_slopes<D>>() -=
+          p.frame[i].col(c) * layer.clamp_slope[i].col(c).transpose();
+  }
+  layer.mirror.resize(layer.neighbour.size());
+  for (std::size_t i = 0; i < count; ++i)
+    for (auto n = layer.first[i]; n < layer.first[i + 1]; ++n) {
+      const auto j = layer.neighbour[n];
+      const auto begin = layer.neighbour.begin() + layer.first[j], end = layer.neighbour.begin() + layer.first[j + 1];
+      layer.mirror[n] = static_cast<std::uint32_t>(std::lower_bound(begin, end, i) - layer.neighbour.begin());
+    }
+  return layer;
+}
+
+template ShellParticles<2> rectangle_particles<2>(const ShellRectangle<2>&);
+template ShellParticles<3> rectangle_particles<3>(const ShellRectangle<3>&);
+template struct ShellLayer<2>;
+template struct ShellLayer<3>;
+template ShellLayer<2> make_shell_layer<2>(const std::string&, ShellParticles<2>, const Material&, double);
+template ShellLayer<3> make_shell_layer<3>(const std::string&, ShellParticles<3>, const Material&, double);
+
+}  // namespace tern::structure

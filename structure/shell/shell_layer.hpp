@@ -1,0 +1,95 @@
+#pragma once
+// A thin body as one layer of particles on its mid-surface (2D: a line), without rotations: the reference configuration.
+//
+// Particle i stands for the area A_i of the mid-surface, the thickness t through it. With its frame e_a, N and xi = (X_j - X_i).e_a,
+//   x_,a = sum_j g^a_ij (x_j - x_i),   x_,ab = sum_j k^ab_ij (x_j - x_i)
+// are exact for every quadratic field of xi (least squares, as in gradient_vectors.cpp, with one dimension less). The energy is a
+// function of these derivatives alone (shell_force.hpp).
+//
+// Particles on a clamped edge turn with the clamp. Their x_,a is the one-sided fit as everywhere, but their x_,ab are the quadratic
+// part of x_j - x_i - R e_a xi_a, in which the clamp prescribes the slope R e_a.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "base/vector.hpp"
+#include "structure/material/registry.hpp"
+
+namespace tern::structure {
+
+/// Number of derivatives x_,a and x_,ab of the mid-surface: 2 in 2D, 5 in 3D.
+template <int D>
+inline constexpr int shell_slopes = D - 1;
+template <int D>
+inline constexpr int shell_derivatives = shell_slopes<D> + (D - 1) * D / 2;
+
+/// In the order x_,1 (x_,2) x_,11 (x_,12 x_,22), or what is conjugate to them.
+template <int D>
+using ShellDerivatives = Eigen::Matrix<double, D, shell_derivatives<D>, Eigen::DontAlign>;
+
+/// Column of x_,ab in it.
+template <int D>
+constexpr int second_derivative(int a, int b) {
+  return D == 2 ? 1 : 2 + a + b;
+}
+
+/// What a layer is made of. Neighbours are the particles within 2.2 spacings along the mid-surface.
+template <int D>
+struct ShellParticles {
+  std::vector<Vector<D>> position;                ///< X [m]
+  std::vector<Matrix<D>> frame;                   ///< columns: e_a, then the normal N
+  std::vector<double> area;                       ///< of the mid-surface, half of it on a held edge [m^(D-1)]
+  std::vector<bool> held;                         ///< on a clamped or hinged edge: its motion is prescribed
+  std::vector<std::int32_t> clamp;                ///< index of the clamp whose edge it is on, or -1
+  std::array<double, shell_slopes<D>> spacing{};  ///< along e_a [m]
+};
+
+/// An edge of a rectangle: its clamp where it is clamped.
+struct ShellEdge {
+  enum class Kind { free, hinge, clamp } kind = Kind::free;
+  std::int32_t clamp = -1;
+};
+
+/// A flat mid-surface.
+template <int D>
+struct ShellRectangle {
+  Vector<D> corner = Vector<D>::Zero();                           ///< the lowest along every e_a [m]
+  Matrix<D> frame = Matrix<D>::Identity();                        ///< columns: e_a, N
+  std::array<double, shell_slopes<D>> length{};                   ///< along e_a [m]
+  std::array<int, shell_slopes<D>> count{};                       ///< free particles along e_a
+  std::array<std::array<ShellEdge, 2>, shell_slopes<D>> edges{};  ///< at both ends of e_a
+};
+
+/// Particles of a rectangle: those of held edges stand on the edge, with half a cell (2D: a hinge has none); the first free one is a
+/// whole spacing from a held edge, half a spacing from a free one. Where two edges meet, a clamp comes before a hinge.
+template <int D>
+ShellParticles<D> rectangle_particles(const ShellRectangle<D>& rectangle);
+
+template <int D>
+struct ShellLayer {
+  ShellParticles<D> particles;
+  Material material;
+  double thickness = 0;                                ///< t [m]
+  std::array<double, shell_slopes<D>> cell_squared{};  ///< min(spacing, t)^2/12, see shell_force.hpp [m^2]
+
+  // Pairs (i, j), those of particle i from first[i] on.
+  std::vector<std::uint32_t> first, neighbour, mirror;                                   ///< mirror: where the pair (j, i) is
+  std::vector<Eigen::Matrix<double, shell_derivatives<D>, 1, Eigen::DontAlign>> weight;  ///< g^a_ij, k^ab_ij
+
+  /// Of a particle of a clamp: sum_j k^ab_ij xi_c, row ab, column c, which the slopes R e_c of the clamp are to be multiplied with.
+  std::vector<Eigen::Matrix<double, shell_derivatives<D> - shell_slopes<D>, shell_slopes<D>, Eigen::DontAlign>> clamp_slope;
+  std::vector<ShellDerivatives<D>> reference;  ///< of x = X
+
+  std::size_t size() const { return particles.position.size(); }
+  /// E' = E/(1 - nu^2), the modulus of a plate; in plane stress E [Pa].
+  double modulus() const;
+  double poisson_ratio() const { return material.lambda / (2 * (material.lambda + material.mu)); }
+  double mass(std::size_t i) const { return material.density * thickness * particles.area[i]; }
+};
+
+/// Throws BadInput when a particle has too few neighbours, or when the material has no law of a layer. `name` of the body is for messages.
+template <int D>
+ShellLayer<D> make_shell_layer(const std::string& name, ShellParticles<D> particles, const Material& material, double thickness);
+
+}  // namespace tern::structure

@@ -1,0 +1,324 @@
+// A layer of particles by itself: energy, forces, static and modal answers.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "base/error.hpp"
+#include "fixtures/shell_model.hpp"
+
+namespace tern::structure::testing {
+namespace {
+
+template <int D>
+ShellModel<D> sample(const char* law, Edge low);
+template <>
+ShellModel<2> sample<2>(const char* law, Edge low) {
+  return line(1, 0.08, 8, shell_material(1e6, 0.3, law), low);
+}
+template <>
+ShellModel<3> sample<3>(const char* law, Edge low) {
+  return plate({1, 0.9}, 0.1, {5, 6}, shell_material(1e6, 0.3, law), {low, Edge::free, low, Edge::free});
+}
+
+template <int D>
+void displace(ShellModel<D>& model, double amplitude) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> some(-amplitude, amplitude);
+  for (auto& x : model.x)
+    for (int a = 0; a < D; ++a) x[a] += some(random) + (a == D - 1 ? 0.3 * x[0] * x[0] : 0);
+}
+
+template <int D>
+void expect_gradient(const char* law, Edge low) {
+  auto model = sample<D>(law, low);
+  displace(model, 0.02);
+  model.evaluate();
+  const auto force = model.force;
+  double largest = 0;
+  for (const auto& f : force) largest = std::max(largest, f.norm());
+  constexpr double step = 1e-6;
+  for (std::size_t i = 0; i < model.x.size(); ++i)
+    for (int a = 0; a < D; ++a) {
+      const auto at = model.x;
+      model.x[i][a] += step;
+      const double above = model.evaluate();
+      model.x = at;
+      model.x[i][a] -= step;
+      const double below = model.evaluate();
+      model.x = at;
+      EXPECT_NEAR(force[i][a], (below - above) / (2 * step), 1e-7 * largest) << D << "D, " << law << ", particle " << i << " axis " << a;
+    }
+}
+
+// Seen to fail: with the force of the cell term, or of the bending, on x_,a left out.
+TEST(Shell, ForcesAreTheGradientOfTheEnergyInTwoAndThreeDimensionsForBothMaterialsAndAllEdges) {
+  for (const char* law : {"st_venant_kirchhoff", "neo_hookean"})
+    for (const Edge low : {Edge::free, Edge::hinge, Edge::clamp}) {
+      expect_gradient<2>(law, low);
+      expect_gradient<3>(law, low);
+    }
+}
+
+template <int D>
+Matrix<D> turned() {
+  if constexpr (D == 2)
+    return Eigen::Rotation2D<double>(2.1).toRotationMatrix();
+  else
+    return Eigen::AngleAxis<double>(2.1, Vector<3>(0.3, -0.5, 0.8).normalized()).toRotationMatrix();
+}
+
+template <int D>
+void expect_the_same_when_turned(const char* law, double amplitude) {
+  auto model = sample<D>(law, Edge::clamp);
+  const double scale = model.layer.modulus() * model.layer.thickness;
+  if (amplitude > 0) displace(model, amplitude);
+  const double energy = model.evaluate();
+  const auto force = model.force;
+  const Matrix<D> r = turned<D>();
+  for (auto& x : model.x) x = r * x + Vector<D>::Constant(0.4);
+  std::fill(model.turn.begin(), model.turn.end(), r);
+  EXPECT_NEAR(model.evaluate(), energy, 1e-15 * scale + 1e-12 * energy);
+  for (std::size_t i = 0; i < force.size(); ++i) EXPECT_LT((model.force[i] - r * force[i]).norm(), 1e-12 * scale);
+  EXPECT_LT(amplitude == 0 ? energy : 0, 1e-15 * scale);
+}
+
+// Seen to fail: with the normal of a clamp that does not turn with it (the bent body alone shows it).
+TEST(Shell, RigidMotionsCostNoEnergyAndTurnTheForces) {
+  for (const char* law : {"st_venant_kirchhoff", "neo_hookean"})
+    for (const double amplitude : {0.0, 0.02}) {
+      expect_the_same_when_turned<2>(law, amplitude);
+      expect_the_same_when_turned<3>(law, amplitude);
+    }
+}
+
+// Seen to fail: with the reference normal in place of the present one there is a torque.
+TEST(Shell, InternalForcesSumToZeroAndHaveNoMoment) {
+  auto model = sample<3>("neo_hookean", Edge::free);
+  displace(model, 0.02);
+  model.evaluate();
+  Vector<3> total = Vector<3>::Zero(), moment = Vector<3>::Zero();
+  double scale = 0;
+  for (std::size_t i = 0; i < model.x.size(); ++i) {
+    total += model.force[i];
+    moment += model.x[i].cross(model.force[i]);
+    scale += model.force[i].norm();
+  }
+  EXPECT_LT(total.norm(), 1e-13 * scale);
+  EXPECT_LT(moment.norm(), 1e-13 * scale);
+}
+
+template <int D>
+int modes_without_energy(ShellModel<D> model) {
+  const auto values = model.squared_frequencies(1e-6);
+  const double lowest = 1e-7 * values[values.size() - 1];
+  return static_cast<int>(std::count_if(values.begin(), values.end(), [&](double v) { return std::abs(v) < lowest; }));
+}
+
+ShellModel<2> ring(double thickness, int count) {
+  ShellParticles<2> particles;
+  particles.spacing = {2 * std::numbers::pi / count};
+  for (int n = 0; n < count; ++n) {
+    const double angle = 2 * std::numbers::pi * n / count;
+    Matrix<2> frame;
+    frame << -std::sin(angle), -std::cos(angle), std::cos(angle), -std::sin(angle);
+    particles.position.emplace_back(std::cos(angle), std::sin(angle));
+    particles.frame.push_back(frame);
+    particles.area.push_back(particles.spacing[0]);
+    particles.held.push_back(false);
+    particles.clamp.push_back(-1);
+  }
+  return ShellModel<2>(make_shell_layer<2>("ring", particles, Material(shell_material(1e9, 0)), thickness));
+}
+
+// R/t = 1000. Seen to fail: without the cell term there is a fourth mode without energy; with a cell as long as the spacing the ring is
+// 2.1 times too stiff.
+TEST(Shell, ARingIsSoftInBending) {
+  const auto values = ring(1e-3, 40).squared_frequencies(1e-7);
+  EXPECT_LT(std::abs(values[2]), 1e-3 * values[3]);
+  EXPECT_LT(values[4] / values[3], 1.01);  // two directions of the same mode
+  EXPECT_NEAR(std::sqrt(values[3] / (36.0 / 5 * 1e6 * 1e-6 / 12)), 1.015, 3e-3);
+}
+
+TEST(Shell, OnlyRigidMotionsAreFree) {
+  EXPECT_EQ(modes_without_energy(sample<2>("st_venant_kirchhoff", Edge::free)), 3);
+  EXPECT_EQ(modes_without_energy(sample<3>("st_venant_kirchhoff", Edge::free)), 6);
+}
+
+double frequency_of_the_paper_plate(int count) {
+  auto material = shell_material(3.5e6, 0.45);
+  material.density = 1161.54;
+  auto model = line(0.09, 0.004, count, material, Edge::clamp);
+  return std::sqrt(model.squared_frequencies(1e-9)[0]) / (2 * std::numbers::pi);
+}
+
+// Euler and Bernoulli: 4.9035 Hz.
+TEST(Shell, FirstFrequencyOfAClampedPlateConvergesInSecondOrderToThinPlateTheory) {
+  const double coarse = frequency_of_the_paper_plate(9) / 4.9035 - 1, fine = frequency_of_the_paper_plate(18) / 4.9035 - 1;
+  EXPECT_LT(std::abs(coarse), 3e-3);
+  EXPECT_LT(std::abs(fine), 1e-3);
+  EXPECT_GT(std::log2(coarse / fine), 1.7);
+}
+
+double first_axial_frequency(int count) {
+  auto model = line(1, 0.01, count, shell_material(1e6, 0), Edge::clamp);
+  for (std::size_t i = 0; i < model.x.size(); ++i) model.is_fixed[2 * i + 1] = true;
+  return std::sqrt(model.squared_frequencies(1e-7)[0]) / (0.5 * std::numbers::pi * std::sqrt(1e6 / 1000));
+}
+TEST(Shell, AClampHoldsTheStretch) { EXPECT_NEAR(first_axial_frequency(18), 1, 0.02); }
+
+/// Deflection of the middle of a square plate under a pressure, times D/(q L^4).
+double middle_of_a_square(int count, Edge edge) {
+  auto model = plate({1, 1}, 0.01, {count, count}, shell_material(1e9, 0.3), {edge, edge, edge, edge});
+  constexpr double q = 1e-3;
+  model.load = [](const auto& m, auto& force) {
+    for (std::size_t i = 0; i < force.size(); ++i) force[i][2] += q * m.layer.particles.area[i];
+  };
+  for (std::size_t k = 0; k < model.is_fixed.size(); ++k)
+    if (k % 3 != 2) model.is_fixed[k] = true;
+  model.newton(1e-7);
+  const double rigidity = 1e9 * 1e-6 / (12 * (1 - 0.09));
+  return model.x[model.x.size() / 2][2] * rigidity / q;
+}
+
+TEST(Shell, SquarePlatesClampedAndSimplySupportedApproachThinPlateTheory) {
+  EXPECT_NEAR(middle_of_a_square(15, Edge::clamp), 0.001336, 2e-6);  // .0012653 in the limit
+  EXPECT_NEAR(middle_of_a_square(15, Edge::hinge), 0.004111, 2e-6);  // .00406
+}
+
+/// Rows of the free end of a line: x(tip) = sum_j position_j x_j, x'(tip) = sum_j slope_j x_j.
+struct Tip {
+  std::vector<double> position, slope;
+
+  explicit Tip(const ShellLayer<2>& layer) : position(layer.size(), 0), slope(layer.size(), 0) {
+    const std::size_t last = layer.size() - 1;
+    const double xi = 0.5 * layer.particles.spacing[0];
+    position[last] = 1;
+    for (auto n = layer.first[last]; n < layer.first[last + 1]; ++n) {
+      const double r = xi * layer.weight[n][0] + 0.5 * xi * xi * layer.weight[n][1], d = layer.weight[n][0] + xi * layer.weight[n][1];
+      position[layer.neighbour[n]] += r;
+      position[last] -= r;
+      slope[layer.neighbour[n]] += d;
+      slope[last] -= d;
+    }
+  }
+  static Vector<2> sum(const std::vector<double>& row, const std::vector<Vector<2>>& x) {
+    Vector<2> total = Vector<2>::Zero();
+    for (std::size_t j = 0; j < x.size(); ++j) total += row[j] * x[j];
+    return total;
+  }
+};
+
+/// Tip of an inextensible cantilever of length 1 under a transverse load k EI at its tip: theta'' = -k cos theta by shooting.
+Vector<2> elastica(double k) {
+  const auto shoot = [k](double slope) {
+    std::array<double, 4> y{0, slope, 0, 0};  // theta, theta', x, y
+    const auto rate = [k](const std::array<double, 4>& s) {
+      return std::array<double, 4>{s[1], -k * std::cos(s[0]), std::cos(s[0]), std::sin(s[0])};
+    };
+    constexpr int steps = 2000;
+    constexpr double h = 1.0 / steps;
+    const auto plus = [](std::array<double, 4> s, double f, const std::array<double, 4>& r) {
+      for (int n = 0; n < 4; ++n) s[n] += f * r[n];
+      return s;
+    };
+    for (int n = 0; n < steps; ++n) {
+      const auto a = rate(y), b = rate(plus(y, h / 2, a)), c = rate(plus(y, h / 2, b)), d = rate(plus(y, h, c));
+      for (int m = 0; m < 4; ++m) y[m] += h / 6 * (a[m] + 2 * b[m] + 2 * c[m] + d[m]);
+    }
+    return y;
+  };
+  double low = 0, high = 2 * std::sqrt(k) + k;
+  for (int n = 0; n < 80; ++n) (shoot(0.5 * (low + high))[1] > 0 ? high : low) = 0.5 * (low + high);
+  const auto y = shoot(low);
+  return {y[2], y[3]};
+}
+
+TEST(Shell, ACantileverUnderATipLoadFollowsTheElastica) {
+  constexpr double t = 1e-3, ei = 1e9 * t * t * t / 12;
+  auto model = line(1, t, 20, shell_material(1e9, 0), Edge::clamp);
+  const Tip tip(model.layer);
+  double k = 0;
+  model.load = [&](const auto&, auto& force) {
+    for (std::size_t j = 0; j < force.size(); ++j) force[j][1] += tip.position[j] * k * ei;
+  };
+  for (const double target : {1.0, 2.0, 5.0, 10.0}) {
+    const double from = k;
+    for (int n = 1; n <= 10; ++n) {
+      k = from + (target - from) * n / 10;
+      int iterations = 0;
+      while (model.newton(1e-7) > 1e-9 && ++iterations < 30) {}
+      ASSERT_LT(iterations, 30) << k;
+    }
+    EXPECT_LT((Tip::sum(tip.position, model.x) - elastica(k)).cwiseAbs().maxCoeff(), 3e-3) << k;
+  }
+}
+
+TEST(Shell, AnEndMomentRollsALineUpToACircle) {
+  constexpr double t = 1e-3, ei = 1e9 * t * t * t / 12;
+  auto model = line(1, t, 40, shell_material(1e9, 0), Edge::clamp);
+  const Tip tip(model.layer);
+  double moment = 0;
+  model.load = [&](const auto& m, auto& force) {
+    const Vector<2> a = Tip::sum(tip.slope, m.x), conjugate = moment / a.squaredNorm() * Vector<2>(-a[1], a[0]);
+    for (std::size_t j = 0; j < force.size(); ++j) force[j] += tip.slope[j] * conjugate;
+  };
+  for (int n = 1; n <= 40; ++n) {
+    moment = 2 * std::numbers::pi * ei * n / 40;
+    int iterations = 0;
+    while (model.newton(1e-7) > 1e-9 && ++iterations < 30) {}
+    ASSERT_LT(iterations, 30) << n;
+  }
+  EXPECT_LT((Tip::sum(tip.position, model.x) - model.x[0]).norm(), 0.01);
+}
+
+/// Vertical deflection in the middle of the free edge over that of Scordelis and Lo.
+double scordelis_lo(int count) {
+  constexpr double radius = 25, length = 50, half_angle = 40 * std::numbers::pi / 180, t = 0.25;
+  ShellParticles<3> particles;
+  particles.spacing = {length / (count + 1), 2 * half_angle * radius / count};
+  for (int n = 0; n < (count + 2) * count; ++n) {
+    const int along = n % (count + 2), around = n / (count + 2);
+    const double angle = half_angle * ((2 * around + 1.0) / count - 1);
+    const bool held = along == 0 || along == count + 1;
+    const Vector<3> normal(0, std::sin(angle), std::cos(angle));
+    Matrix<3> frame;
+    frame.col(0) = Vector<3>::UnitX();
+    frame.col(1) = Vector<3>(0, std::cos(angle), -std::sin(angle));
+    frame.col(2) = frame.col(0).cross(frame.col(1));
+    particles.position.push_back(radius * normal + Vector<3>(along * particles.spacing[0], 0, 0));
+    particles.frame.push_back(frame);
+    particles.area.push_back((held ? 0.5 : 1) * particles.spacing[0] * particles.spacing[1]);
+    particles.held.push_back(held);
+    particles.clamp.push_back(-1);
+  }
+  ShellModel<3> model(make_shell_layer<3>("roof", particles, Material(shell_material(4.32e8, 0)), t));
+  for (std::size_t i = 0; i < model.x.size(); ++i) model.is_fixed[3 * i] = false;
+  model.is_fixed[3 * (count / 2) * (count + 2)] = true;
+  model.load = [](const auto& m, auto& force) {
+    for (std::size_t i = 0; i < force.size(); ++i) force[i][2] -= 1e-3 * 90 * m.layer.particles.area[i];
+  };
+  model.newton(1e-5);
+  // The middle is between two particles when their number is even, and the edge half a spacing beyond the last.
+  const auto sag = [&](int around) {
+    double sum = 0;
+    for (const int along : {(count + 1) / 2, (count + 2) / 2}) {
+      const std::size_t i = around * (count + 2) + along;
+      sum += 0.5e3 * (model.layer.particles.position[i] - model.x[i])[2];
+    }
+    return sum;
+  };
+  return (1.875 * sag(0) - 1.25 * sag(1) + 0.375 * sag(2)) / 0.3024;
+}
+
+TEST(Shell, TheRoofOfScordelisAndLoSagsAsItShould) { EXPECT_NEAR(scordelis_lo(20), 1.03, 0.01); }
+
+TEST(Shell, AMaterialWithoutALawOfALayerAndALineOfTwoParticlesAreRefused) {
+  EXPECT_THROW(line(1, 0.01, 8, shell_material(1e6, 0.3, "mooney_rivlin"), Edge::clamp), BadInput);
+  EXPECT_THROW(line(1, 0.01, 2, shell_material(1e6, 0.3), Edge::free), BadInput);
+}
+
+}  // namespace
+}  // namespace tern::structure::testing
