@@ -37,7 +37,7 @@ TEST(Stability, ASoftThickPlateRunsInOnePassAWindowWithTheMassThatItAnswersWith)
   EXPECT_EQ(learnt.verdict, Verdict::bounded) << learnt.message;
   EXPECT_LT(learnt.trials, 1.3);
   s.algorithm = CouplingAlgorithm::semi_implicit;
-  const CoupledOutcome guessed = run(s, 0.06);
+  const CoupledOutcome guessed = run(s, 0.1);
   std::printf("[ %.2f iterations a window; in one pass with the guess: %s ]\n", learnt.trials, guessed.message.c_str());
   EXPECT_EQ(guessed.verdict, Verdict::stopped);
 }
