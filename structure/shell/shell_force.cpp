@@ -21,14 +21,13 @@ std::pair<double, double> line_energy(const ShellLayer<2>& layer, double c, doub
   return {0.5 * layer.modulus() * e * e, 0.5 * layer.modulus() * e};
 }
 
-/// Psi [J/m^3] of a stretched surface of metric c, and 2 dPsi/dC [Pa].
-
 /// E' [(1 - nu) A + nu tr A I].
 Eigen::Matrix2d hooke(const ShellLayer<3>& layer, const Eigen::Matrix2d& a) {
   const double nu = layer.poisson_ratio();
   return layer.modulus() * ((1 - nu) * a + nu * a.trace() * Eigen::Matrix2d::Identity());
 }
 
+/// Psi [J/m^3] of a stretched surface of metric c, and 2 dPsi/dC [Pa].
 std::pair<double, Eigen::Matrix2d> surface_energy(const ShellLayer<3>& layer, const Eigen::Matrix2d& c, const Eigen::Matrix2d& reference) {
   if (const auto* law = std::get_if<NeoHookean>(&layer.material.law)) {
     const Eigen::Matrix2d inverse = reference.inverse();
@@ -178,5 +177,6 @@ double shell_forces(const ShellLayer<D>& layer, std::span<const Vector<D>> x, st
                                   std::span<ShellDerivatives<D>>, std::span<ShellDerivatives<D>>, std::span<Vector<D>>);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)
+#undef TERN_INSTANTIATE
 
 }  // namespace tern::structure
