@@ -431,11 +431,14 @@ def _extremes(arguments):
     return command.extremes(arguments)
 
 
+def _is_3d(directory):
+    from tern.results import report
+    return (Path(directory) / "run.json").exists() and report.read(Path(directory)).get("settings", {}).get("dimension") == 3
+
+
 def _look(arguments):
     """How the 3D runs among `arguments.runs` are looked at; what draws them is installed when it is needed."""
-    from tern.results import report
-    three = [report.read(Path(name)).get("settings", {}).get("dimension") == 3 if (Path(name) / "run.json").exists() else False
-             for name in arguments.runs]
+    three = [_is_3d(name) for name in arguments.runs]
     asked = [f"--{name}" for name in ("camera", "clip", "slice") if getattr(arguments, name)]
     if asked and not all(three):
         raise Error(BAD_INPUT, f"{asked[0]} is for 3D runs; {arguments.runs[three.index(False)]} is none.")
@@ -469,10 +472,7 @@ def _animate(arguments):
 
 
 def _report(arguments):
-    from tern.results import report
-    three = any((Path(name) / "run.json").exists() and report.read(Path(name)).get("settings", {}).get("dimension") == 3
-                for name in arguments.directories)
-    _ensure_pictures(*packages.REPORT, *(packages.RENDER if three else []))
+    _ensure_pictures(*packages.REPORT, *(packages.RENDER if any(map(_is_3d, arguments.directories)) else []))
     from tern.report import write
     print(write.write_page(arguments.directories, arguments.out, arguments.times))
     return DONE

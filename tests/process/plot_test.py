@@ -57,7 +57,7 @@ class PlotTest(unittest.TestCase):
             self.assertTrue(content.startswith(b"\x89PNG") and len(content) > 5000, picture)
 
     def test_gauges_are_shown_where_they_are(self):
-        # It fails with _draw_gauges() left out, and with lines left out of it.
+        # It fails with draw_gauges() left out, and with lines left out of it.
         self.write(tables=False)
         places = [{"name": "sensor", "at": [0.3, 0.02, 0], "diameter": 0.02}, {"name": "gate", "from": [0.1, 0, 0], "to": [0.1, 0.1, 0]}]
         axis = self.drawn(places=places).axes[0]

@@ -16,7 +16,7 @@ from matplotlib.text import OffsetFrom
 from matplotlib.transforms import ScaledTranslation
 
 from tern.errors import BAD_INPUT, INPUT_OUTPUT, Error
-from tern.plot import render, scenes, style, walls
+from tern.plot import fields, render, scenes, style, walls
 
 MOST_PARTICLES = 300_000  # of a scene; of a larger one the outlines of the shapes are drawn
 FLUID, CLAMPED, MOVING, LOAD = "#7fb2e5", "black", "#b05a00", "#7a2f9c"
@@ -223,11 +223,7 @@ def _draw_flat(axis, settings, start, bodies, motions, places, view):
         low, high = np.array(view).T
         if np.any(np.all((motion.path >= low) & (motion.path <= high), axis=1)):
             _arrow(axis, np.clip(motion.path, low, high), motion.name)  # a wall may leave the picture
-    for place in places:
-        ends = np.array([place[key][:2] for key in ("at", "from", "to") if key in place])
-        _gauge(axis, ends, place)
-        if "diameter" in place:
-            axis.add_patch(plt.Circle(ends[0], 0.5 * place["diameter"], fill=False, edgecolor="tab:red", linewidth=0.8))
+    fields.draw_gauges(axis, places)
     axis.set_xlim(*view[0])
     axis.set_ylim(*view[1])
     axis.set_aspect("equal")
@@ -246,12 +242,6 @@ def _arrow(axis, path, name):
         back = next((point for point in path[::-1] if np.any(point != path[-1])), path[0])
         axis.annotate("", xy=path[-1], xytext=back, arrowprops={"arrowstyle": "-|>", "color": MOVING, "shrinkA": 0, "shrinkB": 0})
     axis.annotate(style.plain(name), path[-1], xytext=(4, -10), textcoords="offset points", color=MOVING, fontsize=8, annotation_clip=True)
-
-
-def _gauge(axis, ends, place):
-    axis.plot(*ends.T, color="tab:red", linewidth=1.0, linestyle="--", marker="+", markersize=6, scalex=False, scaley=False)
-    axis.annotate(style.plain(place["name"]), ends.mean(axis=0), xytext=(3, 3), textcoords="offset points", color="tab:red", fontsize=7,
-                  annotation_clip=True)
 
 
 def _corners(bodies, dimension):

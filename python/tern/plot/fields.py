@@ -91,10 +91,10 @@ def flat(run, fields, process, cut):
     return result
 
 
-def _draw_gauges(axis, run, cut):
+def draw_gauges(axis, places, kept=(0, 1)):
     """Where the gauges of the case are at the start: points, lines, and discs of the size of a sensor."""
-    kept = cut.kept if cut else [0, 1]
-    for place in run.contents.get("gauge_places", []):
+    kept = list(kept)
+    for place in places:
         if "from" in place:
             (x0, y0), (x1, y1) = (np.array(place[end])[kept] for end in ("from", "to"))
             axis.plot([x0, x1], [y0, y1], color="tab:red", linewidth=1.0, linestyle="--")
@@ -132,7 +132,7 @@ def _draw(axis, run, fluid, structure, limits, field, placed, cut, view):
         drawn[1] = _discs(axis, structure["position"], of_structure(structure), run.spacing("structure"), structure_colours, limits[1])
         if "surface_position" in structure:
             _outline(axis, structure["surface_position"])
-    _draw_gauges(axis, run, cut)
+    draw_gauges(axis, run.contents.get("gauge_places", []), cut.kept if cut else (0, 1))
     for set_limits, range_ in zip((axis.set_xlim, axis.set_ylim), view):
         set_limits(*range_)
     axis.set_aspect("equal")
