@@ -4,7 +4,8 @@
     TERN_BUILD=build/release bench/noticing.py            while 8 processes compute beside it
     TERN_BUILD=build/release bench/noticing.py 0          on a machine that is otherwise idle
 
-The event happens to one process of the small scene of the process tests, or to the launcher. Prints a Markdown table with the times from
+The event happens to one process of a small scene of the process tests, or to the launcher. A stuck process is made so by the library of
+the failure matrix (`ninja fault_injection`): its main thread does nothing any more, its heartbeats go on. Prints a Markdown table with the times from
 the event to the end of the launcher [s], three of each; ends with exit code 3 when one is longer than documented.
 """
 
@@ -17,13 +18,20 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-CASE = ROOT / "tests" / "process" / "cases" / "small_plate"
+CASES = ROOT / "tests" / "process" / "cases"
+BUILD = Path(os.environ.get("TERN_BUILD", ROOT / "build" / "release")).resolve()
+DEADLINE_S = 4
+# Before the pressure, the surface, or the condition of the 40th window is sent (bodies of proto/wire/tern.proto).
+STUCK_AT = {"fluid": "send:16:40", "structure": "send:13:40", "coupler": "send:15:40"}
 # Event: signal, to whom, seconds documented in ROBUSTNESS.md and README.md.
 EVENTS = {
     "killed (SIGKILL)": (signal.SIGKILL, ("fluid", "structure", "coupler"), 1),
     "terminated (SIGTERM)": (signal.SIGTERM, ("fluid", "structure", "coupler"), 2),
     "frozen (SIGSTOP)": (signal.SIGSTOP, ("fluid", "structure", "coupler"), 10),
     "Ctrl-C": (signal.SIGINT, ("launcher",) * 3, 2),
+    "Ctrl-C in a window that does not end": (signal.SIGINT, ("fluid", "structure", "coupler"), 2),
+    f"stuck, with --deadline {DEADLINE_S}": (None, ("fluid", "structure"), DEADLINE_S + 8),
+    f"stuck, after two deadlines of {DEADLINE_S} s": (None, ("coupler",), 2 * DEADLINE_S + 8),
 }
 
 
@@ -39,20 +47,37 @@ def process_of(role, out):
     return None
 
 
-def seconds_to_the_end(number, whom, out):
-    """Runs the scene, signals once it is under way; the time from then to the end of ./tern."""
-    run = subprocess.Popen([ROOT / "tern", "run", CASE, "--out", out, "--quiet"], stderr=subprocess.DEVNULL, start_new_session=True)
+def is_under_way(out, whom):
+    """Whether 20 windows are done; where a process is to get stuck (`whom`), whether it is."""
+    if whom:
+        found = process_of(whom, out)
+        return found is not None and Path(f"/proc/{found}/comm").read_text() == "stuck\n"
     steps = out / "steps.csv"
-    while run.poll() is None and not (steps.exists() and steps.read_text().count("\n") > 20):
+    return steps.exists() and steps.read_text().count("\n") > 20
+
+
+def seconds_to_the_end(event, number, whom, out):
+    """Runs a scene, signals once it is under way; the time from then to the end of ./tern."""
+    stuck = "not end" in event or number is None
+    words, environment = ["--quiet"], dict(os.environ)
+    if stuck:
+        words += ["--deadline", str(DEADLINE_S)]
+        environment |= {"LD_PRELOAD": str(BUILD / "tests" / "libfault_injection.so"), "TERN_FAULT_PROCESS": f"tern-{whom}",
+                        "TERN_FAULT_AT": STUCK_AT[whom], "TERN_FAULT_DO": "stuck"}
+    run = subprocess.Popen([ROOT / "tern", "run", CASES / ("splash_plate" if stuck else "small_plate"), "--out", out, *words],
+                           env=environment, stderr=subprocess.DEVNULL, start_new_session=True)
+    while run.poll() is None and not is_under_way(out, whom if stuck else None):
         time.sleep(0.02)
-    victim = run.pid if whom == "launcher" else process_of(whom, out)
     began = time.monotonic()
-    os.kill(victim, number)
+    if number is not None:
+        os.kill(run.pid if stuck or whom == "launcher" else process_of(whom, out), number)
     run.wait()
     return time.monotonic() - began
 
 
 def main():
+    if not (BUILD / "tests" / "libfault_injection.so").exists():
+        sys.exit(f"{BUILD}/tests/libfault_injection.so is missing: ninja fault_injection makes it")
     load = int(sys.argv[1]) if len(sys.argv) > 1 else 8
     busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(load)]
     late = False
@@ -63,7 +88,7 @@ def main():
             cells = []
             for whom in victims:
                 with tempfile.TemporaryDirectory(prefix="tern-noticing-") as directory:
-                    taken = seconds_to_the_end(number, whom, Path(directory) / "run")
+                    taken = seconds_to_the_end(event, number, whom, Path(directory) / "run")
                 late = late or taken > documented
                 cells.append(f"{whom} {taken:.1f}")
             print(f"| {event} | {', '.join(cells)} | {documented} |", flush=True)

@@ -12,10 +12,12 @@ import subprocess
 import sys
 import time
 import unittest
+import unittest.mock
 from pathlib import Path
 
 from fake_build import ROOT, is_alive, wait_until
 from real_run import SCENE, RealRunTest, find_damage
+from same_results import differences
 
 CASE = ROOT / "tests" / "process" / "cases" / "splash_plate"
 
@@ -144,6 +146,59 @@ class EndingsTest(RealRunTest):
                 errors = process.communicate(timeout=20)[1]
                 self.assertLess(time.monotonic() - began, 3.5, errors)  # 2 s and a busy machine
                 self.assertEqual(process.returncode, 4, errors)
+
+    def stuck_run(self, role, *words):
+        """A run in which the main thread of this process does nothing from some window on, as in one that never ends; its heartbeats go on."""
+        library = self.build / "tests" / "libfault_injection.so"
+        self.assertTrue(library.exists(), f"{library} is missing: ninja fault_injection makes it")
+        shutil.rmtree(self.out, ignore_errors=True)
+        # Before the pressure, the surface, or the condition of the 40th window is sent (bodies of proto/wire/tern.proto).
+        fault = {"LD_PRELOAD": str(library), "ASAN_OPTIONS": "verify_asan_link_order=0", "TERN_FAULT_PROCESS": f"tern-{role}",
+                 "TERN_FAULT_AT": {"fluid": "send:16:40", "structure": "send:13:40", "coupler": "send:15:40"}[role],
+                 "TERN_FAULT_DO": "stuck"}
+        with unittest.mock.patch.dict(os.environ, fault):
+            process = self.start("--quiet", *words, case=CASE)
+        self.assertTrue(wait_until(lambda: any(Path(f"/proc/{pid}/comm").read_text() == "stuck\n" for pid in self.pids_of_run()), 30))
+        return process
+
+    def test_ctrl_c_in_a_window_that_does_not_end_leaves_the_checkpoint_before(self):
+        words = ["--set", "output.frame_interval=0.02", "--set", "output.checkpoint_interval=0.02", "--until", "0.1"]
+        whole = self.path / "whole"
+        subprocess.run([ROOT / "tern", "run", CASE, "--out", whole, "--quiet", *words], env=self.environment(), check=True)
+        for role in ("fluid", "structure", "coupler"):
+            with self.subTest(role):
+                process = self.stuck_run(role, *words)
+                pids = self.pids_of_run()
+                began = time.monotonic()
+                process.send_signal(signal.SIGINT)
+                errors = process.communicate(timeout=20)[1]
+                self.assertLess(time.monotonic() - began, 2.5, errors)  # 2 s and a busy machine
+                self.assertEqual(process.returncode, 130, errors)
+                self.assertEqual((self.contents()["status"], self.contents()["exit_code"]), ("interrupted", 130))
+                self.assertEqual(find_damage(self.out), [])
+                self.assertFalse(any(is_alive(pid) for pid in pids))
+                self.assertRegex(errors, r"tern resume run goes on from step \d+, t = ")
+                subprocess.run([ROOT / "tern", "resume", self.out, "--quiet"], env=self.environment(), check=True)
+                self.assertEqual(differences(whole, self.out), [])
+
+    def test_a_stuck_part_is_named_at_the_deadline_on_a_busy_machine(self):
+        busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(2 * os.cpu_count())]
+        try:
+            for role, cause in (("fluid", r"^The coupler process waited 2[.\d]* s for fluid at step 40"),
+                                ("structure", r"^The coupler process waited 2[.\d]* s for structure at step 40"),
+                                ("coupler", r"process waited 4[.\d]* s for coupler at step 40")):
+                with self.subTest(role):
+                    process = self.stuck_run(role, "--deadline", "2")
+                    began = time.monotonic()
+                    errors = process.communicate(timeout=40)[1]
+                    self.assertEqual(process.returncode, 4, errors)
+                    self.assertRegex(self.contents()["first_cause"], cause)
+                    self.assertLess(time.monotonic() - began, 13 if role == "coupler" else 11, errors)  # deadline, 7 s, and busy
+                    self.assertEqual(find_damage(self.out), [])
+        finally:
+            for process in busy:
+                process.kill()
+                process.wait()
 
     # Seen to fail: with print() alone ("tern: [Errno 32] Broken pipe" and exit code 5).
     def test_who_reads_one_line_only_is_not_complained_to(self):

@@ -7,6 +7,7 @@
 
 #include <dlfcn.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zmq.h>
@@ -110,8 +111,10 @@ void act() {
   if (action == "stop") raise(SIGSTOP);
   if (action == "exit") _exit(1);
   if (action == "full") disk_is_full = true;
-  if (action == "stuck")
-    for (;;) pause();  // the threads of ZeroMQ go on beating
+  if (action == "stuck") {
+    prctl(PR_SET_NAME, "stuck");  // for who looks at /proc
+    for (;;) pause();             // the threads of ZeroMQ go on beating
+  }
 }
 
 bool due(const char* where, int number) { return place == where && number == field && ++seen == occurrence; }
