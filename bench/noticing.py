@@ -5,8 +5,8 @@
     TERN_BUILD=build/release bench/noticing.py 0          on a machine that is otherwise idle
 
 The event happens to one process of a small scene of the process tests, or to the launcher. A stuck process is made so by the library of
-the failure matrix (`ninja fault_injection`): its main thread does nothing any more, its heartbeats go on. Prints a Markdown table with the times from
-the event to the end of the launcher [s], three of each; ends with exit code 3 when one is longer than documented.
+the failure matrix (`ninja fault_injection`): its main thread does nothing any more, its heartbeats go on. Prints a Markdown table with the
+times from the event to the end of the launcher [s]; ends with exit code 3 when one is longer than documented.
 """
 
 import os

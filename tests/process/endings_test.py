@@ -148,7 +148,7 @@ class EndingsTest(RealRunTest):
                 self.assertEqual(process.returncode, 4, errors)
 
     def stuck_run(self, role, *words):
-        """A run in which the main thread of this process does nothing from some window on, as in one that never ends; its heartbeats go on."""
+        """A run in which the main thread of this process does nothing from the 40th window on; its heartbeats go on."""
         library = self.build / "tests" / "libfault_injection.so"
         self.assertTrue(library.exists(), f"{library} is missing: ninja fault_injection makes it")
         shutil.rmtree(self.out, ignore_errors=True)
@@ -161,6 +161,7 @@ class EndingsTest(RealRunTest):
         self.assertTrue(wait_until(lambda: any(Path(f"/proc/{pid}/comm").read_text() == "stuck\n" for pid in self.pids_of_run()), 30))
         return process
 
+    # Seen to fail: with 6 s after Ctrl-C for those that do not end.
     def test_ctrl_c_in_a_window_that_does_not_end_leaves_the_checkpoint_before(self):
         words = ["--set", "output.frame_interval=0.02", "--set", "output.checkpoint_interval=0.02", "--until", "0.1"]
         whole = self.path / "whole"
@@ -181,24 +182,21 @@ class EndingsTest(RealRunTest):
                 subprocess.run([ROOT / "tern", "resume", self.out, "--quiet"], env=self.environment(), check=True)
                 self.assertEqual(differences(whole, self.out), [])
 
+    # Seen to fail: with 12 s for the stuck part to end by itself. bench/noticing.py has structure and coupler as well.
     def test_a_stuck_part_is_named_at_the_deadline_on_a_busy_machine(self):
         busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(2 * os.cpu_count())]
         try:
-            for role, cause in (("fluid", r"^The coupler process waited 2[.\d]* s for fluid at step 40"),
-                                ("structure", r"^The coupler process waited 2[.\d]* s for structure at step 40"),
-                                ("coupler", r"process waited 4[.\d]* s for coupler at step 40")):
-                with self.subTest(role):
-                    process = self.stuck_run(role, "--deadline", "2")
-                    began = time.monotonic()
-                    errors = process.communicate(timeout=40)[1]
-                    self.assertEqual(process.returncode, 4, errors)
-                    self.assertRegex(self.contents()["first_cause"], cause)
-                    self.assertLess(time.monotonic() - began, 13 if role == "coupler" else 11, errors)  # deadline, 7 s, and busy
-                    self.assertEqual(find_damage(self.out), [])
+            process = self.stuck_run("fluid", "--deadline", "2")
+            began = time.monotonic()
+            errors = process.communicate(timeout=40)[1]
         finally:
-            for process in busy:
-                process.kill()
-                process.wait()
+            for other in busy:
+                other.kill()
+                other.wait()
+        self.assertLess(time.monotonic() - began, 11, errors)  # the deadline, 7 s, and a busy machine
+        self.assertEqual(process.returncode, 4, errors)
+        self.assertRegex(self.contents()["first_cause"], r"^The coupler process waited 2[.\d]* s for fluid at step 40")
+        self.assertEqual(find_damage(self.out), [])
 
     # Seen to fail: with print() alone ("tern: [Errno 32] Broken pipe" and exit code 5).
     def test_who_reads_one_line_only_is_not_complained_to(self):
