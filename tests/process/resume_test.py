@@ -97,6 +97,7 @@ class ResumeTest(RealRunTest):
         for file in ("fluid.h5", "fluid.xmf"):
             self.assertEqual((self.path / "whole" / file).read_bytes(), (self.path / "parts" / file).read_bytes(), file)
 
+    # Seen to fail: without the load of the last window in what is kept.
     def test_foreign_participants_that_keep_their_state_go_on(self):
         foreign = {"spring": (CASES / "piston", ["--structure", "rigid_spring.py --stiffness 2e7"], 0.02),
                    "column": (CASES / "piston", ["--fluid", "column_fluid.py --step 1e-4", "--set", "coupling.scheme=pi"], 0.008),
@@ -180,6 +181,7 @@ class ResumeTest(RealRunTest):
         self.tern("resume", self.out, "--quiet", code=3)
         self.assertEqual([self.contents()[key] for key in ("steps", "first_cause")], [before[key] for key in ("steps", "first_cause")])
 
+    # Seen to fail: without the launcher's retries.
     def test_a_run_goes_on_by_itself_after_a_lost_process(self):
         words = ["--until", "0.6", "--set", "output.frame_interval=0.02", "--set", "output.checkpoint_interval=0.1"]
         self.run_case(PLATE, self.path / "whole", *words)
@@ -220,6 +222,8 @@ class ResumeTest(RealRunTest):
         errors = self.tern("resume", self.out, "--until", 0.04, code=2)
         self.assertIn("structure.body.plate.young_modulus was 1000000.0 and is 2000000.0", errors)
         file.write_text(text)
+        self.assertRegex(self.tern("resume", self.out, "--until", 0.01, code=2),
+                         r"--until 0.01 s is before the newest checkpoint of .*, t = 0.02 s")
         self.assertIn("fluid.density was 1000.0 and is 900.0", self.tern("resume", self.out, "--set", "fluid.density=900", code=2))
         for manifest in (self.out / "checkpoint").glob("manifest.*"):
             sound = manifest.read_text()
@@ -265,6 +269,7 @@ class ResumeTest(RealRunTest):
         file.write_text(text)
         self.assertRegex(self.tern("resume", self.out, "--until", 0.09, code=2), r"gauge\.depth\.\w+ was .* and is absent")
 
+    # Seen to fail: with the newest checkpoint named in run.json, whichever was taken.
     def test_a_damaged_checkpoint_is_found_and_the_older_one_taken(self):
         words = ["--set", "output.frame_interval=0.02"]
         self.run_case(PLATE, self.path / "whole", "--until", 0.08, *words)
@@ -274,7 +279,9 @@ class ResumeTest(RealRunTest):
         content = bytearray(newest.read_bytes())
         content[len(content) // 2] ^= 1
         newest.write_bytes(content)
+        older = min(int(path.name.split(".")[1]) for path in (self.out / "checkpoint").glob("manifest.*"))
         self.tern("resume", self.out, "--quiet", "--until", 0.08)
+        self.assertEqual(self.contents()["resumed"][-1]["step"], older)
         self.assertEqual(differences(self.path / "whole", self.out), [])
         self.assertRegex((self.out / "coupler.log").read_text(), r"lacks the file of the fluid, or it was changed")
 

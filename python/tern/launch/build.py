@@ -75,7 +75,7 @@ def _quietly(command, activity):
         for line in process.stdout:
             output.append(line)
             progress = re.match(r"\[(\d+)/(\d+)\]", line)
-            if progress is None:
+            if progress is None or progress.group(1) == "0":  # 0: it looks whether there is anything to do
                 continue
             said = f"tern: {activity}, {progress.group(1)} of {progress.group(2)}"
             if terminal:

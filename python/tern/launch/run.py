@@ -20,6 +20,7 @@ from tern.results import summary
 OLD_SOLVERS = Path("proto/python/participants")  # where they were one version ago
 IN_LAUNCH = ("until", "threads", "deadline", "record", "allow_unstable", "only", "endpoint", "network_options")
 ROLES = ("coupler", "fluid", "structure")  # the order of starting: the coupler binds the endpoint
+TICK_S = 2.0**-32  # the clock of a run counts these
 
 
 @dataclass
@@ -196,9 +197,13 @@ def _run_once(request):
     if request.resume:
         out = Path(request.resume).resolve()
         before, checkpoint = resumption.newest(out)
+        checkpoints = resumption.manifests(out)
         if changed := resumption.differences(before["settings"], case.get("settings", {})):
             raise Error(BAD_INPUT, f"{path} is not the case of {summary.shown(out)} any more: {'; '.join(changed)}. Undo that, or begin "
                                    f"anew; only {resumption.IN_WORDS}.")
+        if checkpoint and request.until is not None and request.until < checkpoint["time_s"] - TICK_S:
+            raise Error(BAD_INPUT, f"--until {request.until:g} s is before the newest checkpoint of {summary.shown(out)}, t = "
+                                   f"{checkpoint['time_s']:.6g} s: a run goes on, not back; give a later time.")
     else:
         out = cases.make_out_directory(case["name"], request.out, request.force)
     if not request.quiet:
@@ -260,6 +265,8 @@ def _run_once(request):
             half_written.unlink(missing_ok=True)
         reports = _reports(out, roles)
         cause = first_cause.find(group.processes, reports, interrupts.count > 0)
+        if before:
+            resumption.correct(contents, checkpoints, out, "coupler" if "coupler" in roles else roles[0])
         contents = _merged(contents, group.processes, reports, cause, wall_s)
         refused = before and cause.exit_code == BAD_INPUT
         if refused:
