@@ -37,6 +37,8 @@ SCENES = {
     "dam_break_long": ("dam_break_long", "--until", "0.15"),
     "dam_break_plate": ("dam_break_plate", "--until", "0.06"),
     "dam_break_plate coarse": ("dam_break_plate", *PLATE),
+    "dam_break_plate shell": ("dam_break_plate", *PLATE[:4], "--set", "structure.body.plate.model=shell", "--set",
+                              "structure.body.plate.spacing=0.005"),
     "dam_break_plate_gate": ("dam_break_plate_gate", "--until", "0.06"),
     "dam_break_pressure": ("dam_break_pressure", "--until", "0.1"),
     "drop_on_pool": ("drop_on_pool", "--until", "0.03"),

@@ -4,12 +4,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "base/error.hpp"
 #include "base/hash.hpp"
 #include "scene/key_sentences.hpp"
 #include "scene/keys/tables.hpp"
+#include "scene/mid_surface.hpp"
 #include "scene/placement.hpp"
 #include "scene/preset.hpp"
 #include "scene/renamed.hpp"
@@ -33,13 +35,20 @@ std::string find_case_file(const std::string& name_or_path) {
                   name_or_path));
 }
 
-// Particles across each body, at the spacings of the case.
+// Particles across each body, of a shell along its shortest free length, at the spacings of the case.
 std::vector<double> particles_across(const Setting& settings, const fs::path& folder) {
   const Case scene = read_scene(settings, folder);
   check_sizes(scene, settings);
   std::vector<double> across;
-  for (const StructureBody& body : scene.structure->bodies)
-    across.push_back((scene.dimension == 2 ? thin_section<2>(body) : thin_section<3>(body)) / body.spacing);
+  for (const StructureBody& body : scene.structure->bodies) {
+    const auto count = [&](const auto& surface) { across.push_back(*std::min_element(surface.count.begin(), surface.count.end())); };
+    if (!body.is_shell)
+      across.push_back((scene.dimension == 2 ? thin_section<2>(body) : thin_section<3>(body)) / body.spacing);
+    else if (scene.dimension == 2)
+      count(mid_surface<2>(body));
+    else
+      count(mid_surface<3>(body));
+  }
   return across;
 }
 

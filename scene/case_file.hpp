@@ -66,6 +66,7 @@ struct FluidCase {
 };
 
 struct StructureBody : MaterialParameters {
+  bool is_shell = false;  ///< one layer of particles on the mid-surface
   std::string name;
   Shape shape;
   double spacing = 0;         ///< dx_s [m]

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.hpp"
 #include "scene/estimate.hpp"
+#include "scene/mid_surface.hpp"
 #include "structure/material/registry.hpp"
 
 namespace tern {
@@ -139,6 +141,33 @@ std::string algorithm_choice(const Case& scene, const Estimate& e) {
   return text;
 }
 
+/// Whether a body would better be a shell, or a solid; nothing where it cannot be a shell.
+template <int D>
+std::string shell_text(const StructureBody& body) {
+  StructureBody shell = body;
+  ShellFit fit;
+  try {
+    fit = shell_fit<D>(shell);
+    shell.spacing = body.is_shell ? body.spacing : std::max(fit.thickness, fit.length / (fit.clamped_ends == 2 ? 30 : 18));
+    fit = shell_fit<D>(shell);
+  } catch (const BadInput&) {
+    return "";
+  }
+  const bool is_thin = fit.without_shear <= most_without_shear;
+  if (!is_thin && !body.is_shell) return "";
+  const std::string numbers =
+      fmt::format("{} thicknesses long, it bends {:.2g} % too little without transverse shear, and {:.2g} % too much at {} particles",
+                  ratio(fit.length / fit.thickness), 100 * fit.without_shear, 100 * fit.by_spacing, fit.count);
+  if (body.is_shell) return fmt::format("  {}: {}{}.\n", body.name, numbers, is_thin ? "" : "; it would better be a solid");
+  return fmt::format("  '{}' could be a shell (model = \"shell\", spacing = {:.2g}) of {} particles: {}.\n", body.name, shell.spacing,
+                     shell_particles(mid_surface<D>(shell))[0], numbers);
+}
+
+std::string shell_text(int dimension, const StructureBody& body) {
+  if (body.material == structure::MooneyRivlin::key) return "";
+  return dimension == 2 ? shell_text<2>(body) : shell_text<3>(body);
+}
+
 std::string what_it_costs(const Case& scene, const Estimate& e, const Costs& costs) {
   const double total = e.fluid_cpu + e.structure_cpu + e.coupler_cpu;
   std::string text = fmt::format("\nWhat it costs: about {} steps{}, {} of CPU, {:.0f} MB ({})\n", count(e.steps), iterations_text(e),
@@ -183,14 +212,15 @@ std::string explain_text(const Case& scene, const Costs& costs) {
     for (std::size_t i = 0; i < e.bodies.size(); ++i) {
       const StructureBody& body = scene.structure->bodies[i];
       text +=
-          fmt::format("* The elastic body '{}': {}{}, {} kg/m^3, E = {} Pa, Poisson's ratio {}, {:.3g} mm thick; {}.\n", body.name,
-                      structure::Material(body).name(),
+          fmt::format("* The elastic body '{}'{}: {}{}, {} kg/m^3, E = {} Pa, Poisson's ratio {}, {:.3g} mm thick; {}.\n", body.name,
+                      body.is_shell ? ", a shell of one layer of particles" : "", structure::Material(body).name(),
                       scene.dimension == 3 ? ""
                       : body.plane_stress  ? " in plane stress"
                                            : " in plane strain",
                       body.density, body.young_modulus, body.poisson_ratio, 1e3 * e.bodies[i].thickness,
                       body.clamps.empty() ? "free" : fmt::format("{} of {} particles clamped", e.bodies[i].clamped, e.bodies[i].particles));
     }
+    for (const StructureBody& body : scene.structure->bodies) text += shell_text(scene.dimension, body);
     for (const ClampCase& clamp : scene.structure->clamps)
       if (clamp.motion) text += fmt::format("* The clamp '{}' of '{}', which moves.\n", clamp.name, clamp.body);
     for (const LoadCase& load : scene.structure->loads) {

@@ -10,6 +10,7 @@
 #include <limits>
 #include <numeric>
 
+#include "scene/mid_surface.hpp"
 #include "scene/placement.hpp"
 #include "scene/scene_check.hpp"
 
@@ -37,7 +38,7 @@ BodyEstimate estimate_body(const Case& scene, const StructureBody& body) {
     return std::any_of(body.clamps.begin(), body.clamps.end(), [&](const Shape& s) { return contains<D>(s, x); });
   };
   Vector<D> low = Vector<D>::Constant(infinity), high = -low;
-  for (const Vector<D>& x : fill_lattice<D>(body.shape, body.spacing)) {
+  for (const Vector<D>& x : fill_body<D>(body)) {
     ++result.particles;
     if (clamped(x)) {
       ++result.clamped;
@@ -52,6 +53,14 @@ BodyEstimate estimate_body(const Case& scene, const StructureBody& body) {
                                         : std::sqrt(body.young_modulus * (1 - nu) / (body.density * (1 + nu) * (1 - 2 * nu)));
   result.sub_step = scene.structure->numerics.courant * body.spacing / result.wave_speed;
   result.thickness = thin_section<D>(body);
+  if (body.is_shell) {
+    const MidSurface<D> surface = mid_surface<D>(body);
+    const std::array<long, 2> count = shell_particles(surface);
+    result.particles = count[0];
+    result.clamped = count[1];
+    result.wave_speed = shell_wave_speed(body);
+    result.sub_step = shell_sub_step<D>(scene.structure->numerics.courant, body.spacing, surface.thickness, result.wave_speed);
+  }
   const double length = (high - low).maxCoeff() + body.spacing;
   if (scene.fluid && length > 4 * result.thickness) {
     result.added_mass_ratio = scene.fluid->density * length / 1.875104 / (body.density * result.thickness);
@@ -104,7 +113,7 @@ double mean_of_largest_speed(const Case& scene, double least) {
   if (scene.structure)
     for (const StructureBody& body : scene.structure->bodies) {
       if (is_zero(body.velocity)) continue;
-      for (const Vector<D>& x : fill_lattice<D>(body.shape, body.spacing)) least = std::max(least, value<D>(body.velocity, x).norm());
+      for (const Vector<D>& x : fill_body<D>(body)) least = std::max(least, value<D>(body.velocity, x).norm());
     }
   std::vector<double> speed(instants, least);
   for (const WallCase& wall : scene.walls) raise_to_motion<D>(wall.motion, wall.shape, scene.end_time, speed);

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "base/error.hpp"
+#include "scene/mid_surface.hpp"
 #include "scene/parameter_table.hpp"
 #include "scene/scene_check.hpp"
 
@@ -18,6 +19,7 @@ namespace tern {
 namespace {
 
 constexpr double said_mass_error = 0.01, refused_mass_error = 0.05;  ///< of a body
+constexpr double most_by_spacing = 0.06;                             ///< of a shell's deflection
 
 /// Volume of a shape [m^D], where it is composed by Gauss' theorem over patches of a quarter of the spacing.
 template <int D>
@@ -68,9 +70,8 @@ class PlacementCheck {
 
   using Fill = LatticePoints<D> (*)(const Shape&, double);
 
-  LatticePoints<D> fill(Fill lattice, const Shape& shape, double spacing, const std::string& where) const {
+  LatticePoints<D> not_empty(LatticePoints<D> points, const Shape& shape, double spacing, const std::string& where) const {
     const Bounds<D> bounds = bounding_box<D>(shape);
-    auto points = lattice(shape, spacing);
     if (points.empty()) {
       fail(where, fmt::format("the body holds no particle at the spacing {} m, its bounding box measures {}; use a smaller spacing "
                               "or a larger shape.",
@@ -81,10 +82,11 @@ class PlacementCheck {
 
   void check_particles_exist() {
     for (std::size_t i = 0; i < fluid().size(); ++i) {
-      fluid_points_.push_back(fill(fill_with_fluid<D>, fluid()[i].shape, scene_.fluid->spacing, where_fluid(i)));
+      fluid_points_.push_back(
+          not_empty(fill_with_fluid<D>(fluid()[i].shape, scene_.fluid->spacing), fluid()[i].shape, scene_.fluid->spacing, where_fluid(i)));
     }
     for (std::size_t i = 0; i < structure().size(); ++i) {
-      structure_points_.push_back(fill(fill_lattice<D>, structure()[i].shape, structure()[i].spacing, where_body(i)));
+      structure_points_.push_back(not_empty(fill_body<D>(structure()[i]), structure()[i].shape, structure()[i].spacing, where_body(i)));
     }
   }
 
@@ -93,8 +95,9 @@ class PlacementCheck {
       check_mass_of(fill_with_fluid<D>, fmt::format("fluid body {}", i + 1), fluid()[i].shape, fluid_points_[i].size(),
                     scene_.fluid->spacing, where_fluid(i));
     for (std::size_t i = 0; i < structure().size(); ++i)
-      check_mass_of(fill_lattice<D>, fmt::format("the elastic body '{}'", structure()[i].name), structure()[i].shape,
-                    structure_points_[i].size(), structure()[i].spacing, where_body(i));
+      if (!structure()[i].is_shell)  // its particles have the areas of their cells
+        check_mass_of(fill_lattice<D>, fmt::format("the elastic body '{}'", structure()[i].name), structure()[i].shape,
+                      structure_points_[i].size(), structure()[i].spacing, where_body(i));
   }
 
   // The particles have the mass of their cells of the lattice, whatever the shape cuts off.
@@ -211,6 +214,7 @@ class PlacementCheck {
   void check_clamps() const {
     for (std::size_t i = 0; i < structure().size(); ++i) {
       const StructureBody& body = structure()[i];
+      if (body.is_shell) continue;  // mid_surface() has looked
       const auto& points = structure_points_[i];
       for (std::size_t c = 0; c < body.clamps.size(); ++c) {
         if (std::none_of(points.begin(), points.end(), [&](const auto& x) { return contains<D>(body.clamps[c], x); })) {
@@ -230,6 +234,25 @@ class PlacementCheck {
   void check_thickness() {
     for (std::size_t i = 0; i < structure().size(); ++i) {
       const StructureBody& body = structure()[i];
+      if (body.is_shell) {
+        const ShellFit fit = shell_fit<D>(body);
+        const char* end = fit.clamped_ends == 2 ? "between two clamps" : fit.clamped_ends == 1 ? "from its clamp on" : "from edge to edge";
+        if (fit.without_shear > most_without_shear)
+          scene_.warnings.push_back(
+              fmt::format("{}: the shell '{}' is {:.3g} thicknesses long {}; without transverse shear it bends {:.2g} % too little. As a "
+                          "solid (model = \"solid\", a spacing of {:.3g} m) it would not.",
+                          where_body(i), body.name, fit.length / fit.thickness, end, 100 * fit.without_shear, fit.thickness / 4));
+        if (fit.by_spacing > most_by_spacing)
+          scene_.warnings.push_back(
+              fmt::format("{}: the shell '{}' has {} particles {}; it bends {:.2g} % too much. A spacing of {:.2g} m halves that.",
+                          where_body(i), body.name, fit.count, end, 100 * fit.by_spacing, body.spacing / 1.42));
+        if (body.spacing < 0.5 * fit.thickness)
+          scene_.warnings.push_back(
+              fmt::format("{}: the spacing of the shell '{}', {:.3g} m, is below half of its thickness, {:.3g} m: the sub-steps shrink "
+                          "with its square, and nothing gets better. As a solid the body costs less.",
+                          where_body(i), body.name, body.spacing, fit.thickness));
+        continue;
+      }
       const double across = thin_section<D>(body) / body.spacing;
       if (across < 2 - 1e-6) {
         fail(where_body(i), fmt::format("'{}' is {:.3g} particles across at the spacing {} m, but needs at least 2 (better 4); use a "

@@ -4,6 +4,7 @@
 // spin, however the body is deformed.
 
 #include "structure/cofactor.hpp"
+#include "structure/shell/shell_body.hpp"
 #include "structure/time_step.hpp"
 
 namespace tern::structure {
@@ -65,6 +66,7 @@ void deformation_gradient(const Reference<D>& reference, const State<D>& state, 
     gradients<D, true>(reference, state, work);
   else
     gradients<D, false>(reference, state, work);
+  shell_derivatives(reference, state, work);
 }
 
 template <int D>

@@ -2,6 +2,7 @@
 
 #include "structure/energy.hpp"
 
+#include "structure/shell/shell_body.hpp"
 #include "structure/time_step.hpp"
 
 namespace tern::structure {
@@ -36,8 +37,9 @@ Energies energies_of(const Reference<D>& reference, const State<D>& state, const
     double squared = 0;
     for (int a = 0; a < D; ++a) squared += state.velocity[a][row] * state.velocity[a][row];
     e.kinetic += 0.5 * reference.mass[row] * squared;
-    e.strain += reference.volume[row] * energy_density<D>(body, work, row);
+    if (body.shell < 0) e.strain += reference.volume[row] * energy_density<D>(body, work, row);
   }
+  e.strain += shell_strain_energy(reference, work);
   for (const Lanes& loss : state.diffusion_loss) e.diffusion += sum(loss);
   for (const Lanes& stored : state.penalty_store) e.penalty += sum(stored);
   for (const Lanes& loss : state.damping_loss) e.damping += sum(loss);

@@ -1,11 +1,13 @@
 // Output fields: Cauchy stress sigma = P F^T / J and its von Mises value. P is the stress at the middle of a particle's cell,
 // without the part of the strain gradient. In plane strain the stress out of the plane enters the von Mises value; in plane
-// stress it is zero, and J includes the thickness.
+// stress it is zero, and J includes the thickness. Of a shell: the stress of the mid-surface, the von Mises value of the face where it is
+// larger, and for J the stretch of the area.
 
 #include <cmath>
 #include <utility>
 
 #include "structure/energy.hpp"
+#include "structure/shell/shell_body.hpp"
 #include "structure/time_step.hpp"
 
 namespace tern::structure {
@@ -44,6 +46,20 @@ Fields<D> fields_of(const Reference<D>& reference, const State<D>& state, const 
       v[a] = state.velocity[a][row];
     }
     const Body& body = reference.bodies[reference.particle_body[p]];
+    fields.position.push_back(reference.position_of(row) + d);
+    fields.displacement.push_back(d);
+    fields.velocity.push_back(v);
+    fields.clamped.push_back(reference.inverse_mass[row] == 0);
+    const ShellBody<D>* shell = reference.shell_of(body);
+    if (!reference.shells.empty()) fields.shell_thickness.push_back(shell == nullptr ? 0 : shell->layer.thickness);
+    if (shell != nullptr) {
+      const ShellStress<D> of = shell_stress(*shell, work, row - shell->first_row);
+      fields.stress.push_back(of.cauchy);
+      fields.von_mises.push_back(of.von_mises);
+      fields.jacobian.push_back(of.area_ratio);
+      fields.energy_density.push_back(of.energy_density);
+      continue;
+    }
     const Matrix<D> f = deformation_gradient_of<D>(work, row), h = f - Matrix<D>::Identity();
     const double j2 = f.determinant();
     const auto [piola, across] = std::visit(
@@ -56,14 +72,10 @@ Fields<D> fields_of(const Reference<D>& reference, const State<D>& state, const 
     full.topLeftCorner<D, D>() = piola * f.transpose() / j;
     if (D == 2) full(2, 2) = across.stress;
     const Eigen::Matrix3d deviator = full - full.trace() / 3 * Eigen::Matrix3d::Identity();
-    fields.position.push_back(reference.position_of(row) + d);
-    fields.displacement.push_back(d);
-    fields.velocity.push_back(v);
     fields.stress.push_back(full.topLeftCorner<D, D>());
     fields.von_mises.push_back(std::sqrt(1.5) * deviator.norm());
     fields.jacobian.push_back(j);
     fields.energy_density.push_back(energy_density<D>(body, work, row));
-    fields.clamped.push_back(reference.inverse_mass[row] == 0);
   }
   return fields;
 }

@@ -50,9 +50,11 @@ void Loads<D>::update(double t, const SurfaceAttachment<D>& attachment, const Re
       const Vector<D> x = reference.position_of(row) + attachment.offset[k];
       if (load.input.kind == LoadCase::Kind::pressure) {
         const double force = -at(load.input.value, 0, x) * surface.area[k];
-        for (int a = 0; a < D; ++a) force_[a][row] += force * surface.normal[k][a];
+        add_point_force<D>(attachment, reference, work, k, force * surface.normal[k], force_);
       } else {
-        for (int a = 0; a < D; ++a) force_[a][row] += attachment.area[k] * at(load.input.value, a, x);
+        Vector<D> force;
+        for (int a = 0; a < D; ++a) force[a] = attachment.area[k] * at(load.input.value, a, x);
+        add_point_force<D>(attachment, reference, work, k, force, force_);
       }
     }
   }

@@ -9,8 +9,37 @@
 
 #include "base/error.hpp"
 #include "sph/kernel.hpp"
+#include "structure/shell/shell_surface.hpp"
 
 namespace tern::structure {
+namespace {
+
+/// x(xi) of the nearest particle; linear in the displacements only where z = 0.
+template <int D>
+MaterialPoint point_of_shell(const ShellBody<D>& shell, const Body& body, const Vector<D>& at) {
+  const auto& x = shell.layer.particles.position;
+  const auto nearest = std::min_element(
+      x.begin(), x.end(), [&](const Vector<D>& a, const Vector<D>& b) { return (a - at).squaredNorm() < (b - at).squaredNorm(); });
+  const ShellPoint<D> point = shell_point<D>(shell.layer, nearest - x.begin(), at - *nearest);
+  const auto is_beside = [&](int a) { return std::abs(point.xi[a]) <= shell.layer.particles.spacing[a] * (1 + 1e-9); };
+  if (std::abs(point.z) > 1e-3 * shell.layer.thickness || !is_beside(0) || !is_beside(D - 2))
+    throw BadInput(
+        fmt::format("A gauge point lies {:.3g} m beside the mid-surface of the shell '{}', {:.3g} m from its nearest particle, but has to "
+                    "lie on it; correct the gauge's `at`.",
+                    std::abs(point.z), body.name, (at - *nearest).norm()));
+  // The load of a unit force, spread over an undeformed shell, is the row of the point.
+  ShellWork<D> rest;
+  rest.x = x;
+  rest.derivatives = shell.layer.reference;
+  MaterialPoint result;
+  spread_force<D>(shell.layer, rest, point, Vector<D>::Unit(0), [&](std::size_t j, const Vector<D>& share) {
+    result.particle.push_back(static_cast<std::uint32_t>(body.first + j));
+    result.weight.push_back(share[0]);
+  });
+  return result;
+}
+
+}  // namespace
 
 template <int D>
 MaterialPoint find_material_point(const Reference<D>& reference, const std::string& body_name, const Vector<D>& at) {
@@ -20,6 +49,7 @@ MaterialPoint find_material_point(const Reference<D>& reference, const std::stri
         fmt::format("A gauge asks for body '{}', but no elastic body has this name; name one of "
                     "[[structure.body]].",
                     body_name));
+  if (const ShellBody<D>* shell = reference.shell_of(*body)) return point_of_shell<D>(*shell, *body, at);
   const Kernel<D> kernel(body->smoothing_length);
   using Basis = Eigen::Matrix<double, D + 1, 1>;
   MaterialPoint point;

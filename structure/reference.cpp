@@ -12,8 +12,10 @@
 
 #include "base/error.hpp"
 #include "scene/geometry.hpp"
+#include "scene/mid_surface.hpp"
 #include "sph/kernel.hpp"
 #include "structure/gradient_vectors.hpp"
+#include "structure/shell/shell_body.hpp"
 
 namespace tern::structure {
 namespace {
@@ -330,7 +332,15 @@ void add_clamps(const StructureCase& structure, const std::vector<Vector<D>>& po
     for (std::size_t b = 0; b < reference.bodies.size(); ++b)
       if (reference.bodies[b].name == input.body) clamp.body = static_cast<std::uint32_t>(b);
     for (std::size_t p = 0; p < points.size(); ++p) {
-      if (reference.particle_body[p] != clamp.body || taken[p] || !contains<D>(input.region, points[p])) continue;
+      if (reference.particle_body[p] != clamp.body || taken[p]) continue;
+      const Body& body = reference.bodies[clamp.body];
+      if (const ShellBody<D>* shell = reference.shell_of(body)) {  // its held particles stand on the face of the region
+        constexpr double round_off = 1e-6;
+        if (!shell->layer.particles.held[p - body.first]) continue;
+        if (signed_distance<D>(input.region, points[p]) > round_off * body.spacing) continue;
+      } else if (!contains<D>(input.region, points[p])) {
+        continue;
+      }
       taken[p] = true;
       clamp.row.push_back(reference.particle_row[p]);
     }
@@ -348,8 +358,7 @@ void add_clamps(const StructureCase& structure, const std::vector<Vector<D>>& po
 template <int D>
 Reference<D> build_reference(const StructureCase& structure) {
   Reference<D> reference;
-  reference.has_penalty = structure.numerics.hourglass_penalty > 0;
-  reference.has_diffusion = structure.numerics.riemann_diffusion > 0;
+  bool has_solid = false;
   StencilStore<D> store(reference);
 
   std::vector<std::vector<Cell<D>>> cells;
@@ -365,8 +374,32 @@ Reference<D> build_reference(const StructureCase& structure) {
               .spacing = input.spacing,
               .smoothing_length = structure.numerics.smoothing_length_ratio * input.spacing,
               .mass_damping = input.mass_damping,
+              .shell = input.is_shell ? static_cast<std::int32_t>(reference.shells.size()) : -1,
               .first = points.size(),
               .count = 0};
+    if (input.is_shell) {
+      ShellBody<D> shell{
+          .layer = make_shell_layer<D>(input.name, shell_particles_of<D>(input), body.material, thickness_of_box(input.shape, D)),
+          .body = static_cast<std::uint32_t>(reference.bodies.size()),
+          .index = reference.shells.size(),
+          .first_row = next_row,
+          .clamp_of_particle = {}};
+      const auto& positions = shell.layer.particles.position;
+      body.count = positions.size();
+      cells.emplace_back();
+      first_row.push_back(next_row);
+      for (std::size_t p = 0; p < body.count; ++p) {
+        reference.particle_row.push_back(next_row + static_cast<std::int32_t>(p));
+        reference.particle_body.push_back(shell.body);
+      }
+      next_row += (static_cast<std::int32_t>(body.count) + lane_count - 1) / lane_count * lane_count;
+      points.insert(points.end(), positions.begin(), positions.end());
+      reference.has_damping |= body.mass_damping > 0;
+      reference.bodies.push_back(std::move(body));
+      reference.shells.push_back(std::move(shell));
+      continue;
+    }
+    has_solid = true;
     const LatticePoints<D> inside = fill_lattice<D>(input.shape, input.spacing);
     const std::vector<Vector<D>> filled(inside.begin(), inside.end());
     if (filled.empty())
@@ -389,6 +422,8 @@ Reference<D> build_reference(const StructureCase& structure) {
   }
   first_row.push_back(next_row);
 
+  reference.has_penalty = has_solid && structure.numerics.hourglass_penalty > 0;
+  reference.has_diffusion = structure.numerics.riemann_diffusion > 0;
   reference.rows = static_cast<std::size_t>(next_row) + margin_rows;
   for (auto& axis : reference.position) axis.assign(reference.rows, 0);
   for (auto* values : {&reference.mass, &reference.inverse_mass, &reference.volume}) values->assign(reference.rows, 0);
@@ -396,6 +431,14 @@ Reference<D> build_reference(const StructureCase& structure) {
     const auto row = reference.particle_row[p];
     const Body& body = reference.bodies[reference.particle_body[p]];
     for (int a = 0; a < D; ++a) reference.position[a][row] = points[p][a];
+    if (const ShellBody<D>* shell = reference.shell_of(body)) {
+      const std::size_t particle = row - shell->first_row;
+      reference.mass[row] = shell->layer.mass(particle);
+      if (shell->layer.particles.held[particle]) continue;
+      reference.inverse_mass[row] = 1 / reference.mass[row];
+      reference.volume[row] = shell->layer.thickness * shell->layer.particles.area[particle];
+      continue;
+    }
     reference.mass[row] = body.material.density * std::pow(body.spacing, D);
     const bool clamped =
         std::any_of(body.clamps.begin(), body.clamps.end(), [&](const Shape& clamp) { return contains<D>(clamp, points[p]); });
@@ -404,7 +447,17 @@ Reference<D> build_reference(const StructureCase& structure) {
     reference.volume[row] = std::pow(body.spacing, D);
   }
   add_clamps<D>(structure, points, reference);
+  for (ShellBody<D>& shell : reference.shells) {
+    shell.clamp_of_particle.assign(shell.layer.size(), -1);
+    for (std::size_t c = 0; c < reference.clamps.size(); ++c)
+      for (const auto row : reference.clamps[c].row)
+        if (reference.clamps[c].body == shell.body) shell.clamp_of_particle[row - shell.first_row] = static_cast<std::int32_t>(c);
+    shell.first_block = static_cast<std::ptrdiff_t>(reference.blocks.size());
+    for (std::int32_t row = shell.first_row; row < shell.first_row + static_cast<std::int32_t>(shell.layer.size()); row += lane_count)
+      reference.blocks.push_back({row, 0, shell.body});
+  }
   for (std::uint32_t b = 0; b < reference.bodies.size(); ++b) {
+    if (cells[b].empty()) continue;  // a shell
     place_faces<D>(cells[b], reference, lattices[b]);
     for (const auto& cell : cells[b]) {
       const Vector<D> shift = reference.bodies[b].spacing * shift_of<D>(lattices[b].content_of(cell));

@@ -24,6 +24,7 @@
 #include "scene/rigid_motion.hpp"
 #include "structure/gradient_vectors.hpp"
 #include "structure/material/registry.hpp"
+#include "structure/shell/shell_layer.hpp"
 
 namespace tern::structure {
 
@@ -72,6 +73,7 @@ struct Body {
   double smoothing_length = 0;       ///< h_0 [m]
   double mass_damping = 0;           ///< [1/s]
   double stable_step_at_rest = 0;    ///< of explicit steps (stable_step.hpp) [s]
+  std::int32_t shell = -1;           ///< index of Reference::shells; of a solid -1
   std::size_t first = 0, count = 0;  ///< range of Reference::particle_row
 };
 
@@ -81,6 +83,18 @@ struct Clamp {
   std::uint32_t body = 0;
   std::optional<RigidMotion> motion;
   std::vector<std::int32_t> row;  ///< of its particles
+};
+
+/// A body that is a shell; its particles are rows one after the other, in the order of its layer.
+template <int D>
+struct ShellBody {
+  ShellLayer<D> layer;
+  std::uint32_t body = 0;
+  std::size_t index = 0;  ///< of it in Reference::shells and Workspace::shells
+  std::int32_t first_row = 0;
+  std::ptrdiff_t first_block = 0;               ///< in Reference::blocks
+  std::vector<std::int32_t> clamp_of_particle;  ///< index of Reference::clamps, or -1
+  double viscous_time = 0;                      ///< stress per stress rate, beta of shell_viscous_stress() [s]
 };
 
 template <int D>
@@ -101,7 +115,11 @@ struct Reference {
   std::vector<std::int32_t> pair_slot;   ///< which array of Workspace::pair_force the pair is in: one per lattice offset
   std::int32_t pair_slots = 0;
   std::vector<Clamp> clamps;
+  std::vector<ShellBody<D>> shells;
   bool has_penalty = false, has_diffusion = false, has_damping = false;
+
+  /// The shell that the body is; null when it is a solid.
+  const ShellBody<D>* shell_of(const Body& body) const { return body.shell < 0 ? nullptr : &shells[body.shell]; }
 
   Vector<D> position_of(std::int32_t row) const {
     Vector<D> x;

@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "base/error.hpp"
+#include "structure/shell/shell_body.hpp"
 #include "structure/time_step.hpp"
 
 namespace tern::structure {
@@ -32,8 +33,9 @@ double stable_sub_step(const Reference<D>& reference, double courant, const Stat
   constexpr double least_stretch = 0.05;  // the step must not shrink without bound before J <= 0 is found
   constexpr double collapse = 1e-3;
   constexpr double margin = 0.9;  // of the measured step: the largest eigenvalues are found from below, and forces turn with the body
-  double dt = std::numeric_limits<double>::max();
+  double dt = shell_stable_sub_step(reference, courant, state, work);
   for (const Body& body : reference.bodies) {
+    if (body.shell >= 0) continue;
     double smallest = 1, largest = 1, speed = 0;
     std::size_t fastest = body.first, longest = body.first;
     for (std::size_t p = body.first; p < body.first + body.count; ++p) {

@@ -63,6 +63,18 @@ using RowMatrices = std::array<std::array<std::vector<double>, D>, D>;  ///< [co
 template <int D>
 using RowCurvatures = std::array<std::array<std::vector<double>, curvature_components<D>>, D>;
 
+/// Of a shell, particle by particle.
+template <int D>
+struct ShellWork {
+  std::vector<Vector<D>> x;                      ///< [m]
+  std::vector<ShellDerivatives<D>> derivatives;  ///< of `x`
+  std::vector<ShellDerivatives<D>> conjugate;    ///< of the last evaluation of the forces
+  std::vector<double> energy_density;            ///< [J/m^(D-1)]
+  std::vector<Vector<D>> v;                      ///< [m/s]
+  std::vector<ShellDerivatives<D>> rate;         ///< of the derivatives
+  std::vector<ShellDerivatives<D>> viscous;      ///< what is conjugate to them in the viscous stress
+};
+
 template <int D>
 struct Workspace {
   RowMatrices<D> displacement_gradient;  ///< H = F - I
@@ -74,6 +86,7 @@ struct Workspace {
   RowVectors<D> drag;                    ///< force of the diffusion on the first row of each pair: array of rows per pair slot
   RowVectors<D> pull;                    ///< the same of the penalty
   RowVectors<D> external_force;          ///< all that acts from outside, constant over a window [N/m^(3-D)]
+  std::vector<ShellWork<D>> shells;
   Evaluations evaluations;
 };
 
@@ -104,6 +117,16 @@ Workspace<D> workspace_for(const Reference<D>& reference) {
     for (auto& axis : work.drag) axis.assign(reference.rows * reference.pair_slots, 0);
   if (reference.has_penalty)
     for (auto& axis : work.pull) axis.assign(reference.rows * reference.pair_slots, 0);
+  for (const ShellBody<D>& shell : reference.shells) {
+    ShellWork<D>& own = work.shells.emplace_back();
+    own.x.resize(shell.layer.size());
+    own.derivatives.resize(shell.layer.size());
+    own.conjugate.resize(shell.layer.size());
+    own.energy_density.resize(shell.layer.size());
+    own.v.resize(shell.layer.size());
+    own.rate.resize(shell.layer.size());
+    own.viscous.resize(shell.layer.size());
+  }
   return work;
 }
 

@@ -16,6 +16,7 @@
 #include "structure/loads.hpp"
 #include "structure/material_point.hpp"
 #include "structure/reference.hpp"
+#include "structure/shell/shell_body.hpp"
 #include "structure/stable_step.hpp"
 #include "structure/surface_points.hpp"
 #include "structure/time_step.hpp"
@@ -65,6 +66,7 @@ struct Structure<D>::Parts {
     always_implicit = scene.structure->numerics.integrator == Integrator::implicit_steps;
     const std::vector<double> stable = stable_steps_at_rest(reference);
     for (std::size_t b = 0; b < stable.size(); ++b) reference.bodies[b].stable_step_at_rest = stable[b];
+    damp_shells(reference, scene.structure->numerics.riemann_diffusion);
     all_forces();
   }
 
@@ -118,8 +120,9 @@ struct Structure<D>::Parts {
   void advance_state() {
     begin_clamp_motion();
     for (int a = 0; a < D; ++a) work.external_force[a] = weight[a];
+    shell_derivatives(reference, state, work);  // of the begin of the window, at which their loads are spread
     for (std::size_t k = 0; k < attachment.row.size(); ++k)
-      for (int a = 0; a < D; ++a) work.external_force[a][attachment.row[k]] += state.load.force[k][a];
+      add_point_force<D>(attachment, reference, work, k, state.load.force[k], work.external_force);
     loads.add_to(work.external_force);
     if (loads.any()) work.evaluations.loads += reference.rows;
     for (const auto& axis : work.external_force)
@@ -233,7 +236,7 @@ Surface<D> Structure<D>::surface() const {
 
 template <int D>
 std::vector<Vector<D>> Structure<D>::surface_velocity() const {
-  return tern::structure::surface_velocity(parts_->attachment, parts_->state);
+  return tern::structure::surface_velocity(parts_->attachment, parts_->reference, parts_->state, parts_->work);
 }
 
 template <int D>
@@ -313,6 +316,9 @@ Reaction Structure<D>::reaction(const std::string& body, const std::string& clam
       reaction.moment[a] += arm[b] * force[c] - arm[c] * force[b];
     }
   };
+  const auto add_couple = [&](const Vector<3>& couple) {
+    for (int a = 0; a < 3; ++a) reaction.moment[a] += couple[a];
+  };
   const auto add_row = [&](std::int32_t row) { add(row, [&](int a) { return state.internal_force[a][row]; }); };
   const auto add_fluid = [&](const auto& bears) {
     for (std::size_t k = 0; k < attachment.row.size(); ++k)
@@ -324,6 +330,8 @@ Reaction Structure<D>::reaction(const std::string& body, const std::string& clam
     if (clamp.empty() || known.name != clamp || reference.bodies[known.body].name != body) continue;
     found = true;
     for (const auto row : known.row) add_row(row);
+    for (const ShellBody<D>& shell : reference.shells)
+      if (shell.body == known.body) add_couple(shell_clamp_couple(shell, parts_->work, static_cast<std::int32_t>(n)));
     add_fluid([&](std::size_t k) { return attachment.clamp[k] == static_cast<std::int32_t>(n); });
   }
   for (std::size_t n = 0; n < reference.bodies.size(); ++n) {
@@ -334,6 +342,8 @@ Reaction Structure<D>::reaction(const std::string& body, const std::string& clam
       const auto row = reference.particle_row[p];
       if (reference.inverse_mass[row] == 0) add_row(row);
     }
+    for (const ShellBody<D>& shell : reference.shells)
+      if (shell.body == n) add_couple(shell_clamp_couple(shell, parts_->work, -1));
     add_fluid([&](std::size_t k) { return attachment.properties.body[k] == n; });
   }
   if (!found)

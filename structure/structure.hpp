@@ -74,6 +74,7 @@ struct Fields {
   std::vector<double> von_mises;        ///< [Pa]
   std::vector<double> jacobian;         ///< J = det F
   std::vector<double> energy_density;   ///< strain energy per reference volume [J/m^3]
+  std::vector<double> shell_thickness;  ///< of a shell, 0 of a solid; empty without shells [m]
   std::vector<std::uint32_t> body;
   std::vector<std::uint8_t> clamped;
 };

@@ -75,6 +75,13 @@ SurfaceAttachment<D> attach_surface(const Reference<D>& reference, const Case& s
       attachment.properties.section_mass.push_back(clamped ? held_mass : body.material.density * depth / wet_faces);
       attachment.properties.impedance.push_back(body.material.density * body.material.pressure_wave_speed());
       attachment.properties.least_mass.push_back(clamped ? held_mass : body.material.density * body.spacing);
+      const ShellBody<D>* shell = clamped ? nullptr : reference.shell_of(body);
+      if (shell != nullptr && std::abs(normal.dot(shell->layer.particles.frame[0].col(D - 1))) > 0.5) {  // on a face
+        attachment.properties.least_mass.back() = attachment.properties.section_mass.back();  // nothing travels through the thickness
+      }
+      attachment.on_shell.push_back(shell == nullptr ? -1 : static_cast<std::int32_t>(shell->index));
+      attachment.shell.push_back(shell == nullptr ? ShellPoint<D>{}
+                                                  : shell_point<D>(shell->layer, row - shell->first_row, x - reference.position_of(row)));
       attachment.row.push_back(row);
       attachment.offset.push_back(x - reference.position_of(row));
       attachment.normal.push_back(normal);
@@ -86,10 +93,24 @@ SurfaceAttachment<D> attach_surface(const Reference<D>& reference, const Case& s
 }
 
 template <int D>
-std::vector<Vector<D>> surface_velocity(const SurfaceAttachment<D>& attachment, const State<D>& state) {
+std::vector<Vector<D>> surface_velocity(const SurfaceAttachment<D>& attachment, const Reference<D>& reference, const State<D>& state,
+                                        const Workspace<D>& work) {
   std::vector<Vector<D>> velocity(attachment.row.size());
-  for (std::size_t k = 0; k < velocity.size(); ++k)
-    for (int a = 0; a < D; ++a) velocity[k][a] = state.velocity[a][attachment.row[k]];
+  for (std::size_t k = 0; k < velocity.size(); ++k) {
+    if (attachment.on_shell[k] < 0) {
+      for (int a = 0; a < D; ++a) velocity[k][a] = state.velocity[a][attachment.row[k]];
+      continue;
+    }
+    const ShellBody<D>& shell = reference.shells[attachment.on_shell[k]];
+    for (int a = 0; a < D; ++a) {  // by the adjoint of a unit force
+      velocity[k][a] = 0;
+      spread_force<D>(shell.layer, work.shells[shell.index], attachment.shell[k], Vector<D>::Unit(a),
+                      [&](std::size_t j, const Vector<D>& share) {
+                        for (int b = 0; b < D; ++b)
+                          velocity[k][a] += share[b] * state.velocity[b][shell.first_row + static_cast<std::int32_t>(j)];
+                      });
+    }
+  }
   return velocity;
 }
 
@@ -98,7 +119,7 @@ Surface<D> present_surface(const SurfaceAttachment<D>& attachment, const Referen
                            const Workspace<D>& work) {
   const std::size_t count = attachment.row.size();
   Surface<D> surface;
-  surface.velocity = surface_velocity(attachment, state);
+  surface.velocity = surface_velocity(attachment, reference, state, work);
   surface.position.resize(count);
   surface.normal.resize(count);
   surface.area.resize(count);
@@ -114,12 +135,20 @@ Surface<D> present_surface(const SurfaceAttachment<D>& attachment, const Referen
       surface.area[k] = attachment.area[k];
       continue;
     }
-    Vector<D> d;
-    for (int a = 0; a < D; ++a) d[a] = state.displacement[a][row];
-    const Matrix<D> f = deformation_gradient_of<D>(work, row);
+    ShellPlace<D> place_k;
+    if (attachment.on_shell[k] >= 0) {
+      const ShellBody<D>& shell = reference.shells[attachment.on_shell[k]];
+      place_k = place_of<D>(shell.layer, work.shells[shell.index], attachment.shell[k]);
+    } else {
+      place_k.gradient = deformation_gradient_of<D>(work, row);
+      place_k.position = reference.position_of(row);
+      for (int a = 0; a < D; ++a) place_k.position[a] += state.displacement[a][row];
+      place_k.position += place_k.gradient * attachment.offset[k];
+    }
+    const Matrix<D>& f = place_k.gradient;
     const Vector<D> normal = f.determinant() * f.inverse().transpose() * attachment.normal[k];
     const double stretch = normal.norm();
-    surface.position[k] = reference.position_of(row) + d + f * attachment.offset[k];
+    surface.position[k] = place_k.position;
     surface.normal[k] = normal / stretch;
     surface.area[k] = attachment.area[k] * stretch;
   }
@@ -128,8 +157,8 @@ Surface<D> present_surface(const SurfaceAttachment<D>& attachment, const Referen
 
 template SurfaceAttachment<2> attach_surface<2>(const Reference<2>&, const Case&);
 template SurfaceAttachment<3> attach_surface<3>(const Reference<3>&, const Case&);
-template std::vector<Vector<2>> surface_velocity<2>(const SurfaceAttachment<2>&, const State<2>&);
-template std::vector<Vector<3>> surface_velocity<3>(const SurfaceAttachment<3>&, const State<3>&);
+template std::vector<Vector<2>> surface_velocity<2>(const SurfaceAttachment<2>&, const Reference<2>&, const State<2>&, const Workspace<2>&);
+template std::vector<Vector<3>> surface_velocity<3>(const SurfaceAttachment<3>&, const Reference<3>&, const State<3>&, const Workspace<3>&);
 template Surface<2> present_surface<2>(const SurfaceAttachment<2>&, const Reference<2>&, const State<2>&, const Workspace<2>&);
 template Surface<3> present_surface<3>(const SurfaceAttachment<3>&, const Reference<3>&, const State<3>&, const Workspace<3>&);
 

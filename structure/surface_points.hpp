@@ -3,12 +3,13 @@
 //   x_k = x_j + F_j (X_k - X_j),  n_k = F_j^-T N_k normalised,  a_k = A_k J |F_j^-T N_k|  (Nanson),  u_k = v_j.
 // The force on k acts on j. Its work is then f_k . v_j, so u_k = v_j makes the work counted on both sides of the interface
 // the same; the neglected rotation of X_k - X_j (half a spacing) is below the resolution of the particles. What lies in a clamp is rigid:
-// its points move with the clamp, and the force on them is the clamp's to bear.
+// its points move with the clamp, and the force on them is the clamp's to bear. On shells: shell/shell_surface.hpp.
 
 #include <vector>
 
 #include "proto/interface.hpp"
 #include "scene/case_file.hpp"
+#include "structure/shell/shell_surface.hpp"
 #include "structure/state.hpp"
 
 namespace tern::structure {
@@ -16,11 +17,13 @@ namespace tern::structure {
 template <int D>
 struct SurfaceAttachment {
   SurfaceProperties properties;
-  std::vector<std::int32_t> row;    ///< of the carrying particle
-  std::vector<Vector<D>> offset;    ///< X_k - X_j [m]
-  std::vector<Vector<D>> normal;    ///< N_k
-  std::vector<double> area;         ///< A_k [m^(D-1)]
-  std::vector<std::int32_t> clamp;  ///< that holds it: index of Reference::clamps, or their number for one without a name; free: -1
+  std::vector<std::int32_t> row;       ///< of the carrying particle
+  std::vector<Vector<D>> offset;       ///< X_k - X_j [m]
+  std::vector<Vector<D>> normal;       ///< N_k
+  std::vector<double> area;            ///< A_k [m^(D-1)]
+  std::vector<ShellPoint<D>> shell;    ///< on a shell that is not clamped there: where
+  std::vector<std::int32_t> on_shell;  ///< index of Reference::shells, or -1
+  std::vector<std::int32_t> clamp;     ///< that holds it: index of Reference::clamps, or their number for one without a name; free: -1
 };
 
 /// Samples every body at its own spacing, or that of the fluid where it is smaller. What lies inside its clamps is left out, but where
@@ -33,8 +36,23 @@ template <int D>
 Surface<D> present_surface(const SurfaceAttachment<D>& attachment, const Reference<D>& reference, const State<D>& state,
                            const Workspace<D>& work);
 
-/// Velocities of the surface points in a state [m/s].
+/// Adds the force f on point k to the rows that bear it.
 template <int D>
-std::vector<Vector<D>> surface_velocity(const SurfaceAttachment<D>& attachment, const State<D>& state);
+void add_point_force(const SurfaceAttachment<D>& attachment, const Reference<D>& reference, const Workspace<D>& work, std::size_t k,
+                     const Vector<D>& f, RowVectors<D>& force) {
+  if (attachment.on_shell[k] < 0) {
+    for (int a = 0; a < D; ++a) force[a][attachment.row[k]] += f[a];
+    return;
+  }
+  const ShellBody<D>& shell = reference.shells[attachment.on_shell[k]];
+  spread_force<D>(shell.layer, work.shells[shell.index], attachment.shell[k], f, [&](std::size_t j, const Vector<D>& share) {
+    for (int a = 0; a < D; ++a) force[a][shell.first_row + static_cast<std::int32_t>(j)] += share[a];
+  });
+}
+
+/// Velocities of the surface points in a state [m/s]; `work` as above.
+template <int D>
+std::vector<Vector<D>> surface_velocity(const SurfaceAttachment<D>& attachment, const Reference<D>& reference, const State<D>& state,
+                                        const Workspace<D>& work);
 
 }  // namespace tern::structure

@@ -4,6 +4,7 @@
 #include "structure/time_step.hpp"
 
 #include "structure/implicit/implicit_step.hpp"
+#include "structure/shell/shell_body.hpp"
 
 namespace tern::structure {
 
@@ -13,6 +14,7 @@ void internal_forces(const Reference<D>& reference, double time_s, double dt, St
   first_piola_kirchhoff(reference, state, time_s, work);  // P, Q of W(F, K)
   stabilising_forces(reference, dt, state, work);         // Riemann diffusion, hourglass penalty
   elastic_force(reference, work, state);                  // -dE/dx of sum V W(F, K)
+  shell_internal_forces(reference, time_s, state, work);  // the same of the layers
   work.evaluations.elastic_force += reference.rows;
   state.force_is_elastic = !reference.has_diffusion && !reference.has_penalty;
 }

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "scene/geometry.hpp"
+#include "scene/mid_surface.hpp"
 
 namespace tern::coupler {
 namespace {
@@ -52,7 +52,7 @@ AddedMass predict_added_mass(const Case& scene, const SurfaceProperties& propert
     if (mass == 0) continue;
 
     auto free = nothing<D>();
-    enclose<D>(free, fill_lattice<D>(body.shape, body.spacing), body.spacing, [&](const Vector<D>& x) {
+    enclose<D>(free, fill_body<D>(body), body.spacing, [&](const Vector<D>& x) {
       return std::none_of(body.clamps.begin(), body.clamps.end(), [&](const Shape& s) { return contains<D>(s, x); });
     });
     const double wave = (free.max - free.min).maxCoeff() / 1.875104;

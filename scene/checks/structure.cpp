@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "scene/mid_surface.hpp"
+
 namespace tern {
 
 template <int D>
@@ -16,7 +18,8 @@ void check_structure(const Case& scene, const Setting& settings) {
     const ClampCase& clamp = scene.structure->clamps[i];
     const std::string& where = table.at("clamp").items[i].where;
     const StructureBody& body = body_named(clamp.body, scene, where, "clamp '" + clamp.name + "'");
-    const auto particles = fill_lattice<D>(body.shape, body.spacing);
+    if (body.is_shell) continue;  // mid_surface() has looked
+    const auto particles = fill_body<D>(body);
     if (std::none_of(particles.begin(), particles.end(), [&](const auto& x) { return contains<D>(clamp.region, x); })) {
       fail_at(where, fmt::format("the region of the clamp '{}' holds no particle of the body '{}'; enlarge it to at least one "
                                  "spacing, {:.3g} m, of the body.",
@@ -33,7 +36,7 @@ void check_structure(const Case& scene, const Setting& settings) {
       return !clamped && (!load.region || contains<D>(*load.region, x));
     };
     const auto nowhere = [&](const auto& points) { return std::none_of(points.begin(), points.end(), is_loaded); };
-    if (on_volume ? nowhere(fill_lattice<D>(body.shape, body.spacing))
+    if (on_volume ? nowhere(fill_body<D>(body))
                   : nowhere(sample_surface<D>(body.shape, patch_length(body.spacing, scene.fluid)).position)) {
       fail_at(where, fmt::format("the load '{}' acts on nothing: no {} of the body '{}' lies in its region outside the clamps; "
                                  "move or enlarge the region (a surface has to lie inside it, not on its edge).",

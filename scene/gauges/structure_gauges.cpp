@@ -8,6 +8,7 @@
 
 #include "scene/checks/checks.hpp"
 #include "scene/gauges/gauge.hpp"
+#include "scene/mid_surface.hpp"
 
 namespace tern {
 namespace {
@@ -43,9 +44,15 @@ void check_displacement(const GaugeCase& gauge, const Case& scene, const std::st
   const StructureBody& body = body_of(gauge, scene, where);
   check_frame(gauge, scene, where);
   const double distance = distance_from(body.shape, gauge.point("at"), scene);
-  if (distance <= 1e-6 * body.spacing) return;
-  fail_at(where, fmt::format("the gauge '{}' at {} is no point of the undeformed body '{}'; move it by {:.3g} m.", gauge.name,
-                             place_text(gauge.point("at"), scene), body.name, distance));
+  if (distance > 1e-6 * body.spacing)
+    fail_at(where, fmt::format("the gauge '{}' at {} is no point of the undeformed body '{}'; move it by {:.3g} m.", gauge.name,
+                               place_text(gauge.point("at"), scene), body.name, distance));
+  if (!body.is_shell) return;
+  const auto middle_of = [](const auto& surface) { return std::pair(surface.across, surface.middle); };
+  const auto [across, middle] = scene.dimension == 2 ? middle_of(mid_surface<2>(body)) : middle_of(mid_surface<3>(body));
+  if (std::abs(gauge.point("at")[across] - middle) <= 1e-3 * thickness_of_box(body.shape, scene.dimension)) return;
+  fail_at(where, fmt::format("the gauge '{}' at {} is not on the mid-surface of the shell '{}', {} = {:.6g} m; move it there.", gauge.name,
+                             place_text(gauge.point("at"), scene), body.name, "xyz"[across], middle));
 }
 
 void check_reaction(const GaugeCase& gauge, const Case& scene, const std::string& where) {

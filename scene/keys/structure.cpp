@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 #include "base/error.hpp"
 #include "scene/keys/row.hpp"
 #include "scene/keys/tables.hpp"
+#include "scene/mid_surface.hpp"
 #include "structure/material/registry.hpp"
 
 namespace tern {
@@ -36,6 +39,10 @@ const Rows<StructureBody>& body_rows() {
        "region. Where fluid can come to it, its surface is wet."},
       {"material", one_of(&StructureBody::material, structure::material_keys()), "", "\"neo_hookean\"", any,
        "Law of the material: " + material_meanings() + "."},
+      {"model", one_of(&StructureBody::is_shell, {{"solid", false}, {"shell", true}}), "", absent, any,
+       "solid (absent): particles fill the shape. shell: one layer of particles on the mid-surface of a box, whose shortest side is the "
+       "thickness; its clamps are boxes over whole edges. It bends without transverse shear, so it has to be thin: 30 thicknesses between "
+       "two clamps, 10 as a cantilever. A spacing of one to two thicknesses is enough; the steps are explicit."},
       {"mooney_ratio", &StructureBody::mooney_ratio, "-", absent, from_to(0, 1),
        "Of mooney_rivlin: C01/(C10 + C01), how much of the shear modulus is that of the second invariant; absent = 0.2."},
       {"plane", one_of(&StructureBody::plane_stress, {{"strain", false}, {"stress", true}}), "", absent, any,
@@ -53,11 +60,12 @@ const Rows<StructureNumerics>& numerics_rows() {
   // clang-format off
   static const Rows<StructureNumerics> rows = {
       {"smoothing_length_ratio", &StructureNumerics::smoothing_length_ratio, "-", "1.1", from_to(1.0, 2.5),
-       "Smoothing length over particle spacing, h0/dx_s."},
+       "Smoothing length over particle spacing, h0/dx_s, of solids; 1.1 of shells."},
       {"riemann_diffusion", &StructureNumerics::riemann_diffusion, "-", "1.0", from_to(0, 2),
-       "Coefficient chi of the complete-Riemann diffusion; 0 = off."},
+       "Coefficient chi of the complete-Riemann diffusion; 0 = off. Of a shell: its viscosity, as a multiple of the one that gives the "
+       "fastest motion a tenth of critical damping."},
       {"hourglass_penalty", &StructureNumerics::hourglass_penalty, "-", "0", from_to(0, 1),
-       "Coefficient alpha of the penalty on zero-energy modes; 0 = off: the energy of the strain gradient holds them already."},
+       "Coefficient alpha of the penalty on zero-energy modes of solids; 0 = off: the energy of the strain gradient holds them already."},
       {"courant", &StructureNumerics::courant, "-", "0.3", above_to(0, 0.6), "Sub-step as a fraction of dx_s/(c_p + |v|max)."},
       {"integrator",
        one_of(&StructureNumerics::integrator,
@@ -65,10 +73,36 @@ const Rows<StructureNumerics>& numerics_rows() {
        "", absent, any,
        "Explicit sub-steps with diffusion; implicit steps of at most 100 sub-steps, without it; auto: whichever is cheaper, by a count "
        "of what the implicit steps take. Absent = auto beside a fluid, whose steps are what the motion needs; explicit alone, where "
-       "nothing but the sub-steps resolves a wave."},
+       "nothing but the sub-steps resolves a wave. With a shell in the case both are explicit."},
   };
   // clang-format on
   return rows;
+}
+
+/// Refuses what a shell has no equations for.
+void check_shells(const StructureCase& structure, int dimension, const Setting& table) {
+  for (std::size_t i = 0; i < structure.bodies.size(); ++i) {
+    const StructureBody& body = structure.bodies[i];
+    if (!body.is_shell) continue;
+    const std::string& where = table.at("body").items[i].where;
+    if (structure.numerics.integrator == Integrator::implicit_steps)
+      throw BadInput(
+          fmt::format("{}: the shell '{}' moves in explicit steps only; set structure.numerics.integrator to \"explicit\", or leave it "
+                      "out.",
+                      where, body.name));
+    try {
+      dimension == 2 ? void(mid_surface<2>(body)) : void(mid_surface<3>(body));
+    } catch (const BadInput& fault) {
+      throw BadInput(fmt::format("{}: {}", where, fault.what()));
+    }
+    if (body.material == structure::MooneyRivlin::key)
+      throw BadInput(
+          fmt::format("{}: the shell '{}' is of {}, which has no law of a layer; use another material, or model it as a solid.", where,
+                      body.name, body.material));
+    for (const ClampCase& clamp : structure.clamps)
+      if (clamp.body == body.name && clamp.motion)
+        throw BadInput(fmt::format("{}: the clamp '{}' of the shell '{}' moves; model the body as a solid.", where, clamp.name, body.name));
+  }
 }
 
 }  // namespace
@@ -100,6 +134,9 @@ StructureCase read_structure(const Setting& table, int dimension, bool coupled, 
     for (const Setting& load : loads->items) structure.loads.push_back(read_load(load));
   if (coupled) structure.numerics.integrator = Integrator::automatic;  // unless the case says another
   fill(structure.numerics, numerics_rows(), table.at("numerics"));
+  check_shells(structure, dimension, table);
+  if (std::any_of(structure.bodies.begin(), structure.bodies.end(), [](const StructureBody& body) { return body.is_shell; }))
+    structure.numerics.integrator = Integrator::explicit_steps;  // no choice for "auto"
   return structure;
 }
 

@@ -29,6 +29,7 @@ void write_frame(const Structure<D>& structure, FrameWriter& frames, long step) 
   frames.scalar("von_mises", "Pa", fields.von_mises);
   frames.scalar("J", "1", fields.jacobian);
   frames.scalar("energy_density", "J/m^3", fields.energy_density);
+  if (!fields.shell_thickness.empty()) frames.scalar("shell_thickness", "m", fields.shell_thickness);
   const std::vector<std::uint32_t> clamped(fields.clamped.begin(), fields.clamped.end());
   frames.integer("clamped", std::span<const std::uint32_t>(clamped));
   frames.integer("body", std::span<const std::uint32_t>(fields.body));

@@ -41,82 +41,151 @@ std::pair<double, Eigen::Matrix2d> surface_energy(const ShellLayer<3>& layer, co
   return {0.5 * s.cwiseProduct(e).sum(), s};
 }
 
-double line_density(const ShellLayer<2>& layer, std::size_t i, const ShellDerivatives<2>& d, std::span<const Matrix<2>> turn,
-                    ShellDerivatives<2>& conjugate) {
-  const double t = layer.thickness, modulus = layer.modulus();
+/// z = b/a, and what belongs to a stress s of it: Re(conj(s) dz), dz = (db - z da)/a.
+struct Bend {
+  Complex a, z;
+
+  explicit Bend(const ShellDerivatives<2>& d) : a(d(0, 0), d(1, 0)), z(Complex(d(0, 1), d(1, 1)) / a) {}
+  Complex change(const ShellDerivatives<2>& by) const { return (Complex(by(0, 1), by(1, 1)) - z * Complex(by(0, 0), by(1, 0))) / a; }
+  void add_conjugate(const Complex& s, ShellDerivatives<2>& conjugate) const {
+    const Complex q = s * std::conj(1.0 / a), p = -s * std::conj(z / a);
+    conjugate.col(0) += Vector<2>(p.real(), p.imag());
+    conjugate.col(1) += Vector<2>(q.real(), q.imag());
+  }
+};
+
+/// E' t [c Re z + i t^2/12 Im z].
+Complex cell_stress(const ShellLayer<2>& layer, const Complex& z) {
+  const double t = layer.thickness;
+  return layer.modulus() * t * Complex(layer.cell_squared[0] * z.real(), t * t / 12 * z.imag());
+}
+
+double bending_stiffness(const ShellLayer<2>& layer) { return layer.modulus() * std::pow(layer.thickness, 3) / 12; }
+
+double density(const ShellLayer<2>& layer, std::size_t i, const ShellDerivatives<2>& d, std::span<const Matrix<2>> turn,
+               ShellDerivatives<2>& conjugate) {
+  const double t = layer.thickness;
   const ShellDerivatives<2>& r = layer.reference[i];
   const auto [psi, slope] = line_energy(layer, d.col(0).squaredNorm(), r.col(0).squaredNorm());
-  double w = t * psi;
+  const double w = t * psi;
   conjugate.col(0) = 2 * t * slope * d.col(0);
   const auto clamp = layer.particles.clamp[i];
   if (clamp >= 0) {
     const Vector<2> reference_normal = layer.particles.frame[i].col(1), normal = turn[clamp] * reference_normal;
-    const double rho = normal.dot(d.col(1)) - reference_normal.dot(r.col(1)), moment = modulus * t * t * t / 12 * rho;
+    const double rho = normal.dot(d.col(1)) - reference_normal.dot(r.col(1)), moment = bending_stiffness(layer) * rho;
     conjugate.col(1) = moment * normal;
     return w + 0.5 * moment * rho;
   }
-  const Complex a(d(0, 0), d(1, 0)), b(d(0, 1), d(1, 1)), a0(r(0, 0), r(1, 0)), b0(r(0, 1), r(1, 1));
-  const Complex z = b / a - b0 / a0, s = modulus * t * Complex(layer.cell_squared[0] * z.real(), t * t / 12 * z.imag());
-  // dW = Re(conj(s) dz),  dz = db/a - b da/a^2
-  const Complex q = s * std::conj(1.0 / a), p = -s * std::conj(b / (a * a));
-  conjugate.col(0) += Vector<2>(p.real(), p.imag());
-  conjugate.col(1) = Vector<2>(q.real(), q.imag());
+  conjugate.col(1).setZero();
+  const Bend bend(d);
+  const Complex z = bend.z - Bend(r).z, s = cell_stress(layer, z);
+  bend.add_conjugate(s, conjugate);
   return w + 0.5 * (s.real() * z.real() + s.imag() * z.imag());
 }
 
-double surface_density(const ShellLayer<3>& layer, std::size_t i, const ShellDerivatives<3>& d, std::span<const Matrix<3>> turn,
-                       ShellDerivatives<3>& conjugate) {
-  using Slopes = Eigen::Matrix<double, 3, 2>;
-  const double t = layer.thickness;
-  const ShellDerivatives<3>& r = layer.reference[i];
-  const Slopes x = d.leftCols<2>(), reference = r.leftCols<2>();
-  const auto [psi, stress] = surface_energy(layer, x.transpose() * x, reference.transpose() * reference);
-  double w = t * psi;
-  conjugate.leftCols<2>() = t * x * stress;
-  conjugate.rightCols<3>().setZero();
-
+void viscous_stress(const ShellLayer<2>& layer, std::size_t i, const ShellDerivatives<2>& d, const ShellDerivatives<2>& rate,
+                    std::span<const Matrix<2>> turn, double time, ShellDerivatives<2>& conjugate) {
+  conjugate.col(0) = time * layer.thickness * layer.modulus() * d.col(0).dot(rate.col(0)) * d.col(0);
   const auto clamp = layer.particles.clamp[i];
-  const Vector<3> c = x.col(0).cross(x.col(1)), reference_c = reference.col(0).cross(reference.col(1));
-  const double l = c.norm();
-  const Vector<3> normal = clamp >= 0 ? Vector<3>(turn[clamp] * layer.particles.frame[i].col(2)) : Vector<3>(c / l);
-  const Vector<3> reference_normal = clamp >= 0 ? Vector<3>(layer.particles.frame[i].col(2)) : Vector<3>(reference_c.normalized());
-  Eigen::Matrix2d bend, rho;  // n.x_,ab, and its change
-  for (int a = 0; a < 2; ++a)
-    for (int b = 0; b < 2; ++b) {
-      const int ab = second_derivative<3>(a, b);
-      bend(a, b) = normal.dot(d.col(ab));
-      rho(a, b) = bend(a, b) - reference_normal.dot(r.col(ab));
-    }
-  const Eigen::Matrix2d moment = t * t * t / 12 * hooke(layer, rho);
-  w += 0.5 * moment.cwiseProduct(rho).sum();
-  for (int a = 0; a < 2; ++a)
-    for (int b = 0; b < 2; ++b) {
-      const int ab = second_derivative<3>(a, b);
-      conjugate.col(ab) += moment(a, b) * normal;
-      if (clamp >= 0) continue;
-      const Vector<3> p = (d.col(ab) - bend(a, b) * normal) / l;  // d rho = n.dx_,ab + p.dc
-      conjugate.col(0) += moment(a, b) * x.col(1).cross(p);
-      conjugate.col(1) += moment(a, b) * p.cross(x.col(0));
-    }
-  if (clamp >= 0) return w;
+  if (clamp >= 0) {
+    const Vector<2> normal = turn[clamp] * layer.particles.frame[i].col(1);
+    conjugate.col(1) = time * bending_stiffness(layer) * normal.dot(rate.col(1)) * normal;
+    return;
+  }
+  conjugate.col(1).setZero();
+  const Bend bend(d);
+  bend.add_conjugate(time * cell_stress(layer, bend.change(rate)), conjugate);
+}
 
-  for (int e = 0; e < 2; ++e) {
+/// A surface at one particle: slopes x_,a, normal, |x_,1 x x_,2| and n.x_,ab.
+struct Tangents {
+  using Slopes = Eigen::Matrix<double, 3, 2>;
+  Slopes x;
+  Vector<3> normal;
+  double area;
+  Eigen::Matrix2d bend;
+  bool is_clamped;
+
+  Tangents(const ShellLayer<3>& layer, std::size_t i, const ShellDerivatives<3>& d, const Matrix<3>* turn)
+      : x(d.leftCols<2>()), is_clamped(turn != nullptr) {
+    const Vector<3> c = x.col(0).cross(x.col(1));
+    area = c.norm();
+    normal = is_clamped ? Vector<3>(*turn * layer.particles.frame[i].col(2)) : Vector<3>(c / area);
+    for (int a = 0; a < 2; ++a)
+      for (int b = 0; b < 2; ++b) bend(a, b) = normal.dot(d.col(second_derivative<3>(a, b)));
+  }
+
+  /// p of d rho_ab = n.dx_,ab + p.dc, c = x_,1 x x_,2; the normal of a clamp is given.
+  Vector<3> by_turn(const ShellDerivatives<3>& d, int a, int b) const {
+    return is_clamped ? Vector<3>::Zero() : Vector<3>((d.col(second_derivative<3>(a, b)) - bend(a, b) * normal) / area);
+  }
+
+  /// x_,ae.x_,b + x_,be.x_,a, with the slopes of `first` and the second derivatives of `second`, halved.
+  static Eigen::Matrix2d gradient(const ShellDerivatives<3>& first, const ShellDerivatives<3>& second, int e) {
     Eigen::Matrix2d g;
     for (int a = 0; a < 2; ++a)
-      for (int b = 0; b < 2; ++b) {
-        const int ae = second_derivative<3>(a, e), be = second_derivative<3>(b, e);
+      for (int b = 0; b < 2; ++b)
         g(a, b) =
-            0.5 * (d.col(ae).dot(x.col(b)) + d.col(be).dot(x.col(a)) - r.col(ae).dot(reference.col(b)) - r.col(be).dot(reference.col(a)));
-      }
-    const Eigen::Matrix2d s = t * layer.cell_squared[e] * hooke(layer, g);
-    w += 0.5 * s.cwiseProduct(g).sum();
+            0.5 * (second.col(second_derivative<3>(a, e)).dot(first.col(b)) + second.col(second_derivative<3>(b, e)).dot(first.col(a)));
+    return g;
+  }
+
+  /// What is conjugate to the derivatives where the stresses of E, rho and G_..1, G_..2 are these.
+  void conjugate_of(const ShellDerivatives<3>& d, const Eigen::Matrix2d& stress, const Eigen::Matrix2d& moment,
+                    const std::array<Eigen::Matrix2d, 2>& cell, ShellDerivatives<3>& conjugate) const {
+    conjugate.leftCols<2>() = x * stress;
+    conjugate.rightCols<3>().setZero();
     for (int a = 0; a < 2; ++a)
       for (int b = 0; b < 2; ++b) {
-        conjugate.col(second_derivative<3>(a, e)) += s(a, b) * x.col(b);
-        conjugate.col(b) += s(a, b) * d.col(second_derivative<3>(a, e));
+        conjugate.col(second_derivative<3>(a, b)) += moment(a, b) * normal;
+        if (is_clamped) continue;
+        const Vector<3> p = by_turn(d, a, b);
+        conjugate.col(0) += moment(a, b) * x.col(1).cross(p);
+        conjugate.col(1) += moment(a, b) * p.cross(x.col(0));
+        for (int e = 0; e < 2; ++e) {
+          const int ae = second_derivative<3>(a, e);
+          conjugate.col(ae) += cell[e](a, b) * x.col(b);
+          conjugate.col(b) += cell[e](a, b) * d.col(ae);
+        }
       }
   }
+};
+
+double density(const ShellLayer<3>& layer, std::size_t i, const ShellDerivatives<3>& d, std::span<const Matrix<3>> turn,
+               ShellDerivatives<3>& conjugate) {
+  const double t = layer.thickness;
+  const auto clamp = layer.particles.clamp[i];
+  const Matrix<3> still = Matrix<3>::Identity();
+  const ShellDerivatives<3>& r = layer.reference[i];
+  const Tangents now(layer, i, d, clamp >= 0 ? &turn[clamp] : nullptr), before(layer, i, r, clamp >= 0 ? &still : nullptr);
+  const auto [psi, stress] = surface_energy(layer, now.x.transpose() * now.x, before.x.transpose() * before.x);
+  const Eigen::Matrix2d rho = now.bend - before.bend, moment = t * t * t / 12 * hooke(layer, rho);
+  double w = t * psi + 0.5 * moment.cwiseProduct(rho).sum();
+  std::array<Eigen::Matrix2d, 2> cell;
+  for (int e = 0; e < 2 && clamp < 0; ++e) {
+    const Eigen::Matrix2d g = Tangents::gradient(d, d, e) - Tangents::gradient(r, r, e);
+    cell[e] = t * layer.cell_squared[e] * hooke(layer, g);
+    w += 0.5 * cell[e].cwiseProduct(g).sum();
+  }
+  now.conjugate_of(d, t * stress, moment, cell, conjugate);
   return w;
+}
+
+void viscous_stress(const ShellLayer<3>& layer, std::size_t i, const ShellDerivatives<3>& d, const ShellDerivatives<3>& rate,
+                    std::span<const Matrix<3>> turn, double time, ShellDerivatives<3>& conjugate) {
+  const double t = layer.thickness;
+  const auto clamp = layer.particles.clamp[i];
+  const Tangents now(layer, i, d, clamp >= 0 ? &turn[clamp] : nullptr);
+  const Tangents::Slopes x_rate = rate.leftCols<2>();
+  const Eigen::Matrix2d product = now.x.transpose() * x_rate, strain_rate = 0.5 * (product + product.transpose());
+  const Vector<3> c_rate = x_rate.col(0).cross(now.x.col(1)) + now.x.col(0).cross(x_rate.col(1));
+  Eigen::Matrix2d bend_rate;
+  for (int a = 0; a < 2; ++a)
+    for (int b = 0; b < 2; ++b) bend_rate(a, b) = now.normal.dot(rate.col(second_derivative<3>(a, b))) + now.by_turn(d, a, b).dot(c_rate);
+  std::array<Eigen::Matrix2d, 2> cell;
+  for (int e = 0; e < 2 && clamp < 0; ++e)
+    cell[e] = time * t * layer.cell_squared[e] * hooke(layer, Tangents::gradient(rate, d, e) + Tangents::gradient(d, rate, e));
+  now.conjugate_of(d, time * t * hooke(layer, strain_rate), time * t * t * t / 12 * hooke(layer, bend_rate), cell, conjugate);
 }
 
 }  // namespace
@@ -124,7 +193,7 @@ double surface_density(const ShellLayer<3>& layer, std::size_t i, const ShellDer
 template <int D>
 void shell_derivatives_of(const ShellLayer<D>& layer, std::span<const Vector<D>> x, std::span<const Matrix<D>> turn,
                           std::span<ShellDerivatives<D>> derivatives) {
-  constexpr int second = shell_derivatives<D> - shell_slopes<D>;
+  constexpr int second = shell_unknowns<D> - shell_slopes<D>;
   for_each_block(static_cast<std::ptrdiff_t>(layer.size()), [&](std::ptrdiff_t i) {
     ShellDerivatives<D> sum = ShellDerivatives<D>::Zero();
     for (auto n = layer.first[i]; n < layer.first[i + 1]; ++n) sum += (x[layer.neighbour[n]] - x[i]) * layer.weight[n].transpose();
@@ -138,10 +207,14 @@ void shell_derivatives_of(const ShellLayer<D>& layer, std::span<const Vector<D>>
 template <int D>
 double shell_energy_density(const ShellLayer<D>& layer, std::size_t i, const ShellDerivatives<D>& derivatives,
                             std::span<const Matrix<D>> turn, ShellDerivatives<D>& conjugate) {
-  if constexpr (D == 2)
-    return line_density(layer, i, derivatives, turn, conjugate);
-  else
-    return surface_density(layer, i, derivatives, turn, conjugate);
+  return density(layer, i, derivatives, turn, conjugate);
+}
+
+template <int D>
+void shell_viscous_stress(const ShellLayer<D>& layer, std::size_t i, const ShellDerivatives<D>& derivatives,
+                          const ShellDerivatives<D>& rate, std::span<const Matrix<D>> turn, double viscous_time,
+                          ShellDerivatives<D>& conjugate) {
+  viscous_stress(layer, i, derivatives, rate, turn, viscous_time, conjugate);
 }
 
 template <int D>
@@ -172,6 +245,8 @@ double shell_forces(const ShellLayer<D>& layer, std::span<const Vector<D>> x, st
                                         std::span<ShellDerivatives<D>>);                                                             \
   template double shell_energy_density<D>(const ShellLayer<D>&, std::size_t, const ShellDerivatives<D>&, std::span<const Matrix<D>>, \
                                           ShellDerivatives<D>&);                                                                     \
+  template void shell_viscous_stress<D>(const ShellLayer<D>&, std::size_t, const ShellDerivatives<D>&, const ShellDerivatives<D>&,   \
+                                        std::span<const Matrix<D>>, double, ShellDerivatives<D>&);                                   \
   template Vector<D> shell_force<D>(const ShellLayer<D>&, std::size_t, std::span<const ShellDerivatives<D>>);                        \
   template double shell_forces<D>(const ShellLayer<D>&, std::span<const Vector<D>>, std::span<const Matrix<D>>,                      \
                                   std::span<ShellDerivatives<D>>, std::span<ShellDerivatives<D>>, std::span<Vector<D>>);

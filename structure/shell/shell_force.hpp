@@ -26,6 +26,13 @@ template <int D>
 double shell_energy_density(const ShellLayer<D>& layer, std::size_t i, const ShellDerivatives<D>& derivatives,
                             std::span<const Matrix<D>> turn, ShellDerivatives<D>& conjugate);
 
+/// The same of the viscous energy, half the power that it takes, W with the rates of E (rho, G) in place of their changes, Hooke's law, and
+/// `viscous_time` [s] before it. `rate`: of the derivatives [1/s]. Rigid motions have no such rates.
+template <int D>
+void shell_viscous_stress(const ShellLayer<D>& layer, std::size_t i, const ShellDerivatives<D>& derivatives,
+                          const ShellDerivatives<D>& rate, std::span<const Matrix<D>> turn, double viscous_time,
+                          ShellDerivatives<D>& conjugate);
+
 /// f_i = -dU/dx_i [N/m^(3-D)] from A_j dW_j of all particles j.
 template <int D>
 Vector<D> shell_force(const ShellLayer<D>& layer, std::size_t i, std::span<const ShellDerivatives<D>> conjugate);

@@ -37,7 +37,7 @@ double squared_distance(const ShellParticles<D>& particles, std::size_t i, std::
 /// and xi_a xi_b/2 (a <= b; xi_0 xi_1 whole). Empty when the offsets do not determine them.
 template <int D>
 Eigen::MatrixXd fit(const std::vector<Offset<D>>& offsets, bool with_slopes) {
-  const int slopes = with_slopes ? shell_slopes<D> : 0, terms = slopes + shell_derivatives<D> - shell_slopes<D>;
+  const int slopes = with_slopes ? shell_slopes<D> : 0, terms = slopes + shell_unknowns<D> - shell_slopes<D>;
   const Kernel<2> kernel(smoothing_ratio);
   Eigen::MatrixXd basis(terms, offsets.size());
   Eigen::VectorXd weight(offsets.size());
@@ -130,7 +130,7 @@ ShellLayer<D> make_shell_layer(const std::string& name, ShellParticles<D> partic
                       "curvature; make the spacing at most a third of its shortest side.",
                       name, offsets.size(), 2 * smoothing_ratio));
     if (p.clamp[i] >= 0) weights.bottomRows(held.rows()) = held;
-    Eigen::Matrix<double, shell_derivatives<D>, 1> scale;
+    Eigen::Matrix<double, shell_unknowns<D>, 1> scale;
     for (int a = 0; a < D - 1; ++a) {
       scale[a] = 1 / p.spacing[a];
       for (int b = a; b < D - 1; ++b) scale[second_derivative<D>(a, b)] = 1 / (p.spacing[a] * p.spacing[b]);
@@ -143,10 +143,10 @@ ShellLayer<D> make_shell_layer(const std::string& name, ShellParticles<D> partic
       layer.reference[i] += (p.position[layer.neighbour[layer.first[i] + n]] - p.position[i]) * w.transpose();
       if (p.clamp[i] < 0) continue;
       for (int c = 0; c < D - 1; ++c)
-        layer.clamp_slope[i].col(c) += w.template tail<shell_derivatives<D> - shell_slopes<D>>() * offsets[n][c] * p.spacing[c];
+        layer.clamp_slope[i].col(c) += w.template tail<shell_unknowns<D> - shell_slopes<D>>() * offsets[n][c] * p.spacing[c];
     }
     for (int c = 0; c < D - 1 && p.clamp[i] >= 0; ++c)
-      layer.reference[i].template rightCols<shell_derivatives<D> - shell_slopes<D>>() -=
+      layer.reference[i].template rightCols<shell_unknowns<D> - shell_slopes<D>>() -=
           p.frame[i].col(c) * layer.clamp_slope[i].col(c).transpose();
   }
   layer.mirror.resize(layer.neighbour.size());

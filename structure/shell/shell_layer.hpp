@@ -22,11 +22,11 @@ namespace tern::structure {
 template <int D>
 inline constexpr int shell_slopes = D - 1;
 template <int D>
-inline constexpr int shell_derivatives = shell_slopes<D> + (D - 1) * D / 2;
+inline constexpr int shell_unknowns = shell_slopes<D> + (D - 1) * D / 2;
 
 /// In the order x_,1 (x_,2) x_,11 (x_,12 x_,22), or what is conjugate to them.
 template <int D>
-using ShellDerivatives = Eigen::Matrix<double, D, shell_derivatives<D>, Eigen::DontAlign>;
+using ShellDerivatives = Eigen::Matrix<double, D, shell_unknowns<D>, Eigen::DontAlign>;
 
 /// Column of x_,ab in it.
 template <int D>
@@ -74,11 +74,11 @@ struct ShellLayer {
   std::array<double, shell_slopes<D>> cell_squared{};  ///< min(spacing, t)^2/12, see shell_force.hpp [m^2]
 
   // Pairs (i, j), those of particle i from first[i] on.
-  std::vector<std::uint32_t> first, neighbour, mirror;                                   ///< mirror: where the pair (j, i) is
-  std::vector<Eigen::Matrix<double, shell_derivatives<D>, 1, Eigen::DontAlign>> weight;  ///< g^a_ij, k^ab_ij
+  std::vector<std::uint32_t> first, neighbour, mirror;                                ///< mirror: where the pair (j, i) is
+  std::vector<Eigen::Matrix<double, shell_unknowns<D>, 1, Eigen::DontAlign>> weight;  ///< g^a_ij, k^ab_ij
 
   /// Of a particle of a clamp: sum_j k^ab_ij xi_c, row ab, column c, which the slopes R e_c of the clamp are to be multiplied with.
-  std::vector<Eigen::Matrix<double, shell_derivatives<D> - shell_slopes<D>, shell_slopes<D>, Eigen::DontAlign>> clamp_slope;
+  std::vector<Eigen::Matrix<double, shell_unknowns<D> - shell_slopes<D>, shell_slopes<D>, Eigen::DontAlign>> clamp_slope;
   std::vector<ShellDerivatives<D>> reference;  ///< of x = X
 
   std::size_t size() const { return particles.position.size(); }

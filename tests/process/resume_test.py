@@ -39,6 +39,7 @@ CLASSES = {
     "implicit, Aitken": (PLATE, ["coupling.algorithm=implicit", "coupling.acceleration=aitken"], 0.04),
     "auto": (PLATE, ["coupling.algorithm=auto"], 0.08),
     "implicit steps of the structure": (PLATE, ["structure.numerics.integrator=implicit"], 0.04),
+    "shell": (PLATE, ["structure.body.plate.model=shell", "structure.body.plate.spacing=0.01"], 0.08),
     "sealed": (CASES / "rising_disc", [], 0.04),
     "out of reach at first": (CASES / "dam_break_obstacle", ["fluid.spacing=0.008"], 0.08),
     "coupled, three dimensions": (CASES / "submerged_block_3d", [], 0.008),

@@ -398,6 +398,68 @@ TEST_F(CaseFile, WhoseGaugesOfABodyMakeNoSenseIsRefused) {
   expect_refused(frame("tank", ""), {"the frame of 'tank', which does not move", "nothing in this case moves"});
 }
 
+/// The small case with a thin plate as a shell.
+std::string shell_case() {
+  std::string text = small_case;
+  const std::string solid = "shape = { box = { min = [0.7, -0.1], max = [0.8, 0.5] } }";
+  return text.replace(text.find(solid), solid.size(), "model = \"shell\"\nshape = { box = { min = [0.74, -0.1], max = [0.76, 0.5] } }");
+}
+
+TEST_F(CaseFile, ReadsAShell) {
+  const Case c = read(shell_case());
+  EXPECT_TRUE(c.structure->bodies[0].is_shell);
+  EXPECT_EQ(c.structure->numerics.integrator, Integrator::explicit_steps);
+  EXPECT_TRUE(c.warnings.empty());
+  const BodyEstimate body = estimate(c).bodies[0];
+  EXPECT_EQ(body.particles, 21) << "20 spacings of 0.0244 m, the last one a half; one particle on the clamp";
+  EXPECT_EQ(body.clamped, 1);
+  EXPECT_NEAR(body.thickness, 0.02, 1e-15);
+  EXPECT_NEAR(body.wave_speed, std::sqrt(1e6 / (1 - 0.16) / 1100), 1e-12);
+}
+
+// With a check left out no sentence comes, or another one.
+TEST_F(CaseFile, RefusesWhatAShellDoesNotModel) {
+  const auto changed = [](const std::string& old_text, const std::string& new_text) {
+    std::string text = shell_case();
+    const auto at = text.find(old_text);
+    EXPECT_NE(at, std::string::npos) << old_text;
+    return text.replace(at, old_text.size(), new_text);
+  };
+  expect_refused(shell_case() + "[structure.numerics]\nintegrator = \"implicit\"\n", {"case.toml:14", "'plate'", "explicit steps only"});
+  expect_refused(changed("{ box = { min = [0.74, -0.1], max = [0.76, 0.5] } }", "{ ball = { center = [0.75, 0.2], radius = 0.1 } }"),
+                 {"'plate' is not a box", "model it as a solid"});
+  expect_refused(changed("max = [0.9, 0] } }]", "max = [0.75, 0] } }]"), {"clamp that is not a box over one whole edge"});
+  expect_refused(changed("max = [0.9, 0] } }]", "max = [0.9, -0.11] } }]"), {"clamp that is not a box over one whole edge"});
+  expect_refused(changed("poisson_ratio", "material = \"mooney_rivlin\"\npoisson_ratio"), {"mooney_rivlin", "no law of a layer"});
+  expect_refused(changed("spacing = 0.025\n", "spacing = 0.15\n"), {"has 3 free particles over 0.5 m in direction y", "at most 0.111 m"});
+  expect_refused(changed("at = [0.75, 0.5]", "at = [0.76, 0.5]"), {"'tip'", "is not on the mid-surface of the shell 'plate', x = 0.75 m"});
+  expect_refused(changed("clamp = [{ box = { min = [0.6, -0.2], max = [0.9, 0] } }]\n",
+                         "[[structure.clamp]]\nname = \"hand\"\nbody = \"plate\"\nregion = { box = { min = [0.6, -0.2], max = [0.9, 0] } "
+                         "}\ndisplacement = [\"t\", 0]\n"),
+                 {"the clamp 'hand' of the shell 'plate' moves"});
+}
+
+// Deflection under a uniform load that is missing without shear: 0.8/(1 - nu) (t/L)^2 of a cantilever, 9.6/(1 - nu) (t/L)^2 between two
+// clamps.
+TEST_F(CaseFile, WarnsOfAShellThatIsTooThickOrHasTooFewParticles) {
+  const Case thick = read(with("shape = { box = { min = [0.7", "model = \"shell\"\nshape = { box = { min = [0.7"));
+  ASSERT_EQ(thick.warnings.size(), 2u);
+  EXPECT_NE(thick.warnings[0].find("is 5 thicknesses long from its clamp on; without transverse shear it bends 5.3 % too little"),
+            std::string::npos)
+      << thick.warnings[0];
+  EXPECT_NE(thick.warnings[1].find("below half of its thickness"), std::string::npos) << thick.warnings[1];
+  std::string text = shell_case();
+  const std::string clamp = "clamp = [{";
+  text.replace(text.find(clamp), clamp.size(), "clamp = [{ box = { min = [0.6, 0.3], max = [0.9, 0.6] } }, {");
+  const Case between = read(text);
+  ASSERT_EQ(between.warnings.size(), 2u);
+  EXPECT_NE(between.warnings[0].find("is 15 thicknesses long between two clamps; without transverse shear it bends 7.1 % too little"),
+            std::string::npos)
+      << between.warnings[0];
+  EXPECT_NE(between.warnings[1].find("has 11 particles between two clamps; it bends 11 % too much"), std::string::npos)
+      << between.warnings[1];
+}
+
 // Seen to fail with the warning's limit at 3.
 TEST_F(CaseFile, WarnsOfABodyFewerThanFourParticlesThick) {
   EXPECT_TRUE(read(small_case).warnings.empty());

@@ -1,0 +1,257 @@
+#include "structure/shell/shell_body.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/error.hpp"
+#include "scene/mid_surface.hpp"
+#include "structure/shell/shell_force.hpp"
+#include "structure/stable_step.hpp"
+
+namespace tern::structure {
+namespace {
+
+/// Clamps of shells do not move.
+template <int D>
+const std::array<Matrix<D>, 1>& still() {
+  static const std::array<Matrix<D>, 1> turn{Matrix<D>::Identity()};
+  return turn;
+}
+
+/// Area of the mid-surface over that of the reference.
+template <int D>
+double area_ratio(const ShellDerivatives<D>& d) {
+  if constexpr (D == 2)
+    return d.col(0).norm();
+  else
+    return Vector<3>(d.col(0)).cross(Vector<3>(d.col(1))).norm();
+}
+
+template <int D>
+Vector<D> normal_of(const ShellDerivatives<D>& d) {
+  if constexpr (D == 2)
+    return Vector<2>(-d(1, 0), d(0, 0)).normalized();
+  else
+    return Vector<3>(d.col(0)).cross(Vector<3>(d.col(1))).normalized();
+}
+
+}  // namespace
+
+template <int D>
+ShellParticles<D> shell_particles_of(const StructureBody& body) {
+  const MidSurface<D> surface = mid_surface<D>(body);
+  ShellRectangle<D> rectangle;
+  rectangle.corner[surface.across] = surface.middle;
+  rectangle.frame.setZero();
+  rectangle.count = surface.count;
+  for (int n = 0; n < D - 1; ++n) {
+    rectangle.corner[surface.along[n]] = surface.low[n];
+    rectangle.frame(surface.along[n], n) = 1;
+    rectangle.length[n] = surface.high[n] - surface.low[n];
+    for (int end = 0; end < 2; ++end)
+      if (surface.clamped[n][end]) rectangle.edges[n][end] = {ShellEdge::Kind::clamp, 0};
+  }
+  if constexpr (D == 2)
+    rectangle.frame.col(1) << -rectangle.frame(1, 0), rectangle.frame(0, 0);
+  else
+    rectangle.frame.col(2) = rectangle.frame.col(0).cross(rectangle.frame.col(1));
+  return rectangle_particles(rectangle);
+}
+
+template <int D>
+void shell_derivatives(const Reference<D>& reference, const State<D>& state, Workspace<D>& work) {
+  for (std::size_t s = 0; s < reference.shells.size(); ++s) {
+    const ShellBody<D>& shell = reference.shells[s];
+    ShellWork<D>& own = work.shells[s];
+    for (std::size_t i = 0; i < shell.layer.size(); ++i)
+      for (int a = 0; a < D; ++a)
+        own.x[i][a] = shell.layer.particles.position[i][a] + state.displacement[a][shell.first_row + static_cast<std::int32_t>(i)];
+    shell_derivatives_of<D>(shell.layer, own.x, still<D>(), own.derivatives);
+  }
+}
+
+template <int D>
+void shell_internal_forces(const Reference<D>& reference, double time_s, State<D>& state, Workspace<D>& work) {
+  constexpr double most = 1e3;
+  for (std::size_t s = 0; s < reference.shells.size(); ++s) {
+    const ShellBody<D>& shell = reference.shells[s];
+    ShellWork<D>& own = work.shells[s];
+    for_each_block(static_cast<std::ptrdiff_t>(shell.layer.size()), [&](std::ptrdiff_t i) {
+      own.energy_density[i] = shell_energy_density<D>(shell.layer, i, own.derivatives[i], still<D>(), own.conjugate[i]);
+    });
+    for (std::size_t i = 0; i < shell.layer.size(); ++i) {
+      const double ratio = area_ratio<D>(own.derivatives[i]);
+      if (ratio > 1 / most && ratio < most && std::isfinite(own.energy_density[i])) continue;
+      throw NumericalFailure(
+          fmt::format("The mid-surface of the shell '{}' is stretched to {:.4g} of its area at particle {} at t = {:.6g} s: "
+                      "it is torn or has collapsed. Likely cause: a load too violent for this material and resolution. "
+                      "Refine [structure] spacing, or make the body stiffer.",
+                      reference.bodies[shell.body].name, ratio, i, time_s));
+    }
+    const bool is_viscous = shell.viscous_time > 0;
+    if (is_viscous) {
+      for (std::size_t i = 0; i < shell.layer.size(); ++i)
+        for (int a = 0; a < D; ++a) own.v[i][a] = state.velocity[a][shell.first_row + static_cast<std::int32_t>(i)];
+      static const std::array<Matrix<D>, 1> no_rate{Matrix<D>::Zero()};
+      shell_derivatives_of<D>(shell.layer, own.v, no_rate, own.rate);
+      for_each_block(static_cast<std::ptrdiff_t>(shell.layer.size()), [&](std::ptrdiff_t i) {
+        shell_viscous_stress<D>(shell.layer, i, own.derivatives[i], own.rate[i], still<D>(), shell.viscous_time, own.viscous[i]);
+      });
+    }
+    // The power of the viscous forces, and by how much it falls in a second, are accounted as those of the diffusion of solids.
+    for_each_block(static_cast<std::ptrdiff_t>(shell.layer.size() + lane_count - 1) / lane_count, [&](std::ptrdiff_t n) {
+      const std::ptrdiff_t block = shell.first_block + n;
+      for (int lane = 0; lane < lane_count; ++lane) {
+        const std::ptrdiff_t i = n * lane_count + lane, row = shell.first_row + i;
+        if (i >= static_cast<std::ptrdiff_t>(shell.layer.size())) break;
+        Vector<D> force = shell_force<D>(shell.layer, static_cast<std::size_t>(i), own.conjugate);
+        if (is_viscous) {
+          const Vector<D> viscous = shell_force<D>(shell.layer, static_cast<std::size_t>(i), own.viscous);
+          force += viscous;
+          state.diffusion_power[block][lane] = -viscous.dot(own.v[i]);
+          state.diffusion_brake[block][lane] = reference.inverse_mass[row] * viscous.dot(force);
+        }
+        for (int a = 0; a < D; ++a) state.internal_force[a][row] = force[a];
+      }
+    });
+  }
+}
+
+template <int D>
+void damp_shells(Reference<D>& reference, double coefficient) {
+  constexpr double of_critical = 0.1;
+  for (ShellBody<D>& shell : reference.shells) {
+    double& step = reference.bodies[shell.body].stable_step_at_rest;
+    const double fastest = 2 / step;
+    shell.viscous_time = 2 * of_critical * coefficient / fastest;
+    step = longest_stable_step(fastest, shell.viscous_time * fastest * fastest);
+  }
+}
+
+template <int D>
+double shell_stable_sub_step(const Reference<D>& reference, double courant, const State<D>& state, const Workspace<D>& work) {
+  double dt = std::numeric_limits<double>::max();
+  for (std::size_t s = 0; s < reference.shells.size(); ++s) {
+    const ShellBody<D>& shell = reference.shells[s];
+    const ShellLayer<D>& layer = shell.layer;
+    double smallest = 1, largest = 1, speed = 0;
+    for (std::size_t i = 0; i < layer.size(); ++i) {
+      const ShellDerivatives<D>& d = work.shells[s].derivatives[i];
+      const Vector<D> normal = normal_of<D>(d);
+      double squared = 0, bend = 0;
+      for (int a = 0; a < D; ++a) squared += std::pow(state.velocity[a][shell.first_row + static_cast<std::int32_t>(i)], 2);
+      for (int a = 0; a < D - 1; ++a) {
+        smallest = std::min(smallest, d.col(a).norm());
+        largest = std::max(largest, d.col(a).norm());
+        if (layer.particles.clamp[i] < 0)
+          bend = std::max(bend, layer.thickness * std::abs(normal.dot(d.col(second_derivative<D>(a, a)))) / d.col(a).squaredNorm());
+      }
+      speed = std::max(speed, squared);
+      if (bend >= 2)
+        throw NumericalFailure(
+            fmt::format("The shell '{}' is bent to a radius of {:.3g} m at particle {} at t = {:.6g} s, half its thickness of "
+                        "{:.3g} m or less: its inner fibres have turned over. Make it stiffer, or model it as a solid.",
+                        reference.bodies[shell.body].name, layer.thickness / bend, i, seconds(state.time), layer.thickness));
+    }
+    const Material& material = layer.material;
+    const double stiffening = std::max({1.0, material.wave_speed_at(std::max(smallest, 0.05)) / material.pressure_wave_speed(),
+                                        material.wave_speed_at(largest) / material.pressure_wave_speed()});
+    const double wave = std::sqrt(layer.modulus() / material.density) * stiffening + std::sqrt(speed);
+    for (const double spacing : layer.particles.spacing) dt = std::min(dt, shell_sub_step<D>(courant, spacing, layer.thickness, wave));
+    constexpr double margin = 0.9;  // of the measured step, as for solids
+    dt = std::min(dt, margin * reference.bodies[shell.body].stable_step_at_rest * std::sqrt(layer.modulus() / material.density) / wave);
+  }
+  return dt;
+}
+
+template <int D>
+double shell_strain_energy(const Reference<D>& reference, const Workspace<D>& work) {
+  double energy = 0;
+  ShellDerivatives<D> unused;
+  for (std::size_t s = 0; s < reference.shells.size(); ++s) {
+    const ShellLayer<D>& layer = reference.shells[s].layer;
+    for (std::size_t i = 0; i < layer.size(); ++i)
+      energy += layer.particles.area[i] * shell_energy_density<D>(layer, i, work.shells[s].derivatives[i], still<D>(), unused);
+  }
+  return energy;
+}
+
+// dU/dtheta of a turn R -> (1 + theta x) R at fixed x, through x_,ab (the slopes R e_c) and the normal R N.
+template <int D>
+Vector<3> shell_clamp_couple(const ShellBody<D>& shell, const Workspace<D>& work, std::int32_t clamp) {
+  const ShellLayer<D>& layer = shell.layer;
+  const ShellWork<D>& own = work.shells[shell.index];
+  Vector<3> couple = Vector<3>::Zero();
+  const auto cross = [](const Vector<D>& a, const Vector<D>& b) {
+    Vector<3> full_a = Vector<3>::Zero(), full_b = Vector<3>::Zero();
+    full_a.template head<D>() = a;
+    full_b.template head<D>() = b;
+    return Vector<3>(full_a.cross(full_b));
+  };
+  for (std::size_t i = 0; i < layer.size(); ++i) {
+    if (layer.particles.clamp[i] < 0 || (clamp >= 0 && shell.clamp_of_particle[i] != clamp)) continue;
+    ShellDerivatives<D> conjugate;
+    shell_energy_density<D>(layer, i, own.derivatives[i], still<D>(), conjugate);
+    const Vector<D> normal = layer.particles.frame[i].col(D - 1);
+    for (int ab = 0; ab < shell_unknowns<D> - shell_slopes<D>; ++ab) {
+      const Vector<D> q = conjugate.col(shell_slopes<D> + ab), x = own.derivatives[i].col(shell_slopes<D> + ab);
+      couple += layer.particles.area[i] * q.dot(normal) * cross(normal, x);
+      for (int c = 0; c < D - 1; ++c)
+        couple -= layer.particles.area[i] * layer.clamp_slope[i](ab, c) * cross(layer.particles.frame[i].col(c), q);
+    }
+  }
+  return couple;
+}
+
+template <int D>
+ShellStress<D> shell_stress(const ShellBody<D>& shell, const Workspace<D>& work, std::size_t i) {
+  const ShellLayer<D>& layer = shell.layer;
+  const ShellDerivatives<D>&d = work.shells[shell.index].derivatives[i], &r = layer.reference[i];
+  const bool clamped = layer.particles.clamp[i] >= 0;
+  const Vector<D> normal = clamped ? Vector<D>(layer.particles.frame[i].col(D - 1)) : normal_of<D>(d);
+  const Vector<D> reference_normal = clamped ? normal : normal_of<D>(r);
+  using Plane = Eigen::Matrix<double, D - 1, D - 1>;
+  const auto slopes = d.template leftCols<shell_slopes<D>>(), reference_slopes = r.template leftCols<shell_slopes<D>>();
+  const Plane e = 0.5 * (slopes.transpose() * slopes - reference_slopes.transpose() * reference_slopes);
+  Plane rho;
+  for (int a = 0; a < D - 1; ++a)
+    for (int b = 0; b < D - 1; ++b) {
+      const int ab = second_derivative<D>(a, b);
+      rho(a, b) = normal.dot(d.col(ab)) - reference_normal.dot(r.col(ab));
+    }
+  const double nu = layer.poisson_ratio();
+  const auto hooke = [&](const Plane& strain) {
+    return Plane(layer.modulus() * (D == 2 ? strain : Plane((1 - nu) * strain + nu * strain.trace() * Plane::Identity())));
+  };
+  ShellStress<D> result;
+  result.area_ratio = area_ratio<D>(d);
+  result.cauchy = slopes * hooke(e) * slopes.transpose() / result.area_ratio;
+  result.von_mises = 0;
+  for (const double z : {-0.5 * layer.thickness, 0.5 * layer.thickness}) {
+    Eigen::Matrix3d full = Eigen::Matrix3d::Zero();
+    full.topLeftCorner<D - 1, D - 1>() = hooke(e - z * rho);
+    if (D == 2 && !layer.material.plane_stress) full(2, 2) = nu * full(0, 0);
+    const Eigen::Matrix3d deviator = full - full.trace() / 3 * Eigen::Matrix3d::Identity();
+    result.von_mises = std::max(result.von_mises, std::sqrt(1.5) * deviator.norm());
+  }
+  ShellDerivatives<D> unused;
+  result.energy_density = shell_energy_density<D>(layer, i, d, still<D>(), unused) / layer.thickness;
+  return result;
+}
+
+#define TERN_INSTANTIATE(D)                                                                                    \
+  template ShellParticles<D> shell_particles_of<D>(const StructureBody&);                                      \
+  template void shell_derivatives<D>(const Reference<D>&, const State<D>&, Workspace<D>&);                     \
+  template void shell_internal_forces<D>(const Reference<D>&, double, State<D>&, Workspace<D>&);               \
+  template void damp_shells<D>(Reference<D>&, double);                                                         \
+  template double shell_stable_sub_step<D>(const Reference<D>&, double, const State<D>&, const Workspace<D>&); \
+  template double shell_strain_energy<D>(const Reference<D>&, const Workspace<D>&);                            \
+  template Vector<3> shell_clamp_couple<D>(const ShellBody<D>&, const Workspace<D>&, std::int32_t);            \
+  template ShellStress<D> shell_stress<D>(const ShellBody<D>&, const Workspace<D>&, std::size_t);
+TERN_INSTANTIATE(2)
+TERN_INSTANTIATE(3)
+
+}  // namespace tern::structure
