@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/uninitialised.hpp"
 #include "fluid/period.hpp"
 #include "fluid/reference.hpp"
 #include "sph/cell_grid.hpp"
@@ -17,8 +18,8 @@ struct Neighbours {
   // Row i: entries begin[i] .. begin[i] + count[i] - 1. The next row begins at the next multiple of four; the entries before
   // it are those of the particle itself with weight 0.
   std::vector<int> begin, count;
-  std::vector<int> column;     ///< j
-  std::vector<double> weight;  ///< V_j |w'_ij| / (r_ij M_xx): V_j grad w_ij = weight (r_j - r_i) [1/m^2]
+  UninitialisedVector<int> column;     ///< j
+  UninitialisedVector<double> weight;  ///< V_j |w'_ij| / (r_ij M_xx): V_j grad w_ij = weight (r_j - r_i) [1/m^2]
 
   // Sums over fluid neighbours.
   std::vector<double> number_density;             ///< w(0) V + sum V w [-]

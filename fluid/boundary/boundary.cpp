@@ -9,7 +9,6 @@ namespace tern::fluid {
 template <int D>
 Boundary<D>::Boundary(const Case& scene, const Constants<D>& constants)
     : walls(scene, constants.spacing, constants.faces.support()), space_before_walls(walls.faces().size(), -1) {
-  clipped_walls.reset(walls.faces());
   wall_finder.fill(walls.faces(), constants.faces.support());
 }
 
@@ -18,7 +17,7 @@ void move_walls(const Constants<D>& constants, const Window& window, Boundary<D>
   boundary.walls.move_over(window.begin, window.duration, wall_velocity);
   boundary.wall_finder.fill(boundary.walls.faces(), constants.faces.support());
   boundary.space_before_walls.assign(boundary.walls.faces().size(), -1);
-  boundary.clipped_walls.reset(boundary.walls.faces());
+  boundary.clipped_walls.reset();
 }
 
 template <int D>

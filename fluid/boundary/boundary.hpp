@@ -21,7 +21,7 @@ struct Boundary {
   Walls<D> walls;                           ///< as they are without a structure
   FaceFinder<D> wall_finder;                ///< of these
   std::vector<double> space_before_walls;   ///< per patch, negative: not known (wetness.hpp)
-  ClippedWalls<D> clipped_walls;            ///< as the structure leaves them: what particles see
+  ClippedWalls<D> clipped_walls;            ///< as the structure leaves them
   FaceRows wall_rows;                       ///< by particle
   Faces<D> surface;                         ///< of the structure
   FaceFinder<D> surface_finder;             ///< of it
@@ -29,7 +29,7 @@ struct Boundary {
   FaceRows surface_rows;                    ///< by particle
   BoundarySums<D> sums;
 
-  const Faces<D>& seen_walls() const { return clipped_walls.faces(); }
+  const Faces<D>& seen_walls() const { return clipped_walls.none() ? walls.faces() : clipped_walls.faces(); }
   bool sees_structure(std::ptrdiff_t i) const { return surface_rows.count[i] > 0; }
   bool sees_wall(std::ptrdiff_t i) const { return wall_rows.count[i] > 0; }
   bool sees_face(std::ptrdiff_t i) const { return sees_wall(i) || sees_structure(i); }

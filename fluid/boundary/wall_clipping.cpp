@@ -17,6 +17,11 @@ double half_length(const Faces<D>& faces, int k) {
 
 template <int D>
 void ClippedWalls<D>::clip(const Faces<D>& walls, const FaceFinder<D>& finder, const Faces<D>& structure) {
+  if (!any_) {
+    if (structure.size() == 0) return;
+    faces_ = walls;
+    any_ = true;
+  }
   for (int wall : clipped_) {
     faces_.position[wall] = walls.position[wall];
     faces_.area[wall] = walls.area[wall];

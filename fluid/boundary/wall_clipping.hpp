@@ -8,15 +8,17 @@
 
 namespace tern::fluid {
 
-/// The walls as the fluid sees them beside the structure.
+/// The walls as the fluid sees them beside the structure. They are a copy, which is not made before there is a structure.
 template <int D>
 class ClippedWalls {
  public:
+  /// Nothing clips the walls: there are no faces().
+  bool none() const { return !any_; }
   const Faces<D>& faces() const { return faces_; }
 
-  /// Takes over `walls` as they stand.
-  void reset(const Faces<D>& walls) {
-    faces_ = walls;
+  /// The walls have moved.
+  void reset() {
+    any_ = false;
     clipped_.clear();
   }
   /// Leaves of every patch of `walls` what lies before the first face of the structure that cuts it; in 3D as if that were a square
@@ -27,6 +29,7 @@ class ClippedWalls {
   void cut(int wall, const Faces<D>& structure, int k);
 
   Faces<D> faces_;
+  bool any_ = false;
   std::vector<int> clipped_;
 };
 

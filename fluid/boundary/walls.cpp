@@ -64,6 +64,9 @@ Walls<D>::Walls(const Case& scene, double fluid_spacing, double support) {
     any_two_sided_ = any_two_sided_ || !wall.container;
     walls_.push_back(std::move(entry));
   }
+  for (auto* v : {&faces_.position, &faces_.velocity, &faces_.normal}) v->shrink_to_fit();
+  for (auto* v : {&faces_.area, &faces_.normal_acceleration}) v->shrink_to_fit();
+  if (!moving_) return;
   reference_ = faces_.position;
   reference_normal_ = faces_.normal;
 }

@@ -41,7 +41,7 @@ class Walls {
 
  private:
   std::vector<Wall<D>> walls_;
-  std::vector<Vector<D>> reference_, reference_normal_;
+  std::vector<Vector<D>> reference_, reference_normal_;  ///< of walls that move; empty: none does
   std::vector<std::uint8_t> slip_;
   Faces<D> faces_;
   bool moving_ = false, any_two_sided_ = false;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/parallel.hpp"
+#include "base/uninitialised.hpp"
 
 namespace tern::fluid {
 
@@ -120,8 +121,9 @@ class EdgeMatrix {
 
   int rows_ = 0;
   std::vector<std::size_t> start_;
-  std::vector<int> column_;
-  std::vector<float> edge_, constant_, diagonal_;
+  UninitialisedVector<int> column_;
+  UninitialisedVector<float> edge_;
+  std::vector<float> constant_, diagonal_;
 };
 
 }  // namespace tern::fluid

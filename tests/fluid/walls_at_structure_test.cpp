@@ -39,7 +39,6 @@ void side_walls_end_at_the_lid() {
   FaceFinder<D> finder;
   finder.fill(walls.faces(), 0.3);
   ClippedWalls<D> seen;
-  seen.reset(walls.faces());
   for (int step = 0; step <= 40; ++step) {
     const double y = -0.1 + 0.005 * step;
     seen.clip(walls.faces(), finder, lid<D>(y));
@@ -79,7 +78,6 @@ TEST(WallClipping, AFaceThatLiesOnTheWallCutsNothing) {
   below.position.erase(below.position.begin()), below.normal.erase(below.normal.begin()), below.area.erase(below.area.begin());
   below.position.pop_back(), below.normal.pop_back(), below.area.pop_back();
   ClippedWalls<2> seen;
-  seen.reset(walls.faces());
   seen.clip(walls.faces(), finder, below);
   for (std::size_t k = 0; k < walls.faces().size(); ++k) EXPECT_EQ(seen.faces().area[k], walls.faces().area[k]);
 }
