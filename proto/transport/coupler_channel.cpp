@@ -233,6 +233,7 @@ std::map<wire::Role, wire::Hello> CouplerChannel::accept(const std::set<wire::Ro
                                                          int dimension) {
   const Traffic::Exchange exchange(state_->traffic);
   std::map<wire::Role, wire::Hello> hellos;
+  std::map<wire::Role, wire::Message> to_record;  // in the order of roles, whoever comes first
   const auto meet = [&](Arrived&& arrived) {
     const auto stop = [&](const std::string& sentence) {
       const BadInput error(sentence);
@@ -270,7 +271,7 @@ std::map<wire::Role, wire::Hello> CouplerChannel::accept(const std::set<wire::Ro
     } catch (const PeerLost& fault) {
       stop(fault.what());
     }
-    if (state_->record && message.hello().checkpoint().empty()) state_->record->write(message);
+    if (state_->record && message.hello().checkpoint().empty()) to_record.emplace(role, message);
     const wire::Hello& hello = message.hello();
     log_info(fmt::format("{} joined: process {}, version {}, {} particles, {} surface points", name(role), hello.process_id(),
                          hello.version(), hello.particles(), hello.surface().body_size()));
@@ -284,7 +285,10 @@ std::map<wire::Role, wire::Hello> CouplerChannel::accept(const std::set<wire::Ro
     for (const wire::Role role : expected)
       if (!state_->peers.contains(role)) missing += (missing.empty() ? "" : " and ") + name(role);
     waiting.set_whom(missing.empty() ? "nobody" : missing);
-    if (missing.empty()) return hellos;
+    if (missing.empty()) {
+      for (const auto& [role, message] : to_record) state_->record->write(message);
+      return hellos;
+    }
     state_->collect(waiting, meet);
     if (state_->peers.size() < expected.size()) state_->traffic.wait(state_->socket);
   }

@@ -1,5 +1,5 @@
 #pragma once
-// A file of messages in the order of their arrival, each preceded by its length as a varint (the delimited format of Protobuf). They
+// A file of messages in the order in which they are taken, each preceded by its length as a varint (the delimited format of Protobuf). They
 // have no sequence number, which counts checkpoints as well.
 
 #include <cstdint>
