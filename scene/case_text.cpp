@@ -164,7 +164,7 @@ std::string shell_text(const StructureBody& body) {
 }
 
 std::string shell_text(int dimension, const StructureBody& body) {
-  if (body.material == structure::MooneyRivlin::key) return "";
+  if (!structure::Material(body).has_law_of_a_layer()) return "";
   return dimension == 2 ? shell_text<2>(body) : shell_text<3>(body);
 }
 

@@ -19,7 +19,7 @@ void check_structure(const Case& scene, const Setting& settings) {
     const std::string& where = table.at("clamp").items[i].where;
     const StructureBody& body = body_named(clamp.body, scene, where, "clamp '" + clamp.name + "'");
     if (body.is_shell) continue;  // mid_surface() has looked
-    const auto particles = fill_body<D>(body);
+    const auto particles = fill_lattice<D>(body.shape, body.spacing);
     if (std::none_of(particles.begin(), particles.end(), [&](const auto& x) { return contains<D>(clamp.region, x); })) {
       fail_at(where, fmt::format("the region of the clamp '{}' holds no particle of the body '{}'; enlarge it to at least one "
                                  "spacing, {:.3g} m, of the body.",

@@ -95,7 +95,7 @@ void check_shells(const StructureCase& structure, int dimension, const Setting& 
     } catch (const BadInput& fault) {
       throw BadInput(fmt::format("{}: {}", where, fault.what()));
     }
-    if (body.material == structure::MooneyRivlin::key)
+    if (!structure::Material(body).has_law_of_a_layer())
       throw BadInput(fmt::format("{}: the shell '{}' is of {}, which has no law of a layer; use another material, or model it as a solid.",
                                  where, body.name, body.material));
     for (const ClampCase& clamp : structure.clamps)

@@ -56,6 +56,9 @@ struct Material : Hooke {
     if (!found) throw BadInput("There is no material '" + parameters.material + "'.");
   }
 
+  /// Whether the law has a form for a layer of particles, a shell.
+  bool has_law_of_a_layer() const { return std::holds_alternative<NeoHookean>(law) || std::holds_alternative<StVenantKirchhoff>(law); }
+
   /// Wave speed along a direction stretched by `stretch` [m/s].
   double wave_speed_at(double stretch) const {
     const double modulus = std::visit([&](const auto& own) { return own.modulus_at(stretch); }, law);

@@ -30,14 +30,6 @@ double area_ratio(const ShellDerivatives<D>& d) {
     return Vector<3>(d.col(0)).cross(Vector<3>(d.col(1))).norm();
 }
 
-template <int D>
-Vector<D> normal_of(const ShellDerivatives<D>& d) {
-  if constexpr (D == 2)
-    return Vector<2>(-d(1, 0), d(0, 0)).normalized();
-  else
-    return Vector<3>(d.col(0)).cross(Vector<3>(d.col(1))).normalized();
-}
-
 }  // namespace
 
 template <int D>
@@ -140,7 +132,7 @@ double shell_stable_sub_step(const Reference<D>& reference, double courant, cons
     double smallest = 1, largest = 1, speed = 0;
     for (std::size_t i = 0; i < layer.size(); ++i) {
       const ShellDerivatives<D>& d = work.shells[s].derivatives[i];
-      const Vector<D> normal = normal_of<D>(d);
+      const Vector<D> normal = shell_normal<D>(d);
       double squared = 0, bend = 0;
       for (int a = 0; a < D; ++a) squared += std::pow(state.velocity[a][shell.first_row + static_cast<std::int32_t>(i)], 2);
       for (int a = 0; a < D - 1; ++a) {
@@ -211,8 +203,8 @@ ShellStress<D> shell_stress(const ShellBody<D>& shell, const Workspace<D>& work,
   const ShellLayer<D>& layer = shell.layer;
   const ShellDerivatives<D>&d = work.shells[shell.index].derivatives[i], &r = layer.reference[i];
   const bool clamped = layer.particles.clamp[i] >= 0;
-  const Vector<D> normal = clamped ? Vector<D>(layer.particles.frame[i].col(D - 1)) : normal_of<D>(d);
-  const Vector<D> reference_normal = clamped ? normal : normal_of<D>(r);
+  const Vector<D> normal = clamped ? Vector<D>(layer.particles.frame[i].col(D - 1)) : shell_normal<D>(d);
+  const Vector<D> reference_normal = clamped ? normal : shell_normal<D>(r);
   using Plane = Eigen::Matrix<double, D - 1, D - 1>;
   const auto slopes = d.template leftCols<shell_slopes<D>>(), reference_slopes = r.template leftCols<shell_slopes<D>>();
   const Plane e = 0.5 * (slopes.transpose() * slopes - reference_slopes.transpose() * reference_slopes);

@@ -101,7 +101,7 @@ double ShellLayer<D>::modulus() const {
 
 template <int D>
 ShellLayer<D> make_shell_layer(const std::string& name, ShellParticles<D> particles, const Material& material, double thickness) {
-  if (!std::holds_alternative<NeoHookean>(material.law) && !std::holds_alternative<StVenantKirchhoff>(material.law))
+  if (!material.has_law_of_a_layer())
     throw BadInput(
         fmt::format("Body '{}': a shell of the material {} is not built; use neo_hookean or st_venant_kirchhoff, or model it as "
                     "a solid.",

@@ -34,6 +34,15 @@ constexpr int second_derivative(int a, int b) {
   return D == 2 ? 1 : 2 + a + b;
 }
 
+/// Unit normal n of a mid-surface with these slopes x_,a, the first columns of `slopes`.
+template <int D, class Slopes>
+Vector<D> shell_normal(const Slopes& slopes) {
+  if constexpr (D == 2)
+    return Vector<2>(-slopes(1, 0), slopes(0, 0)).normalized();
+  else
+    return Vector<3>(slopes.col(0)).cross(Vector<3>(slopes.col(1))).normalized();
+}
+
 /// What a layer is made of. Neighbours are the particles within 2.2 spacings along the mid-surface.
 template <int D>
 struct ShellParticles {

@@ -30,11 +30,7 @@ ShellPlace<D> place_of(const ShellLayer<D>& layer, const ShellWork<D>& work, con
       place.position += 0.5 * point.xi[a] * point.xi[b] * second;
     }
   }
-  Vector<D> normal;
-  if constexpr (D == 2)
-    normal = Vector<2>(-slope(1, 0), slope(0, 0)).normalized();
-  else
-    normal = Vector<3>(slope.col(0)).cross(Vector<3>(slope.col(1))).normalized();
+  const Vector<D> normal = shell_normal<D>(slope);
   Plane bend;
   for (int a = 0; a < D - 1; ++a)
     for (int b = 0; b < D - 1; ++b) bend(a, b) = normal.dot(d.col(second_derivative<D>(a, b)));
