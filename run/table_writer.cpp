@@ -25,7 +25,7 @@ namespace {
 constexpr double flush_interval_s = 0.5;
 constexpr std::size_t flush_bytes = 1 << 20;
 
-std::string quoted(const std::string& text) {
+std::string csv_text(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string result(1, '"');
   for (const char c : text) result.append(c == '"' ? 2 : 1, c);
@@ -46,7 +46,7 @@ TableWriter::TableWriter(std::string path, std::vector<std::string> columns, boo
   if (!anew) return;
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     if (c) pending_ += ',';
-    pending_ += quoted(columns_[c]);
+    pending_ += csv_text(columns_[c]);
   }
   pending_ += '\n';
   ++lines_;
@@ -78,7 +78,7 @@ void TableWriter::row(std::span<const Cell> cells) {
   for (std::size_t c = 0; c < cells.size(); ++c) {
     if (c) pending_ += ',';
     const Cell& cell = cells[order_.empty() ? c : order_[c]];
-    pending_ += cell.number() ? number_text(cell) : quoted(cell.text());
+    pending_ += cell.number() ? number_text(cell) : csv_text(cell.text());
   }
   pending_ += '\n';
   ++lines_;
