@@ -62,10 +62,6 @@ void about_the_pivot(GaugeCase& gauge, const Case& scene) {
     if (wall.name == gauge.text("wall") && wall.motion && !gauge.points.contains("at")) gauge.points["at"] = wall.motion->pivot;
 }
 
-void one_spacing_wide(GaugeCase& gauge, const Case& scene) {
-  if (scene.fluid && !gauge.numbers.contains("diameter")) gauge.numbers["diameter"] = scene.fluid->spacing;
-}
-
 }  // namespace
 
 std::vector<GaugeDefinition> fluid_gauges() {

@@ -23,6 +23,10 @@ const GaugeDefinition& gauge_definition(const std::string& kind) {
   return *std::find_if(all.begin(), all.end(), [&](const GaugeDefinition& definition) { return definition.kind == kind; });
 }
 
+void one_spacing_wide(GaugeCase& gauge, const Case& scene) {
+  if (scene.fluid && !gauge.numbers.contains("diameter")) gauge.numbers["diameter"] = scene.fluid->spacing;
+}
+
 const StructureBody& body_of(const GaugeCase& gauge, const Case& scene, const std::string& where) {
   return body_named(gauge.text("body"), scene, where, "gauge '" + gauge.name + "'");
 }

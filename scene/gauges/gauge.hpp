@@ -53,8 +53,10 @@ const std::vector<GaugeDefinition>& gauge_definitions();
 /// Of a kind that is known to be one.
 const GaugeDefinition& gauge_definition(const std::string& kind);
 
-// For the checks of the definitions.
+// For the definitions.
 
+/// A `complete`: the diameter of a sensor is one spacing of the fluid, where the case gives none.
+void one_spacing_wide(GaugeCase& gauge, const Case& scene);
 /// The elastic body that a gauge names with `body`; throws BadInput when there
 /// is none of this name.
 const StructureBody& body_of(const GaugeCase& gauge, const Case& scene, const std::string& where);

@@ -89,10 +89,6 @@ void check_body_pressure(const GaugeCase& gauge, const Case& scene, const std::s
   }
 }
 
-void one_spacing_wide(GaugeCase& gauge, const Case& scene) {
-  if (scene.fluid && !gauge.numbers.contains("diameter")) gauge.numbers["diameter"] = scene.fluid->spacing;
-}
-
 }  // namespace
 
 std::vector<GaugeDefinition> structure_gauges() {
