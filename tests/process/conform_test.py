@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from fake_build import ROOT
-from real_run import build_directory
+from real_run import build_directory, conform
 
 FAULTY = Path(__file__).with_name("faulty_structure.py")
 
@@ -38,19 +38,13 @@ class ConformTest(unittest.TestCase):
     def setUp(self):
         self.build = build_directory()
 
-    def conform(self, *words):
-        environment = os.environ | {"TERN_BUILD": str(self.build)}
-        answer = subprocess.run([ROOT / "tern", "conform", *words], text=True, env=environment, stdout=subprocess.PIPE,
-                                stderr=subprocess.STDOUT, timeout=300, check=False)
-        return answer.returncode, answer.stdout
-
     def faulty(self, fault, *checks):
         words = [word for check in checks for word in ("--check", check)]
-        return self.conform("structure", f"/usr/bin/python3 {FAULTY} '{fault}'", *words)
+        return conform(self.build, "structure", f"/usr/bin/python3 {FAULTY} '{fault}'", *words)
 
     def test_our_own_participants_conform(self):
         for role in ("structure", "fluid"):
-            code, text = self.conform(role, str(self.build / f"tern-{role}"))
+            code, text = conform(self.build, role, str(self.build / f"tern-{role}"))
             self.assertEqual(code, 0, text)
             self.assertRegex(text, r"(\d\d) of \1 checks hold")
 
@@ -72,7 +66,7 @@ class ConformTest(unittest.TestCase):
             script = Path(directory) / "mine.py"
             script.write_text(f"import runpy, sys\nfrom tern.participant import run_structure\n"
                               f"sys.argv[:1] = ['{FAULTY}', 'none']\nrunpy.run_path('{FAULTY}', run_name='__main__')\n")
-            code, text = self.conform("structure", f"/usr/bin/python3 {script}", "--check", "order")
+            code, text = conform(self.build, "structure", f"/usr/bin/python3 {script}", "--check", "order")
             self.assertEqual(code, 0, text)
 
     # Seen to fail: with the first life of "trace" still at the address when the second begins.
@@ -81,10 +75,10 @@ class ConformTest(unittest.TestCase):
             probe.bind(("127.0.0.1", 0))
             address = f"tcp://127.0.0.1:{probe.getsockname()[1]}"
         environment = os.environ | {"TERN_BUILD": str(self.build)}
-        conform = subprocess.Popen([ROOT / "tern", "conform", "structure", address, "--check", "trace", "--check", "interrupt"],
-                                   env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        answerer = subprocess.Popen([ROOT / "tern", "conform", "structure", address, "--check", "trace", "--check", "interrupt"],
+                                    env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         started, lines = [], []
-        for line in conform.stdout:
+        for line in answerer.stdout:
             lines.append(line)
             if "start the structure now" in line:
                 started.append(subprocess.Popen(["/usr/bin/python3", FAULTY, "none", ROOT / "cases" / "conformance", "--endpoint", address],
@@ -92,8 +86,8 @@ class ConformTest(unittest.TestCase):
         for process in started:
             process.wait(timeout=30)
         text = "".join(lines)
-        self.assertEqual((conform.wait(timeout=30), len(started)), (0, 2), text)
-        conform.stdout.close()
+        self.assertEqual((answerer.wait(timeout=30), len(started)), (0, 2), text)
+        answerer.stdout.close()
         self.assertIn("ok   trace", text)
         self.assertIn("interrupt: not checked, it needs a command", text)
 
@@ -101,7 +95,7 @@ class ConformTest(unittest.TestCase):
         for words, sentence in ((["structure", "no-such-program"], "is neither a file nor a program on the PATH"),
                                 (["structure", "/bin/true", "--check", "magic"], "There is no check 'magic'"),
                                 (["structure", "/bin/true", "--case", "hydrostatic_tank"], "has no structure")):
-            code, text = self.conform(*words)
+            code, text = conform(self.build, *words)
             self.assertEqual(code, 2, text)
             self.assertIn(sentence, text)
 

@@ -2,14 +2,12 @@
 """A structure that keeps the form of the protocol and says something wrong is found by name: by ./tern conform always, and by the coupler
 of any run where it can be seen there."""
 
-import os
 import re
-import subprocess
 import unittest
 from concurrent.futures import ThreadPoolExecutor
 
 from fake_build import ROOT
-from real_run import RealRunTest, build_directory
+from real_run import RealRunTest, build_directory, conform
 
 MUTANT = ROOT / "tests" / "process" / "mutant_structure.py"
 
@@ -44,10 +42,7 @@ class ConformTest(unittest.TestCase):
         self.build = build_directory()
 
     def conform(self, mutant, *words):
-        command = f"/usr/bin/python3 {MUTANT} --mutant '{mutant}'"
-        answer = subprocess.run([ROOT / "tern", "conform", "structure", command, *words], text=True, stdout=subprocess.PIPE,
-                                stderr=subprocess.STDOUT, env=os.environ | {"TERN_BUILD": str(self.build)}, timeout=300, check=False)
-        return answer.returncode, answer.stdout
+        return conform(self.build, "structure", f"/usr/bin/python3 {MUTANT} --mutant '{mutant}'", *words)
 
     # Seen to fail: with one mutation after the other taken out of mutant_structure.py.
     def test_every_mutant_is_found_and_named(self):

@@ -23,6 +23,13 @@ def build_directory():
     return directory.resolve()
 
 
+def conform(build, role, command, *words):
+    """Exit code and text of ./tern conform on a participant."""
+    answer = subprocess.run([ROOT / "tern", "conform", role, command, *words], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                            env=os.environ | {"TERN_BUILD": str(build)}, timeout=300, check=False)
+    return answer.returncode, answer.stdout
+
+
 def without_waits(errors):
     """What was said on standard error but that somebody waited for somebody: on a busy machine a start takes more than 5 s."""
     return "".join(line for line in errors.splitlines(keepends=True) if not re.search(r"warning: \w+ waits for ", line))
