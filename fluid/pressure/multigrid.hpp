@@ -109,16 +109,17 @@ class Multigrid {
          node != level.further.end() && node->first == place; ++node)
       visit(node->second);
   }
-  /// Sum of entries first .. last - 1 of those without room in the stencil times x.
-  static float further_product(const Level& level, int first, int last);
   // multigrid_sides.cpp
   void split_cells(const std::vector<int>& beside_body, int cells);
   void split_places(const std::array<int, D>& cells);
   int add_further_nodes(Level& level, int first);
   void split_coarse_places(Level& fine, Level& coarse, const std::array<bool, D>& halved);
+  // multigrid_cycle.cpp
   void cycle(std::size_t level);
   void smooth(Level& level, bool forward);
   void compute_residual(Level& level);
+  /// Sum of entries first .. last - 1 of those without room in the stencil times x.
+  static float further_product(const Level& level, int first, int last);
 
   Period<D> period_;
   const EdgeMatrix* matrix_ = nullptr;

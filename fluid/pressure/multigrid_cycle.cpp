@@ -1,0 +1,134 @@
+// The V-cycle of the multigrid: Jacobi on the particles, Gauss-Seidel by colours on the grids, the coarsest solved directly.
+
+#include <algorithm>
+#include <cmath>
+
+#include "fluid/pressure/grid_stencil.hpp"
+#include "fluid/pressure/multigrid.hpp"
+
+namespace tern::fluid {
+namespace {
+
+constexpr float jacobi_weight = 0.9f;  ///< positive definite for any weight < 1: lambda_max(D^-1 A) <= 2
+
+}  // namespace
+
+template <int D>
+void Multigrid<D>::smooth(Level& level, bool forward) {
+  for (int k = 0; k < colors; ++k) {
+    const auto& nodes = level.color[forward ? k : colors - 1 - k];
+    const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(nodes.size());
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+    for (std::ptrdiff_t m = 0; m < n; ++m) {
+      const int node = nodes[m];
+      const auto& row = level.row[node];
+      const auto& neighbour = level.neighbour[node];
+      float sum = level.b[node];
+      for (int s = 0; s < stencil; ++s) sum -= row[s] * level.x[neighbour[s]];
+      level.x[node] += sum * level.inverse_diagonal[node];
+    }
+    for (const auto& [row, first, last] : level.further_rows[forward ? k : colors - 1 - k])
+      level.x[row] -= level.inverse_diagonal[row] * further_product(level, first, last);
+  }
+}
+
+template <int D>
+float Multigrid<D>::further_product(const Level& level, int first, int last) {
+  float sum = 0;
+  for (int k = first; k < last; ++k) sum += level.further_entries[k].value * level.x[level.further_entries[k].column];
+  return sum;
+}
+
+template <int D>
+void Multigrid<D>::compute_residual(Level& level) {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(level.nodes());
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t node = 0; node < n; ++node) {
+    float sum = level.b[node];
+    for (int s = 0; s < stencil; ++s) sum -= level.row[node][s] * level.x[level.neighbour[node][s]];
+    level.residual[node] = sum;
+  }
+  for (const auto& rows : level.further_rows)
+    for (const auto& [row, first, last] : rows) level.residual[row] -= further_product(level, first, last);
+}
+
+template <int D>
+void Multigrid<D>::cycle(std::size_t l) {
+  Level& level = levels_[l];
+  if (l + 1 == levels_.size()) {
+    const auto n = static_cast<Eigen::Index>(level.nodes());
+    const Eigen::Map<const Eigen::MatrixXd> factor(coarsest_.data(), n, n);
+    Eigen::Map<Eigen::VectorXd> x(coarsest_solution_.data(), n);
+    for (Eigen::Index a = 0; a < n; ++a) x[a] = level.b[a];
+    factor.template triangularView<Eigen::Lower>().solveInPlace(x);
+    factor.template triangularView<Eigen::Lower>().transpose().solveInPlace(x);
+    for (Eigen::Index a = 0; a < n; ++a) level.x[a] = static_cast<float>(x[a]);
+    return;
+  }
+  std::fill(level.x.begin(), level.x.end(), 0.0f);
+  smooth(level, true);
+  compute_residual(level);
+  Level& coarse = levels_[l + 1];
+  std::fill(coarse.b.begin(), coarse.b.end(), 0.0f);
+  for (std::size_t node = 0; node < level.nodes(); ++node)
+    for (int corner = 0; corner < corners; ++corner)
+      if (level.parent[node][corner] >= 0) coarse.b[level.parent[node][corner]] += level.parent_weight[node][corner] * level.residual[node];
+  cycle(l + 1);
+  for (std::size_t node = 0; node < level.nodes(); ++node)
+    for (int corner = 0; corner < corners; ++corner)
+      if (level.parent[node][corner] >= 0) level.x[node] += level.parent_weight[node][corner] * coarse.x[level.parent[node][corner]];
+  smooth(level, false);
+}
+
+template <int D>
+void Multigrid<D>::apply(const std::vector<double>& r, std::vector<double>& z) {
+  const std::ptrdiff_t n = matrix_->rows();
+  double largest = ordered_max(n, 0.0, [&](std::ptrdiff_t i) { return std::abs(r[i]); });
+  if (!(largest > 0)) largest = 1;
+  const double inverse_largest = 1 / largest;
+  const auto& diagonal = matrix_->diagonal();
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    r_[i] = static_cast<float>(r[i] * inverse_largest);
+    z_[i] = jacobi_weight * r_[i] / diagonal[i];
+  }
+  matrix_->multiply(z_, az_);
+
+  Level& finest = levels_[0];
+  const std::ptrdiff_t cells = static_cast<std::ptrdiff_t>(cell_node_.size());
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t cell = 0; cell < cells; ++cell) {
+    std::array<float, corners> sum{};
+    for (int entry = cell_start_[cell]; entry < cell_start_[cell + 1]; ++entry) {
+      const int i = cell_particle_[entry];
+      const float q = r_[i] - az_[i];
+      for (int corner = 0; corner < corners; ++corner) sum[corner] += particle_weight_[entry][corner] * q;
+    }
+    cell_sum_[cell] = sum;
+  }
+  const std::ptrdiff_t nodes = static_cast<std::ptrdiff_t>(finest.nodes());
+#pragma omp parallel for schedule(static) if (nodes >= parallel_threshold)
+  for (std::ptrdiff_t node = 0; node < nodes; ++node) {
+    float sum = 0;
+    for (int corner = 0; corner < corners; ++corner)
+      if (node_cell_[node][corner] >= 0) sum += cell_sum_[node_cell_[node][corner]][corner];
+    finest.b[node] = sum;
+  }
+  for (const auto& [node, corner, cell] : further_cells_) finest.b[node] += cell_sum_[cell][corner];
+  cycle(0);
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t cell = 0; cell < cells; ++cell)
+    for (int entry = cell_start_[cell]; entry < cell_start_[cell + 1]; ++entry) {
+      float sum = 0;
+      for (int corner = 0; corner < corners; ++corner) sum += particle_weight_[entry][corner] * finest.x[cell_node_[cell][corner]];
+      z_[cell_particle_[entry]] += sum;
+    }
+  matrix_->multiply(z_, az_);
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i) z[i] = largest * (double(z_[i]) + double(jacobi_weight) * (r_[i] - az_[i]) / diagonal[i]);
+}
+
+template void Multigrid<2>::apply(const std::vector<double>&, std::vector<double>&);
+template void Multigrid<3>::apply(const std::vector<double>&, std::vector<double>&);
+
+}  // namespace tern::fluid
