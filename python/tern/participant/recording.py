@@ -98,7 +98,22 @@ class Recording:
                         f"{self._run.report.time_s:.9g}, or make a longer record.")
 
 
-def play_back(role, obey):
-    """Takes part as `role`, fluid or structure, by obey(run); the record is that of the run named by --from. Returns the exit code."""
+def play_back(role, answer):
+    """Takes part as `role`, fluid or structure; the record is that of the run named by --from. Returns the exit code.
+
+    answer(run, record, account) sends what the record holds for one window, and returns the account of energy at its end; `account` is
+    the one before.
+    """
+
+    def obey(run):
+        record = Recording(run.options.record, run)
+        account = record.hello.account
+        run.handshake(record.hello)
+        while (order := run.receive("begin_window", "finish")).WhichOneof("body") == "begin_window":
+            record.check_window(order.begin_window)
+            account = answer(run, record, account)
+            run.step_done(order)
+        run.finish(order, account)
+
     return run_participant(role, obey, lambda parser: parser.add_argument(
         "--from", dest="record", metavar="RUN", required=True, help="directory of a run with --record"))

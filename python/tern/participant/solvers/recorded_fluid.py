@@ -10,32 +10,25 @@ the window is played again; where for fewer, the rest is passed over.
 
 import sys
 
-from tern.participant import Recording, play_back, wire
+from tern.participant import play_back, wire
 
 
-def obey(run):
-    record = Recording(run.options.record, run)
-    account = record.hello.account
-    run.handshake(record.hello)
-    while (order := run.receive("begin_window", "finish")).WhichOneof("body") == "begin_window":
-        record.check_window(order.begin_window)
-        run.receive("surface")
-        # A window that was passed over without a surface has no interface particles. It is not offered to pass it over again: another
-        # may be nearer.
-        run.send(interface_particles=record.take_or("interface_particles", wire.InterfaceParticles()))
-        run.receive("interface_condition")
-        pressure = record.take_or("interface_pressure", wire.InterfacePressure())
+def answer(run, record, _account):
+    run.receive("surface")
+    # A window that was passed over without a surface has no interface particles. It is not offered to pass it over again: another
+    # may be nearer.
+    run.send(interface_particles=record.take_or("interface_particles", wire.InterfaceParticles()))
+    run.receive("interface_condition")
+    pressure = record.take_or("interface_pressure", wire.InterfacePressure())
+    run.send(interface_pressure=pressure)
+    while run.receive("interface_condition", "interface_force").WhichOneof("body") == "interface_condition":
+        pressure = record.take_or("interface_pressure", pressure)
         run.send(interface_pressure=pressure)
-        while run.receive("interface_condition", "interface_force").WhichOneof("body") == "interface_condition":
-            pressure = record.take_or("interface_pressure", pressure)
-            run.send(interface_pressure=pressure)
-        record.pass_over("interface_pressure")
-        done = record.take("window_done")
-        done.ClearField("extent")
-        run.send(window_done=done)
-        account = done.account
-        run.step_done(order)
-    run.finish(order, account)
+    record.pass_over("interface_pressure")
+    done = record.take("window_done")
+    done.ClearField("extent")
+    run.send(window_done=done)
+    return done.account
 
 
-sys.exit(play_back("fluid", obey))
+sys.exit(play_back("fluid", answer))

@@ -10,27 +10,21 @@ of the window are played again; where for fewer, the rest is passed over.
 
 import sys
 
-from tern.participant import Recording, play_back, wire
+from tern.participant import play_back, wire
 
 
-def obey(run):
-    record = Recording(run.options.record, run)
-    account = record.hello.account
-    run.handshake(record.hello)
-    while (order := run.receive("begin_window", "finish")).WhichOneof("body") == "begin_window":
-        record.check_window(order.begin_window)
-        surface = record.take("surface")
-        run.send(surface=surface)
-        answer = wire.SurfaceVelocity(velocity=surface.velocity)
-        while run.receive("surface_load").surface_load.trial:
-            answer = record.take_or("surface_velocity", answer)
-            run.send(surface_velocity=answer)
-        record.pass_over("surface_velocity")
-        # The state at the end of a window is reported with the next surface, or with the end of the run.
-        for kind in ("surface", "finished"):
-            account = record.peek(kind).account if record.is_next(kind) else account
-        run.step_done(order)
-    run.finish(order, account)
+def answer(run, record, account):
+    surface = record.take("surface")
+    run.send(surface=surface)
+    velocity = wire.SurfaceVelocity(velocity=surface.velocity)
+    while run.receive("surface_load").surface_load.trial:
+        velocity = record.take_or("surface_velocity", velocity)
+        run.send(surface_velocity=velocity)
+    record.pass_over("surface_velocity")
+    # The state at the end of a window is reported with the next surface, or with the end of the run.
+    for kind in ("surface", "finished"):
+        account = record.peek(kind).account if record.is_next(kind) else account
+    return account
 
 
-sys.exit(play_back("structure", obey))
+sys.exit(play_back("structure", answer))
