@@ -5,6 +5,7 @@
 
 # tern_precompiled(TARGET): its sources begin with the headers of libraries that most sources include. The first target makes the file.
 # Reading them is most of the time of a build. -DTERN_PRECOMPILED=OFF shows a header that a source forgets to include.
+# The standard headers among them bring in names that a call on a std type finds by its argument: do not call a function `quoted`.
 # Sources are never joined into one unit (UNITY_BUILD): functions of one name in the anonymous namespaces of two of them would be
 # overloads of each other, and a call could take the other's without a word of the compiler.
 function(tern_precompiled target)
