@@ -57,6 +57,11 @@ void RunReport::set_time(double time_s, long steps) {
   steps_ = steps;
 }
 
+void RunReport::set_resumed(std::uint64_t step, double time_s) {
+  resumed_ = {step, time_s};
+  write();
+}
+
 void RunReport::set_measure(const std::string& name, double value) {
   if (!std::isfinite(value))
     throw NumericalFailure(fmt::format("The measure {} of the {} process is {} at step {}, t = {:.9g} s; the computation has diverged.",
@@ -133,6 +138,7 @@ std::string RunReport::json() const {
                  {"measures", measures_},
                  {"counts", counts_},
                  {"evaluations", evaluations_}};
+  if (resumed_) report["resumed"] = {{"step", resumed_->first}, {"time_s", resumed_->second}};
   // A path or a cause may hold bytes that are not UTF-8; a report with a replaced letter is better than none.
   return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

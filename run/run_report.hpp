@@ -2,7 +2,9 @@
 // What one process reports about its run: DIR/report.<role>.json, rewritten while it runs and at the end.
 // The launcher merges the reports of all processes into run.json.
 
+#include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,6 +27,10 @@ class RunReport {
   void set_time(double time_s, long steps);
   long steps() const { return steps_; }
   double time_s() const { return time_s_; }
+
+  /// The checkpoint that the run goes on from; without one the report has no key "resumed". Writes the file: the launcher has to know
+  /// also of a process that is killed next. Throws InputOutputError.
+  void set_resumed(std::uint64_t step, double time_s);
 
   /// Results by name, replaced on every call. Throws NumericalFailure naming the measure if not finite.
   void set_measure(const std::string& name, double value);
@@ -81,6 +87,7 @@ class RunReport {
   std::vector<std::string> overrides_;
   double time_s_ = 0, end_time_s_ = 0;
   long steps_ = 0;
+  std::optional<std::pair<std::uint64_t, double>> resumed_;  ///< step and time [s] of the checkpoint
   std::map<std::string, double> timing_, measures_;
   std::map<std::string, long> counts_, evaluations_;
   Gathered earlier_;

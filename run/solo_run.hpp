@@ -77,6 +77,7 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report,
       file("recorder", mark);
       recorder.go_back(mark);
     });
+    report.set_resumed(manifest.step, manifest.time_s);
     log_info(fmt::format("goes on from the checkpoint of step {}, t = {:.9g} s", manifest.step, manifest.time_s));
   } else {
     checkpoints.clear();

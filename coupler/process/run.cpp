@@ -218,6 +218,7 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
     fluid_account = done.account();
     proposed = done.proposed_step_s();
     limit = done.limit();
+    report.set_resumed(manifest->step, manifest->time_s);
     log_info(fmt::format("goes on from the checkpoint of step {}, t = {:.9g} s", manifest->step, manifest->time_s));
   };
   const auto report_now = [&] {

@@ -46,6 +46,16 @@ TEST(RunReport, HasEveryKeyTheLauncherReads) {
   for (const char* part : {"compute", "wait", "exchange", "output"}) EXPECT_TRUE(json["timing_s"].contains(part)) << part;
 }
 
+// Seen to fail with the key left out of json(), with it written in a run that has not gone on, and without writing the file.
+TEST(RunReport, NamesTheCheckpointThatTheRunGoesOnFrom) {
+  const ScratchDirectory dir;
+  RunReport report(dir.path(), "fluid", 1);
+  report.write();
+  EXPECT_FALSE(report_in(dir).contains("resumed"));
+  report.set_resumed(40, 0.125);
+  EXPECT_EQ(report_in(dir)["resumed"], (nlohmann::json{{"step", 40}, {"time_s", 0.125}}));
+}
+
 // Seen to fail with set_failure overwriting: the later, derived cause then hides the first.
 TEST(RunReport, KeepsTheFirstCause) {
   const ScratchDirectory dir;

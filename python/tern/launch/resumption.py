@@ -1,7 +1,6 @@
 """./tern resume: whether a run can go on, from where, and what it was asked for."""
 
 import json
-import re
 from pathlib import Path
 
 from tern.errors import BAD_INPUT, Error
@@ -67,17 +66,6 @@ def newest(directory):
     if contents["launch"].get("only") in (None, "coupler") and not found:
         raise Error(BAD_INPUT, f"{summary.shown(directory)} has no checkpoint to go on from: {_why_no_checkpoint(contents, directory)}.")
     return contents, found[0] if found else None
-
-
-def correct(contents, checkpoints, directory, role):
-    """Puts into `contents` of run.json the checkpoint that the run has gone on from: an older one of `checkpoints` where the newest was
-    not whole. The log of the process that keeps time names it."""
-    try:
-        log = (directory / f"{role}.log").read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        return
-    steps = re.findall(r"goes on from the checkpoint of step (\d+), t = ", log)
-    contents["resumed"][-1] |= next((each for each in checkpoints if steps and each["step"] == int(steps[-1])), {})
 
 
 def can_go_on(name, asked):

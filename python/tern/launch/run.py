@@ -197,7 +197,6 @@ def _run_once(request):
     if request.resume:
         out = Path(request.resume).resolve()
         before, checkpoint = resumption.newest(out)
-        checkpoints = resumption.manifests(out)
         if changed := resumption.differences(before["settings"], case.get("settings", {})):
             raise Error(BAD_INPUT, f"{path} is not the case of {summary.shown(out)} any more: {'; '.join(changed)}. Undo that, or begin "
                                    f"anew; only {resumption.IN_WORDS}.")
@@ -266,7 +265,8 @@ def _run_once(request):
         reports = _reports(out, roles)
         cause = first_cause.find(group.processes, reports, interrupts.count > 0)
         if before:
-            resumption.correct(contents, checkpoints, out, "coupler" if "coupler" in roles else roles[0])
+            # The process that keeps time has taken an older checkpoint where the newest was not whole.
+            contents["resumed"][-1] |= reports["coupler" if "coupler" in roles else roles[0]].pop("resumed", {})
         contents = _merged(contents, group.processes, reports, cause, wall_s)
         refused = before and cause.exit_code == BAD_INPUT
         if refused:
