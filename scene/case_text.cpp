@@ -147,6 +147,7 @@ std::string shell_text(const StructureBody& body) {
   StructureBody shell = body;
   ShellFit fit;
   try {
+    shell.is_shell = true;
     fit = shell_fit<D>(shell);
     shell.spacing = body.is_shell ? body.spacing : std::max(fit.thickness, fit.length / (fit.clamped_ends == 2 ? 30 : 18));
     fit = shell_fit<D>(shell);
@@ -160,7 +161,7 @@ std::string shell_text(const StructureBody& body) {
                   ratio(fit.length / fit.thickness), 100 * fit.without_shear, 100 * fit.by_spacing, fit.count);
   if (body.is_shell) return fmt::format("  {}: {}{}.\n", body.name, numbers, is_thin ? "" : "; it would better be a solid");
   return fmt::format("  '{}' could be a shell (model = \"shell\", spacing = {:.2g}) of {} particles: {}.\n", body.name, shell.spacing,
-                     shell_particles(mid_surface<D>(shell))[0], numbers);
+                     fill_body<D>(shell).size(), numbers);
 }
 
 std::string shell_text(int dimension, const StructureBody& body) {

@@ -53,15 +53,13 @@ BodyEstimate estimate_body(const Case& scene, const StructureBody& body) {
                                         : std::sqrt(body.young_modulus * (1 - nu) / (body.density * (1 + nu) * (1 - 2 * nu)));
   result.sub_step = scene.structure->numerics.courant * body.spacing / result.wave_speed;
   result.thickness = thin_section<D>(body);
+  double length = (high - low).maxCoeff() + body.spacing;
   if (body.is_shell) {
     const MidSurface<D> surface = mid_surface<D>(body);
-    const std::array<long, 2> count = shell_particles(surface);
-    result.particles = count[0];
-    result.clamped = count[1];
+    length = surface.length();
     result.wave_speed = shell_wave_speed(body);
     result.sub_step = shell_sub_step<D>(scene.structure->numerics.courant, body.spacing, surface.thickness, result.wave_speed);
   }
-  const double length = (high - low).maxCoeff() + body.spacing;
   if (scene.fluid && length > 4 * result.thickness) {
     result.added_mass_ratio = scene.fluid->density * length / 1.875104 / (body.density * result.thickness);
   }

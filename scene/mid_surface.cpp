@@ -92,26 +92,18 @@ ShellFit shell_fit(const StructureBody& body) {
 }
 
 template <int D>
-std::array<long, 2> shell_particles(const MidSurface<D>& surface) {
-  long all = 1, clamped = 0;
-  for (int n = 0; n < D - 1; ++n) {
-    const int held = surface.clamped[n][0] + surface.clamped[n][1];
-    clamped = clamped * (surface.count[n] + held) + all * held - clamped * held;
-    all *= surface.count[n] + held;
-  }
-  return {all, clamped};
-}
-
-template <int D>
 LatticePoints<D> fill_body(const StructureBody& body) {
   if (!body.is_shell) return fill_lattice<D>(body.shape, body.spacing);
+  const MidSurface<D> surface = mid_surface<D>(body);
   Vector<D> low, step;
   std::array<long, 3> count{1, 1, 1};
-  for (int d = 0; d < D; ++d) {
-    const double length = body.shape.max[d] - body.shape.min[d];
-    low[d] = body.shape.min[d];
-    if (length > thickness_of_box(body.shape, D)) count[d] = std::max(1L, std::lround(length / body.spacing));
-    step[d] = length / static_cast<double>(count[d]);
+  low[surface.across] = body.shape.min[surface.across];
+  step[surface.across] = surface.thickness;
+  for (int n = 0; n < D - 1; ++n) {
+    const int d = surface.along[n], held = surface.clamped[n][0] + surface.clamped[n][1];
+    step[d] = (surface.high[n] - surface.low[n]) / (surface.count[n] + 0.5 * held);
+    low[d] = surface.low[n] - (surface.clamped[n][0] ? 0.5 * step[d] : 0);
+    count[d] = surface.count[n] + held;
   }
   LatticePoints<D> points(low, step);
   for (long k = 0; k < count[2]; ++k)
@@ -119,10 +111,9 @@ LatticePoints<D> fill_body(const StructureBody& body) {
   return points;
 }
 
-#define TERN_INSTANTIATE(D)                                           \
-  template MidSurface<D> mid_surface<D>(const StructureBody&);        \
-  template ShellFit shell_fit<D>(const StructureBody&);               \
-  template std::array<long, 2> shell_particles(const MidSurface<D>&); \
+#define TERN_INSTANTIATE(D)                                    \
+  template MidSurface<D> mid_surface<D>(const StructureBody&); \
+  template ShellFit shell_fit<D>(const StructureBody&);        \
   template LatticePoints<D> fill_body<D>(const StructureBody&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

@@ -18,6 +18,13 @@ struct MidSurface {
   std::array<double, D - 1> low{}, high{};           ///< between its clamps [m]
   std::array<std::array<bool, 2>, D - 1> clamped{};  ///< at both ends of each direction
   std::array<int, D - 1> count{};                    ///< free particles along each direction at the body's spacing
+
+  /// The longest free side [m].
+  double length() const {
+    double longest = 0;
+    for (int n = 0; n < D - 1; ++n) longest = std::max(longest, high[n] - low[n]);
+    return longest;
+  }
 };
 
 /// Throws BadInput where the body cannot be modelled as a shell: other than a box, or held by clamps that do not end at a whole edge.
@@ -38,11 +45,8 @@ inline constexpr double most_without_shear = 0.02;  ///< a body with more is bet
 template <int D>
 ShellFit shell_fit(const StructureBody& body);
 
-/// Particles of a shell, and how many of them are held by clamps.
-template <int D>
-std::array<long, 2> shell_particles(const MidSurface<D>& surface);
-
-/// A lattice that shows what the body fills: of a solid its particles, of a shell one layer on its mid-surface, parts in clamps included.
+/// The particles of a body. Those of a shell are one layer on its mid-surface: the held ones stand on the edges of its clamps, the first
+/// free one a whole spacing from a held edge, half a spacing from a free one. Throws as mid_surface() does.
 template <int D>
 LatticePoints<D> fill_body(const StructureBody& body);
 

@@ -107,7 +107,6 @@ struct PlacedBody {
   LatticePoints<D> points;
   const std::vector<Shape>* clamps;
   const VectorExpression* velocity;
-  std::optional<std::array<long, 2>> shell = {};  ///< particles of a shell, and of those the clamped ones; `points` show its area
 };
 
 template <int D>
@@ -124,13 +123,11 @@ std::string text(const Case& scene, std::size_t most_points) {
     for (const FluidBody& body : scene.fluid->bodies)
       add("fluid", "", scene.fluid->spacing, fill_with_fluid<D>(body.shape, scene.fluid->spacing), nullptr, body.velocity);
   if (scene.structure)
-    for (const StructureBody& body : scene.structure->bodies) {
+    for (const StructureBody& body : scene.structure->bodies)
       add("structure", body.name, body.spacing, fill_body<D>(body), &body.clamps, body.velocity);
-      if (body.is_shell) bodies.back().shell = shell_particles(mid_surface<D>(body));
-    }
 
   json result = {{"count", count}, {"walls", json::array()}, {"clamps", json::array()}, {"bodies", json::array()}};
-  for (auto& [said, points, clamps, velocity, shell] : bodies) {
+  for (auto& [said, points, clamps, velocity] : bodies) {
     if (clamps) {
       long clamped = 0;
       json found = rows_inside<D>(points, *clamps, clamped);
@@ -141,7 +138,6 @@ std::string text(const Case& scene, std::size_t most_points) {
       said["step"] = points.step()[0];
       said["rows"] = rows<D>(points);
     }
-    if (shell) said["count"] = (*shell)[0], said["clamped"] = (*shell)[1];
     add_velocities<D>(points, *velocity, said);
     result["bodies"].push_back(std::move(said));
   }

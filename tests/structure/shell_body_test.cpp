@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "base/error.hpp"
 #include "fixtures/structure_scenes.hpp"
 #include "scene/mid_surface.hpp"
+#include "structure/shell/shell_body.hpp"
 #include "structure/surface_points.hpp"
 
 namespace tern::structure::testing {
@@ -166,6 +168,32 @@ void expect_power(const Case& c) {
 TEST(ShellBody, ForcesOnItsFacesHaveThePowerOfTheirPoints) {
   expect_power<2>(shell_plate());
   expect_power<3>(shell_strip());
+}
+
+// Of a body that is free all round, one held at one edge, and one held at two edges that meet.
+template <int D>
+void expect_the_same_particles(StructureBody body, const std::vector<Shape>& clamps) {
+  for (std::size_t held = 0; held <= clamps.size(); ++held) {
+    body.clamps.assign(clamps.begin(), clamps.begin() + static_cast<std::ptrdiff_t>(held));
+    const ShellParticles<D> particles = shell_particles_of<D>(body);
+    const LatticePoints<D> points = fill_body<D>(body);
+    ASSERT_EQ(points.size(), particles.position.size()) << held << " clamps";
+    std::size_t i = 0;
+    for (const Vector<D>& x : points) {
+      EXPECT_LT((x - particles.position[i]).norm(), 1e-14) << i;
+      const auto holds = [&](const Shape& clamp) { return contains<D>(clamp, x); };
+      EXPECT_EQ(std::any_of(body.clamps.begin(), body.clamps.end(), holds), particles.held[i]) << i;
+      ++i;
+    }
+  }
+}
+
+// Seen to fail: with cells that divide the whole box, and without the half spacing at a held edge.
+TEST(ShellBody, HasTheParticlesThatItsCaseIsCheckedWith) {
+  expect_the_same_particles<2>(shell_plate().structure->bodies[0],
+                               {box({0.59, -0.02, 0}, {0.61, 0, 0}), box({0.59, 0.08, 0}, {0.61, 0.1, 0})});
+  expect_the_same_particles<3>(shell_strip().structure->bodies[0],
+                               {box({0.59, -0.02, -0.01}, {0.61, 0, 0.06}), box({0.59, -0.02, 0.04}, {0.61, 0.1, 0.06})});
 }
 
 TEST(ShellBody, OtherThanABoxHeldAtAWholeEdgeIsRefused) {
