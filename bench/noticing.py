@@ -16,6 +16,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
 CASES = ROOT / "tests" / "process" / "cases"
@@ -23,16 +24,28 @@ BUILD = Path(os.environ.get("TERN_BUILD", ROOT / "build" / "release")).resolve()
 DEADLINE_S = 4
 # Before the pressure, the surface, or the condition of the 40th window is sent (bodies of proto/wire/tern.proto).
 STUCK_AT = {"fluid": "send:16:40", "structure": "send:13:40", "coupler": "send:15:40"}
-# Event: signal, to whom, seconds documented in ROBUSTNESS.md and README.md.
-EVENTS = {
-    "killed (SIGKILL)": (signal.SIGKILL, ("fluid", "structure", "coupler"), 1),
-    "terminated (SIGTERM)": (signal.SIGTERM, ("fluid", "structure", "coupler"), 2),
-    "frozen (SIGSTOP)": (signal.SIGSTOP, ("fluid", "structure", "coupler"), 10),
-    "Ctrl-C": (signal.SIGINT, ("launcher",) * 3, 2),
-    "Ctrl-C in a window that does not end": (signal.SIGINT, ("fluid", "structure", "coupler"), 2),
-    f"stuck, with --deadline {DEADLINE_S}": (None, ("fluid", "structure"), DEADLINE_S + 8),
-    f"stuck, after two deadlines of {DEADLINE_S} s": (None, ("coupler",), 2 * DEADLINE_S + 8),
-}
+
+
+class Event(NamedTuple):
+    """What happens to one process; a run is made for each of `victims`. With `stuck` its main thread does nothing any more."""
+
+    name: str
+    signal: int | None  # None: that it is stuck is the event
+    victims: tuple
+    documented_s: int  # in ROBUSTNESS.md and README.md
+    stuck: bool = False
+
+
+ALL = ("fluid", "structure", "coupler")
+EVENTS = (
+    Event("killed (SIGKILL)", signal.SIGKILL, ALL, 1),
+    Event("terminated (SIGTERM)", signal.SIGTERM, ALL, 2),
+    Event("frozen (SIGSTOP)", signal.SIGSTOP, ALL, 10),
+    Event("Ctrl-C", signal.SIGINT, ("launcher",) * 3, 2),
+    Event("Ctrl-C in a window that does not end", signal.SIGINT, ALL, 2, stuck=True),
+    Event(f"stuck, with --deadline {DEADLINE_S}", None, ("fluid", "structure"), DEADLINE_S + 8, stuck=True),
+    Event(f"stuck, after two deadlines of {DEADLINE_S} s", None, ("coupler",), 2 * DEADLINE_S + 8, stuck=True),
+)
 
 
 def process_of(role, out):
@@ -56,21 +69,20 @@ def is_under_way(out, whom):
     return steps.exists() and steps.read_text().count("\n") > 20
 
 
-def seconds_to_the_end(event, number, whom, out):
+def seconds_to_the_end(event, whom, out):
     """Runs a scene, signals once it is under way; the time from then to the end of ./tern."""
-    stuck = "not end" in event or number is None
     words, environment = ["--quiet"], dict(os.environ)
-    if stuck:
+    if event.stuck:
         words += ["--deadline", str(DEADLINE_S)]
         environment |= {"LD_PRELOAD": str(BUILD / "tests" / "libfault_injection.so"), "TERN_FAULT_PROCESS": f"tern-{whom}",
                         "TERN_FAULT_AT": STUCK_AT[whom], "TERN_FAULT_DO": "stuck"}
-    run = subprocess.Popen([ROOT / "tern", "run", CASES / ("splash_plate" if stuck else "small_plate"), "--out", out, *words],
+    run = subprocess.Popen([ROOT / "tern", "run", CASES / ("splash_plate" if event.stuck else "small_plate"), "--out", out, *words],
                            env=environment, stderr=subprocess.DEVNULL, start_new_session=True)
-    while run.poll() is None and not is_under_way(out, whom if stuck else None):
+    while run.poll() is None and not is_under_way(out, whom if event.stuck else None):
         time.sleep(0.02)
     began = time.monotonic()
-    if number is not None:
-        os.kill(run.pid if stuck or whom == "launcher" else process_of(whom, out), number)
+    if event.signal is not None:
+        os.kill(run.pid if event.stuck or whom == "launcher" else process_of(whom, out), event.signal)
     run.wait()
     return time.monotonic() - began
 
@@ -84,14 +96,14 @@ def main():
     try:
         print(f"| event, with {load} busy processes on {os.cpu_count()} cores | to whom: time to the end [s] | documented [s] |")
         print("|---|---|---|")
-        for event, (number, victims, documented) in EVENTS.items():
+        for event in EVENTS:
             cells = []
-            for whom in victims:
+            for whom in event.victims:
                 with tempfile.TemporaryDirectory(prefix="tern-noticing-") as directory:
-                    taken = seconds_to_the_end(event, number, whom, Path(directory) / "run")
-                late = late or taken > documented
+                    taken = seconds_to_the_end(event, whom, Path(directory) / "run")
+                late = late or taken > event.documented_s
                 cells.append(f"{whom} {taken:.1f}")
-            print(f"| {event} | {', '.join(cells)} | {documented} |", flush=True)
+            print(f"| {event.name} | {', '.join(cells)} | {event.documented_s} |", flush=True)
     finally:
         for process in busy:
             process.kill()
