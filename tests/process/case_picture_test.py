@@ -95,6 +95,14 @@ class CasePictureTest(unittest.TestCase):
         for entry, frame in ((path[0], run.frames_of("fluid")[0]), (path[-1], run.frames_of("fluid")[-1])):
             np.testing.assert_allclose(entry["place"], frame["wall_place"][:, :2], atol=1e-9)
 
+    def test_a_case_without_a_title_is_named_by_its_file_or_folder(self):
+        # Seen to fail: with the title alone.
+        self.case.write_text(SCENE.replace('title = "A gate and a plate"\n', ""))
+        case, start = self.said()
+        figure = at_start.figure_of(case, start)
+        self.addCleanup(plt.close, figure)
+        self.assertTrue(any(axis.get_title(loc="left").startswith(f"{self.directory.name}, before the first step") for axis in figure.axes))
+
     def test_the_picture_names_what_the_case_describes(self):
         # Seen to fail: with the gate drawn where it is farthest away.
         case, start = self.said()

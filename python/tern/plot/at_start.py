@@ -394,7 +394,8 @@ def figure_of(case, start, look=None):
     else:
         figure, axis = _rendered(settings, start, bodies, motions, places, look or scenes.Look())
     few = f"\n{_too_many(start)}" if bodies and bodies[0].points is None else ""
-    axis.set_title(f"{style.plain(case['title'])}, before the first step; {_gravity_text(settings, start)}{few}", loc="left")
+    name = style.plain(case["title"] or case["name"])
+    axis.set_title(f"{name}, before the first step; {_gravity_text(settings, start)}{few}", loc="left")
     handles, texts = zip(*legend_of(settings, start, bodies, motions, places))
     axis.legend(handles, [style.plain(text) for text in texts], loc="upper left", bbox_to_anchor=(0.0, 0.0),
                 bbox_transform=axis.transAxes + ScaledTranslation(0, -0.6 if flat else -0.2, figure.dpi_scale_trans),
