@@ -56,7 +56,7 @@ std::string step_limits(const Case& scene, const Estimate& e) {
     if (std::isfinite(e.flow_step)) {
       text +=
           fmt::format("  speed            {:.3g} s = {} dx/|u| at {:.3g} m/s, {}\n", e.flow_step, scene.fluid->numerics.courant, e.speed,
-                      e.settled ? "half of sqrt(|g| H), the least that is reckoned with"
+                      e.settled ? "half of sqrt(|g| H), the least that is reckoned with, or walls and clamps that move"
                                 : "the free fall over the height of the scene, the initial speed, or walls and clamps that move");
     }
   }

@@ -66,10 +66,11 @@ BodyEstimate estimate_body(const Case& scene, const StructureBody& body) {
   return result;
 }
 
-// One body that fills the container from wall to wall but for what is cut out of it, stands on its floor and starts at rest.
+// One body that fills the container from wall to wall but for what is cut out of it, stands on its floor and starts at rest. Whether the
+// container is shaken later makes no free fall of it.
 template <int D>
 bool is_settled(const Case& scene, const Vector<D>& gravity) {
-  if (scene.walls.size() != 1 || !scene.walls[0].container || scene.walls[0].motion || scene.fluid->bodies.size() != 1 ||
+  if (scene.walls.size() != 1 || !scene.walls[0].container || scene.fluid->bodies.size() != 1 ||
       (scene.fluid->bodies[0].shape.kind != Shape::Kind::box && scene.fluid->bodies[0].shape.kind != Shape::Kind::difference)) {
     return false;
   }
