@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -39,18 +40,26 @@ struct Turns {
   std::uint64_t own_before, own, longest_of_zeromq = 0;
 };
 
-/// Of a thread that opens a socket, and of those that ZeroMQ has started for it.
+/// Of a thread that opens a socket, and of those that ZeroMQ has started for it, which name themselves once they run.
 Turns open_socket(SocketKind kind) {
   Turns turns{};
   std::thread([&] {
     turns.own_before = turns_of(0);
     const Socket socket(kind);
     turns.own = turns_of(0);
-    for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
-      std::string name;
-      std::getline(std::ifstream(task.path() / "comm"), name);
-      if (name.starts_with("ZMQ")) turns.longest_of_zeromq = std::max(turns.longest_of_zeromq, turns_of(std::stol(task.path().filename())));
+    int threads = 0;  // of ZeroMQ: two, one that passes messages on and one that closes sockets
+    for (int attempt = 0; attempt < 1000 && threads < 2; ++attempt) {
+      threads = 0;
+      for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+        std::string name;
+        std::getline(std::ifstream(task.path() / "comm"), name);
+        if (!name.starts_with("ZMQ")) continue;
+        turns.longest_of_zeromq = std::max(turns.longest_of_zeromq, turns_of(std::stol(task.path().filename())));
+        ++threads;
+      }
+      if (threads < 2) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
+    EXPECT_EQ(threads, 2);
   }).join();
   return turns;
 }
