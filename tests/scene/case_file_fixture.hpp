@@ -2,14 +2,13 @@
 // A small case that tests read as it is, or with a piece of its text replaced.
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
 
 #include "base/error.hpp"
+#include "fixtures/scratch_directory.hpp"
 #include "scene/case_file.hpp"
 
 namespace tern {
@@ -42,26 +41,22 @@ body = "plate"
 at = [0.75, 0.5]
 )";
 
+/// The text with one piece of it replaced.
+inline std::string replaced(std::string text, const std::string& old_text, const std::string& new_text) {
+  const auto at = text.find(old_text);
+  EXPECT_NE(at, std::string::npos) << old_text;
+  return text.replace(at, old_text.size(), new_text);
+}
+
 class CaseFile : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("tern_case_file_test_" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   Case read(const std::string& text, const CaseOptions& options = {}) {
     std::ofstream(folder_ / "case.toml") << text;
-    return read_case(folder_.string(), options);
+    return read_case(folder_.path(), options);
   }
 
   // The small case with one piece of its text replaced.
-  static std::string with(const std::string& old_text, const std::string& new_text) {
-    std::string text = small_case;
-    const auto at = text.find(old_text);
-    EXPECT_NE(at, std::string::npos) << old_text;
-    return text.replace(at, old_text.size(), new_text);
-  }
+  static std::string with(const std::string& old_text, const std::string& new_text) { return replaced(small_case, old_text, new_text); }
 
   std::string sentence(const std::string& text, const CaseOptions& options = {}) {
     try {
@@ -78,7 +73,7 @@ class CaseFile : public ::testing::Test {
     EXPECT_TRUE(found.ends_with(".") || found.ends_with("?")) << found;
   }
 
-  std::filesystem::path folder_;
+  ScratchDirectory folder_;
 };
 
 }  // namespace tern

@@ -19,7 +19,7 @@ TEST_F(CaseFile, IsReadIntoTheCase) {
   EXPECT_EQ(c.dimension, 2);
   EXPECT_EQ(c.end_time, 0.5);
   EXPECT_EQ(c.gravity[1](0), -9.81);
-  EXPECT_EQ(c.name, folder_.filename().string());
+  EXPECT_EQ(c.name, std::filesystem::path(folder_.path()).filename().string());
   ASSERT_EQ(c.walls.size(), 1u);
   EXPECT_TRUE(c.walls[0].container);
   EXPECT_EQ(c.walls[0].open, std::vector<std::string>{"y_max"});

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <fstream>
 #include <thread>
+#include <vector>
 
 namespace tern::proto {
 namespace {
@@ -40,26 +41,31 @@ struct Turns {
   std::uint64_t own_before, own, longest_of_zeromq = 0;
 };
 
-/// Of a thread that opens a socket, and of those that ZeroMQ has started for it, which name themselves once they run.
+/// Of the threads of ZeroMQ, which name themselves once they run.
+std::vector<std::uint64_t> turns_of_zeromq() {
+  std::vector<std::uint64_t> turns;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::string name;
+    std::getline(std::ifstream(task.path() / "comm"), name);
+    if (name.starts_with("ZMQ")) turns.push_back(turns_of(std::stol(task.path().filename())));
+  }
+  return turns;
+}
+
+/// Of a thread that opens a socket, and of those that ZeroMQ has started for it: one that passes messages on and one that closes sockets.
 Turns open_socket(SocketKind kind) {
   Turns turns{};
   std::thread([&] {
     turns.own_before = turns_of(0);
     const Socket socket(kind);
     turns.own = turns_of(0);
-    int threads = 0;  // of ZeroMQ: two, one that passes messages on and one that closes sockets
-    for (int attempt = 0; attempt < 1000 && threads < 2; ++attempt) {
-      threads = 0;
-      for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
-        std::string name;
-        std::getline(std::ifstream(task.path() / "comm"), name);
-        if (!name.starts_with("ZMQ")) continue;
-        turns.longest_of_zeromq = std::max(turns.longest_of_zeromq, turns_of(std::stol(task.path().filename())));
-        ++threads;
-      }
-      if (threads < 2) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    std::vector<std::uint64_t> zeromq = turns_of_zeromq();
+    for (int attempt = 0; attempt < 1000 && zeromq.size() < 2; ++attempt) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      zeromq = turns_of_zeromq();
     }
-    EXPECT_EQ(threads, 2);
+    EXPECT_EQ(zeromq.size(), 2U);
+    for (const std::uint64_t each : zeromq) turns.longest_of_zeromq = std::max(turns.longest_of_zeromq, each);
   }).join();
   return turns;
 }
