@@ -54,10 +54,10 @@ std::string step_limits(const Case& scene, const Estimate& e) {
       text += fmt::format("  viscosity        {:.3g} s = {} h^2/nu\n", e.viscous_step, scene.fluid->numerics.viscous_courant);
     }
     if (std::isfinite(e.flow_step)) {
-      text +=
-          fmt::format("  speed            {:.3g} s = {} dx/|u| at {:.3g} m/s, {}\n", e.flow_step, scene.fluid->numerics.courant, e.speed,
-                      e.settled ? "half of sqrt(|g| H), the least that is reckoned with, or walls and clamps that move"
-                                : "the free fall over the height of the scene, the initial speed, or walls and clamps that move");
+      text += fmt::format("  speed            {:.3g} s = {} dx/|u| at {:.3g} m/s, {}, or walls and clamps that move\n", e.flow_step,
+                          scene.fluid->numerics.courant, e.speed,
+                          e.settled ? "half of sqrt(|g| H), the least that is reckoned with"
+                                    : "the free fall over the height of the scene, the initial speed");
     }
   }
   for (const BodyEstimate& body : e.bodies) {

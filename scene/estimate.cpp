@@ -37,14 +37,9 @@ BodyEstimate estimate_body(const Case& scene, const StructureBody& body) {
   const auto clamped = [&](const Vector<D>& x) {
     return std::any_of(body.clamps.begin(), body.clamps.end(), [&](const Shape& s) { return contains<D>(s, x); });
   };
-  Vector<D> low = Vector<D>::Constant(infinity), high = -low;
   for (const Vector<D>& x : fill_body<D>(body)) {
     ++result.particles;
-    if (clamped(x)) {
-      ++result.clamped;
-    } else {
-      low = low.cwiseMin(x), high = high.cwiseMax(x);
-    }
+    result.clamped += clamped(x);
   }
   for (const Vector<D>& x : sample_surface<D>(body.shape, patch_length(body.spacing, scene.fluid)).position)
     result.surface_points += !clamped(x);
@@ -53,14 +48,12 @@ BodyEstimate estimate_body(const Case& scene, const StructureBody& body) {
                                         : std::sqrt(body.young_modulus * (1 - nu) / (body.density * (1 + nu) * (1 - 2 * nu)));
   result.sub_step = scene.structure->numerics.courant * body.spacing / result.wave_speed;
   result.thickness = thin_section<D>(body);
-  double length = (high - low).maxCoeff() + body.spacing;
   if (body.is_shell) {
     const MidSurface<D> surface = mid_surface<D>(body);
-    length = surface.length();
     result.wave_speed = shell_wave_speed(body);
     result.sub_step = shell_sub_step<D>(scene.structure->numerics.courant, body.spacing, surface.thickness, result.wave_speed);
   }
-  if (scene.fluid && length > 4 * result.thickness) {
+  if (const double length = free_length<D>(body); scene.fluid && length > 4 * result.thickness) {
     result.added_mass_ratio = scene.fluid->density * length / 1.875104 / (body.density * result.thickness);
   }
   return result;

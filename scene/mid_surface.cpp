@@ -111,10 +111,28 @@ LatticePoints<D> fill_body(const StructureBody& body) {
   return points;
 }
 
-#define TERN_INSTANTIATE(D)                                    \
-  template MidSurface<D> mid_surface<D>(const StructureBody&); \
-  template ShellFit shell_fit<D>(const StructureBody&);        \
-  template LatticePoints<D> fill_body<D>(const StructureBody&);
+template <int D>
+double free_length(const StructureBody& body) {
+  double longest = 0;
+  if (body.is_shell) {
+    const MidSurface<D> surface = mid_surface<D>(body);
+    for (int n = 0; n < D - 1; ++n) longest = std::max(longest, surface.high[n] - surface.low[n]);
+    return longest;
+  }
+  const Vector<D> half = Vector<D>::Constant(0.5 * body.spacing);
+  Vector<D> low = Vector<D>::Constant(1e300), high = -low;
+  for (const Vector<D>& x : fill_lattice<D>(body.shape, body.spacing)) {
+    if (std::any_of(body.clamps.begin(), body.clamps.end(), [&](const Shape& clamp) { return contains<D>(clamp, x); })) continue;
+    low = low.cwiseMin(x - half), high = high.cwiseMax(x + half);
+  }
+  return (high - low).maxCoeff();
+}
+
+#define TERN_INSTANTIATE(D)                                     \
+  template MidSurface<D> mid_surface<D>(const StructureBody&);  \
+  template ShellFit shell_fit<D>(const StructureBody&);         \
+  template LatticePoints<D> fill_body<D>(const StructureBody&); \
+  template double free_length<D>(const StructureBody&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)
 #undef TERN_INSTANTIATE

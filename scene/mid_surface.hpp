@@ -18,13 +18,6 @@ struct MidSurface {
   std::array<double, D - 1> low{}, high{};           ///< between its clamps [m]
   std::array<std::array<bool, 2>, D - 1> clamped{};  ///< at both ends of each direction
   std::array<int, D - 1> count{};                    ///< free particles along each direction at the body's spacing
-
-  /// The longest free side [m].
-  double length() const {
-    double longest = 0;
-    for (int n = 0; n < D - 1; ++n) longest = std::max(longest, high[n] - low[n]);
-    return longest;
-  }
 };
 
 /// Throws BadInput where the body cannot be modelled as a shell: other than a box, or held by clamps that do not end at a whole edge.
@@ -49,6 +42,11 @@ ShellFit shell_fit(const StructureBody& body);
 /// free one a whole spacing from a held edge, half a spacing from a free one. Throws as mid_surface() does.
 template <int D>
 LatticePoints<D> fill_body(const StructureBody& body);
+
+/// Longest side [m] of what no clamp holds: of a solid the box around its free particles with their half spacings, of a shell its
+/// mid-surface between clamps. Throws as mid_surface() does.
+template <int D>
+double free_length(const StructureBody& body);
 
 /// Speed of waves along a plate, sqrt(E'/rho), E' = E/(1 - nu^2), or E in plane stress [m/s].
 inline double shell_wave_speed(const StructureBody& body) {

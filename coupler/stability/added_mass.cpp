@@ -51,17 +51,7 @@ AddedMass predict_added_mass(const Case& scene, const SurfaceProperties& propert
     const double mass = section_mass(properties, b);
     if (mass == 0) continue;
 
-    double length = 0;
-    if (body.is_shell) {
-      length = mid_surface<D>(body).length();
-    } else {
-      auto free = nothing<D>();
-      enclose<D>(free, fill_lattice<D>(body.shape, body.spacing), body.spacing, [&](const Vector<D>& x) {
-        return std::none_of(body.clamps.begin(), body.clamps.end(), [&](const Shape& s) { return contains<D>(s, x); });
-      });
-      length = (free.max - free.min).maxCoeff();
-    }
-    const double wave = length / 1.875104;
+    const double wave = free_length<D>(body) / 1.875104;
     AddedMass here{body.name, 0, std::min(depth, wave), depth < wave};
     here.ratio = scene.fluid->density * here.length / mass;
     if (here.ratio > largest.ratio) largest = here;
