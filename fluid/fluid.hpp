@@ -70,9 +70,10 @@ class Fluid {
   const Neighbours<D>& neighbours() const { return neighbours_; }
   const Corrections<D>& correction() const { return correction_; }
   const Prediction<D>& prediction() const { return prediction_; }
-  /// Matrix, right-hand side and solution of the last pressure solve.
+  /// Matrix, right-hand side and solution of the last pressure solve, without the correction for what it left behind.
   const EdgeMatrix& pressure_matrix() const { return system_.matrix; }
   const std::vector<double>& pressure_source() const { return system_.source; }
+  const std::vector<double>& pressure_solution() const { return system_.solution; }
   const SolveResult& last_solve() const { return system_.result; }
   /// Faces of walls and of the structure as of the last window, each with its finder.
   std::array<std::pair<const Faces<D>*, const FaceFinder<D>*>, 2> faces() const {
@@ -106,6 +107,8 @@ class Fluid {
   void compute_divergence();
   /// Adds dt f/m to the velocity of the particles at the structure; whether any force is not 0.
   bool push(const std::vector<Vector<D>>& force);
+  /// Corrects the pressure for what its equation has left of the divergence.
+  void drive_out_what_is_left();
   /// Undoes what the last coupling iteration has done to the fluid.
   void return_to_unprojected_velocity(const std::vector<Vector<D>>& surface_velocity);
 
@@ -121,7 +124,8 @@ class Fluid {
   Boundary<D> boundary_;
   Corrections<D> correction_;
   PackedVelocities<D> packed_;
-  std::vector<double> divergence_, density_source_;
+  std::vector<double> divergence_, density_source_, divergence_target_;  ///< div u*, s, q
+  std::vector<Vector<D>> projected_velocity_;                            ///< by the first solve of the window
   PressureSystem<D> system_;
   std::vector<int> at_structure_;                               ///< particles that see the structure
   std::vector<Vector<D>> images_;                               ///< of one particle in its walls

@@ -3,7 +3,7 @@
 //
 //   begin_window     r* = r^n + dt/2 u^n,  u* = u^n + dt g;  neighbours at r*
 //   see_surface      faces of walls and structure;  M, C, n;  free surface;  u* += dt nu lap u^n, noise damped;  div u*
-//   solve_pressure   u* += dt a_dissipative;  pressure Poisson equation;  u** = u* - dt grad p / rho
+//   solve_pressure   u* += dt a_dissipative;  pressure Poisson equation, and once more for what is left;  u** = u* - dt grad p / rho
 //   end_window       u^{n+1} = u** + dt a_interface;  contacts;  r^{n+1} = r* + dt/2 u^{n+1};  shifting
 //
 // Drift, kick, drift: forces and incompressibility belong to the middle of the window, which makes the step time-symmetric
@@ -23,10 +23,13 @@
 #include "fluid/motion/prediction.hpp"
 #include "fluid/motion/shifting.hpp"
 #include "fluid/motion/speed_limit.hpp"
+#include "fluid/motion/velocity_gradient.hpp"
 #include "fluid/motion/velocity_noise.hpp"
 #include "fluid/motion/viscosity.hpp"
 #include "fluid/pressure/density_source.hpp"
 #include "fluid/pressure/divergence.hpp"
+#include "fluid/pressure/divergence_target.hpp"
+#include "fluid/pressure/left_behind.hpp"
 #include "fluid/pressure/pressure_gradient.hpp"
 #include "fluid/pressure/pressure_poisson.hpp"
 #include "fluid/pressure/pressure_solve.hpp"
@@ -64,10 +67,11 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
     state_.evaluations.viscosity += static_cast<long>(state_.size());
     add_viscosity(constants, window_.duration, neighbours_, boundary_, prediction_.position, state_.velocity, prediction_.velocity);
   }
+  compute_velocity_gradient(reference_.period, neighbours_, correction_, state_.particle_class, prediction_.position, state_.velocity,
+                            packed_);  // L
   if (const double share = damped_share(reference_, window_.duration, prediction_.bulk_speed); share > 0) {
     state_.evaluations.noise_damping += static_cast<long>(state_.size());
-    damp_velocity_noise(share, reference_.period, neighbours_, correction_, state_.particle_class, prediction_.position, packed_,
-                        prediction_.velocity);
+    damp_velocity_noise(share, reference_.period, neighbours_, state_.particle_class, packed_, prediction_.velocity);
   }
   compute_divergence();  // div u*
 
@@ -84,7 +88,9 @@ void Fluid<D>::prepare_pressure() {
     state_.evaluations.density_source += static_cast<long>(state_.size());
     compute_density_source(reference_, prediction_.bulk_speed, neighbours_, boundary_, correction_, state_.particle_class, density_source_);
   }
+  set_divergence_target(window_.duration, neighbours_, at_structure_, packed_, density_source_, divergence_target_);
   assemble_pressure_matrix(reference_.constants, state_, neighbours_, boundary_, correction_, system_.matrix);
+  system_.left_behind.clear();
   pressure_prepared_ = true;
 }
 
@@ -102,9 +108,9 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
     if (first) {
       complete_pressure_matrix(constants, load, neighbours_, boundary_, correction_, at_structure_, state_, system_);
       // Where no surface lets a pool change its volume, its own mean density is the one to keep.
-      if (!density_source_.empty() && system_.without_surface.any()) system_.without_surface.subtract_means(density_source_);
+      if (system_.without_surface.any()) system_.without_surface.subtract_means(divergence_target_);
     }
-    assemble_pressure_source(constants, window_.duration, load, state_, prediction_, boundary_, divergence_, density_source_, system_);
+    assemble_pressure_source(constants, window_.duration, load, state_, prediction_, boundary_, divergence_, divergence_target_, system_);
   }
   {
     ScopedTimer timer(timing_.pressure_solve);
@@ -114,8 +120,9 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
     }
     solve_pressure_poisson(constants, window_, prediction_.position, state_, system_);
   }
+  if (first) drive_out_what_is_left();
   ScopedTimer timer(timing_.correction);
-  apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, packed_.motion, &at_structure_,
+  apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, packed_.motion, &at_structure_, true,
                           prediction_.velocity);  // u** at the structure
   velocity_complete_ = false;
   InterfacePressure<D> pressure;
@@ -127,9 +134,32 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
 }
 
 template <int D>
+void Fluid<D>::drive_out_what_is_left() {
+  const auto find_left = [&](std::vector<double>& left) {
+    ScopedTimer timer(timing_.correction);
+    projected_velocity_ = prediction_.velocity;
+    apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, packed_.motion, nullptr, false,
+                            projected_velocity_);
+    fluid::compute_divergence(reference_.period, neighbours_, boundary_, correction_, state_.particle_class, prediction_.position,
+                              projected_velocity_, packed_.motion, divergence_);
+    left.assign(system_.matrix.padded_rows(), 0);
+    assemble_left_behind(reference_.constants, window_.duration, neighbours_, at_structure_, state_.particle_class, divergence_,
+                         divergence_target_, left);
+  };
+  find_left(system_.left_behind);
+  {
+    ScopedTimer timer(timing_.pressure_solve);
+    solve_for_correction(reference_.constants, window_, prediction_.position, state_, system_);
+    add_correction(system_, state_);
+  }
+  find_left(system_.still_left);
+  keep_best_share(system_, state_);
+}
+
+template <int D>
 void Fluid<D>::complete_velocity() {
   ScopedTimer timer(timing_.correction);
-  apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, packed_.motion, nullptr,
+  apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, packed_.motion, nullptr, true,
                           prediction_.velocity);  // u** elsewhere
   velocity_complete_ = true;
 }
@@ -193,6 +223,7 @@ void Fluid<D>::return_to_unprojected_velocity(const std::vector<Vector<D>>& surf
   template InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>&);              \
   template void Fluid<D>::prepare_pressure();                                           \
   template InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>&); \
+  template void Fluid<D>::drive_out_what_is_left();                                     \
   template void Fluid<D>::complete_velocity();                                          \
   template void Fluid<D>::end_window(const InterfaceForce<D>&);                         \
   template void Fluid<D>::pass_window();                                                \

@@ -24,7 +24,7 @@ struct Group {
 // they are cheaper, as one beside a fluid does by itself. Beside a structure the windows stay short while the fluid is slow: at
 // 0.13 sqrt(dx/g) the coupling makes energy (docs/STABILITY.md). Not a looser pressure: it saves a tenth, and the implicit coupling fails.
 const Group draft{2,
-                  {{"fluid.numerics.courant", "0.3"}},
+                  {{"fluid.numerics.courant", "0.4"}},
                   {{"fluid.numerics.gravity_courant", "0.2"}},
                   {{"structure.numerics.integrator", "\"auto\""}},
                   {}};

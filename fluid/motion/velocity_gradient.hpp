@@ -1,8 +1,11 @@
 #pragma once
 // S_i = sum_F V_j (u_j - u_i) grad w_ij^T, from which velocity gradient and divergence are made.
 
+#include "fluid/correction_matrix.hpp"
 #include "fluid/motion/motion.hpp"
 #include "fluid/neighbours.hpp"
+#include "fluid/particle_class.hpp"
+#include "fluid/workspace.hpp"
 
 namespace tern::fluid {
 
@@ -23,5 +26,12 @@ Matrix<D> velocity_gradient_sum(const Neighbours<D>& neighbours, const PackedPer
     for (int a = 0; a < D; ++a) sum(a, b) = even[b][a] + odd[b][a];
   return sum;
 }
+
+/// Half of L_i = S_i C^F_i of every particle, exact for linear fields; 0 where the support is too poor for that. Packs position and
+/// velocity.
+template <int D>
+void compute_velocity_gradient(const Period<D>& space, const Neighbours<D>& neighbours, const Corrections<D>& correction,
+                               const std::vector<ParticleClass>& particle_class, const std::vector<Vector<D>>& position,
+                               const std::vector<Vector<D>>& velocity, PackedVelocities<D>& packed);
 
 }  // namespace tern::fluid

@@ -10,7 +10,6 @@
 #include "fluid/motion/velocity_noise.hpp"
 
 #include "base/parallel.hpp"
-#include "fluid/motion/velocity_gradient.hpp"
 #include "fluid/pressure/density_source.hpp"
 
 namespace tern::fluid {
@@ -26,25 +25,15 @@ double damped_share(const Reference<D>& reference, double duration, double bulk_
 }
 
 template <int D>
-void damp_velocity_noise(double share, const Period<D>& space, const Neighbours<D>& neighbours, const Corrections<D>& correction,
-                         const std::vector<ParticleClass>& particle_class, const std::vector<Vector<D>>& position,
-                         PackedVelocities<D>& packed, std::vector<Vector<D>>& velocity) {
+void damp_velocity_noise(double share, const Period<D>& space, const Neighbours<D>& neighbours,
+                         const std::vector<ParticleClass>& particle_class, const PackedVelocities<D>& packed,
+                         std::vector<Vector<D>>& velocity) {
   if (share == 0) return;
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
-  std::vector<Motion<D>>& motion = packed.motion;
-  std::vector<std::array<Packed<D>, D>>& half_gradient = packed.half_gradient;
-  pack<D>(position, velocity, motion);
-  half_gradient.resize(n);
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(velocity.size());
+  const std::vector<Motion<D>>& motion = packed.motion;
+  const std::vector<std::array<Packed<D>, D>>& half_gradient = packed.half_gradient;
   space.specialise([&](auto periodic) {
     const PackedPeriod<decltype(periodic)::value, D> period(space);
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-    for (std::ptrdiff_t i = 0; i < n; ++i) {
-      half_gradient[i].fill(Packed<D>::Zero());
-      if (!particle_class[i].has(ParticleClass::corrected_gradient)) continue;
-      const Matrix<D> gradient = velocity_gradient_sum(neighbours, period, motion, i) * correction.fluid[i];
-      for (int b = 0; b < D; ++b)
-        for (int a = 0; a < D; ++a) half_gradient[i][b][a] = 0.5 * gradient(a, b);
-    }
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
     for (std::ptrdiff_t i = 0; i < n; ++i) {
       if (!particle_class[i].has(ParticleClass::corrected_gradient)) continue;
@@ -66,11 +55,9 @@ void damp_velocity_noise(double share, const Period<D>& space, const Neighbours<
 
 template double damped_share<2>(const Reference<2>&, double, double);
 template double damped_share<3>(const Reference<3>&, double, double);
-template void damp_velocity_noise<2>(double, const Period<2>&, const Neighbours<2>&, const Corrections<2>&,
-                                     const std::vector<ParticleClass>&, const std::vector<Vector<2>>&, PackedVelocities<2>&,
-                                     std::vector<Vector<2>>&);
-template void damp_velocity_noise<3>(double, const Period<3>&, const Neighbours<3>&, const Corrections<3>&,
-                                     const std::vector<ParticleClass>&, const std::vector<Vector<3>>&, PackedVelocities<3>&,
-                                     std::vector<Vector<3>>&);
+template void damp_velocity_noise<2>(double, const Period<2>&, const Neighbours<2>&, const std::vector<ParticleClass>&,
+                                     const PackedVelocities<2>&, std::vector<Vector<2>>&);
+template void damp_velocity_noise<3>(double, const Period<3>&, const Neighbours<3>&, const std::vector<ParticleClass>&,
+                                     const PackedVelocities<3>&, std::vector<Vector<3>>&);
 
 }  // namespace tern::fluid

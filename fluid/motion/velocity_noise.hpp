@@ -12,10 +12,10 @@ namespace tern::fluid {
 template <int D>
 double damped_share(const Reference<D>& reference, double duration, double bulk_speed);
 
-/// Takes this share of the noise out of `velocity`. `packed`: scratch.
+/// Takes this share of the noise in the packed velocities out of `velocity`.
 template <int D>
-void damp_velocity_noise(double share, const Period<D>& space, const Neighbours<D>& neighbours, const Corrections<D>& correction,
-                         const std::vector<ParticleClass>& particle_class, const std::vector<Vector<D>>& position,
-                         PackedVelocities<D>& packed, std::vector<Vector<D>>& velocity);
+void damp_velocity_noise(double share, const Period<D>& space, const Neighbours<D>& neighbours,
+                         const std::vector<ParticleClass>& particle_class, const PackedVelocities<D>& packed,
+                         std::vector<Vector<D>>& velocity);
 
 }  // namespace tern::fluid

@@ -52,8 +52,33 @@ void Multigrid<D>::build(const EdgeMatrix& matrix, const std::vector<Vector<D>>&
   for (const Entry& entry : last.further_entries) dense(entry.row, entry.column) += entry.value;
   Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> in_place(dense);
   coarsest_solution_.resize(last.nodes());
+  find_parts();
 
   for (auto* v : {&r_, &z_, &az_}) v->assign(matrix.padded_rows(), 0);
+}
+
+template <int D>
+void Multigrid<D>::find_parts() {
+  const Level& last = levels_.back();
+  const int n = static_cast<int>(last.nodes());
+  parts_.reset(n);
+  for (int a = 0; a < n; ++a) for_entries(last, a, [&](int b, float) { parts_.join(a, b); });
+  parts_.count_parts(n);
+  part_of_particle_.assign(matrix_->rows(), 0);
+  if (parts_.count() < 2) return;
+  auto &part = part_of_node_, &finer = part_of_finer_node_;
+  part.resize(n);
+  for (int a = 0; a < n; ++a) part[a] = parts_.number(a);
+  for (std::size_t level = levels_.size() - 1; level-- > 0;) {
+    finer.resize(levels_[level].nodes());
+    for (std::size_t a = 0; a < finer.size(); ++a)
+      for (int parent : levels_[level].parent[a])
+        if (parent >= 0) finer[a] = part[parent];
+    part.swap(finer);
+  }
+  for (std::size_t cell = 0; cell < cell_node_.size(); ++cell)
+    for (int entry = cell_start_[cell]; entry < cell_start_[cell + 1]; ++entry)
+      part_of_particle_[cell_particle_[entry]] = part[cell_node_[cell][0]];
 }
 
 template <int D>

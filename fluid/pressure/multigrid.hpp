@@ -43,6 +43,11 @@ class Multigrid {
   /// z = B r, symmetric positive definite: one V(1,1) cycle from zero. Both of padded length.
   void apply(const std::vector<double>& r, std::vector<double>& z);
 
+  /// Parts of the fluid that the coarsest grid does not connect: waters on the two sides of a wall, or far apart. Their number, and the
+  /// part of each particle (0 where its pressure is not an unknown).
+  int parts() const { return parts_.count(); }
+  const std::vector<int>& part_of_particle() const { return part_of_particle_; }
+
  private:
   static constexpr int corners = 1 << D;  ///< nodes of a grid cell
   static constexpr int stencil = D == 2 ? 9 : 27;
@@ -88,6 +93,7 @@ class Multigrid {
   /// Adds to the entry of a row that is by_split; `offset` leads to the place of the column.
   void add_entry(Level& level, int row, const std::array<int, D>& offset, int column, float value);
   void finish(Level& level);
+  void find_parts();
   /// Calls visit(node, value) for the entries of a row that are not 0.
   template <class Visit>
   static void for_entries(const Level& level, int row, Visit&& visit) {
@@ -139,8 +145,9 @@ class Multigrid {
   std::vector<int> cell_of_particle_, population_, compact_, next_;
   std::vector<int> home_of_further_cell_, suspect_cells_;  ///< cells of the grid, both in ascending order
   std::vector<std::array<float, corners * corners>> element_;
-  ConnectedParts parts_;
+  ConnectedParts parts_;  ///< in the end those of the coarsest grid
   std::vector<int> around_, corner_of_;
+  std::vector<int> part_of_particle_, part_of_node_, part_of_finer_node_;
 };
 
 }  // namespace tern::fluid

@@ -1,5 +1,5 @@
 // Acceleration by the pressure gradient, a_i = -G_i / rho. With B_i = sum_F V_j (p_j - p_i) grad w_ij:
-//   blended:    G = C_i (B_i + H_i) + 2 theta p^_i sum V grad w,   p^_i = min(max(p_i, 0), 20 dx |C_i (B_i + H_i)|)
+//   blended:    G = C_i (B_i + H_i) + 2 min(theta max(p_i, 0), rho h^2 / (5.4 dt^2)) sum V grad w
 //   symmetric:  G = B_i + H_i + T_i C^F_i B_i + 2 p_i sum V grad w                  = sum V_j (p_j + p_i) grad w_ij
 // A wall mirrors the pressure: along its normal p_w = p_i + rho (g - a_w) . (r_w - r_i), which gives H_i, along its face
 // with the fluid's own gradient, which C_i finds (blended form) or T_i completes (symmetric form). The symmetric form conserves momentum
@@ -9,26 +9,31 @@
 #include "fluid/pressure/pressure_gradient.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/parallel.hpp"
 
 namespace tern::fluid {
 namespace {
 
-/// The regularising part takes no more pressure than this many layers of the local gradient make up. It answers to the
-/// level of the pressure, not to its differences, so in deep water, on disordered particles, it would outweigh the projection.
-constexpr double most_layers = 20;
+/// The regularising part is a spring between particles. A displacement of wave number k from a lattice answers with
+/// omega^2 = (2 theta p / rho) sum V (1 - cos(k . r)) w'', at most 2.7 times the first factor over h^2 (2D and 3D, h of 1.3 to 2 spacings).
+/// It takes no more pressure than gives omega dt = 1: an explicit force is unstable from 2 on, and the pressure of an impact is that of
+/// the step.
+constexpr double stiffest = 2.7;
 
 }  // namespace
 
 template <int D>
 void apply_pressure_gradient(const Reference<D>& reference, double duration, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
                              const Corrections<D>& correction, const State<D>& state, const std::vector<Motion<D>>& motion,
-                             const std::vector<int>* only, std::vector<Vector<D>>& velocity) {
+                             const std::vector<int>* only, bool with_order, std::vector<Vector<D>>& velocity) {
   const Constants<D>& constants = reference.constants;
   const bool at_structure = only != nullptr;
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(at_structure ? only->size() : state.size());
-  const double theta = constants.numerics.blend_theta, scale = -duration / constants.density;
+  const double theta = with_order ? constants.numerics.blend_theta : 0, scale = -duration / constants.density;
+  // theta p^ of a force whose vibrations the window resolves
+  const double most = constants.density / (2 * stiffest) * std::pow(constants.kernel.smoothing_length() / duration, 2);
   const double* pressure = state.pressure.data();
   reference.period.specialise([&](auto periodic) {
     const PackedPeriod<decltype(periodic)::value, D> period(reference.period);
@@ -56,8 +61,7 @@ void apply_pressure_gradient(const Reference<D>& reference, double duration, con
         gradient = difference + 2 * p * kernel_gradient;
       } else {
         gradient = correction.matrix[i] * difference;
-        const double regularising = std::min(std::max(p, 0.0), most_layers * constants.spacing * gradient.norm());
-        gradient += 2 * theta * regularising * kernel_gradient;
+        gradient += 2 * std::min(theta * std::max(p, 0.0), most) * kernel_gradient;
       }
       velocity[i] += scale * gradient;
     }
@@ -65,8 +69,10 @@ void apply_pressure_gradient(const Reference<D>& reference, double duration, con
 }
 
 template void apply_pressure_gradient<2>(const Reference<2>&, double, const Neighbours<2>&, const Boundary<2>&, const Corrections<2>&,
-                                         const State<2>&, const std::vector<Motion<2>>&, const std::vector<int>*, std::vector<Vector<2>>&);
+                                         const State<2>&, const std::vector<Motion<2>>&, const std::vector<int>*, bool,
+                                         std::vector<Vector<2>>&);
 template void apply_pressure_gradient<3>(const Reference<3>&, double, const Neighbours<3>&, const Boundary<3>&, const Corrections<3>&,
-                                         const State<3>&, const std::vector<Motion<3>>&, const std::vector<int>*, std::vector<Vector<3>>&);
+                                         const State<3>&, const std::vector<Motion<3>>&, const std::vector<int>*, bool,
+                                         std::vector<Vector<3>>&);
 
 }  // namespace tern::fluid

@@ -1,5 +1,5 @@
 // Pressure Poisson equation (seed paper eq. 2 with the sign a projection needs), rows scaled by V_i:
-//   sum_j a_ij (p_i - p_j) + c_i p_i = -(rho/dt) V_i (div_i(u*) - s_i) + sum_k kappa_ik (p^_k - rho g.(x_k - x_i))
+//   sum_j a_ij (p_i - p_j) + c_i p_i = -(rho/dt) V_i (div_i(u*) - q_i) + sum_k kappa_ik (p^_k - rho g.(x_k - x_i))
 //   a_ij  = V_i V_j K_ij,  K = 2 |w'|/r                        (Cummins & Rudman 1999)
 //   c_i   = V_i f_i K_full + sum_k kappa_ik + sum_spray a_ij
 // Free surface: the missing part f_i = 1 - tr M_i / D of a support acts as neighbours at p = 0. Unlike p = 0 on marked
@@ -9,6 +9,7 @@
 // divergence 4 (dt/rho) p E_i^2 goes on the diagonal:
 //   c_i += 4 V_i E_i^2,   E_i = sum V grad w over fluid and faces.
 // Without it the pressure answers that motion one window late, and both swing and grow.
+// What this operator leaves of the divergence, because it is not the divergence of the pressure gradient: left_behind.hpp.
 // Walls and structure are no unknowns: their flux is in div(u*). The structure yields to an increment of pressure,
 // du_k = -dt (p + rho g.(x_k - x_i) - p^_k)/m_k n_k, which inserted in div(u^{n+1}) gives kappa_ik = 2 rho V_i A_k w~_ik / m_k.
 
@@ -17,6 +18,7 @@
 #include <algorithm>
 
 #include "base/parallel.hpp"
+#include "fluid/pressure/divergence_target.hpp"
 
 namespace tern::fluid {
 namespace {
@@ -131,14 +133,14 @@ void complete_pressure_matrix(const Constants<D>& constants, const InterfaceCond
 template <int D>
 void assemble_pressure_source(const Constants<D>& constants, double duration, const InterfaceCondition<D>& load, const State<D>& state,
                               const Prediction<D>& prediction, const Boundary<D>& boundary, const std::vector<double>& divergence,
-                              const std::vector<double>& density_source, PressureSystem<D>& system) {
+                              const std::vector<double>& target, PressureSystem<D>& system) {
   const int n = static_cast<int>(state.size());
   const double density = constants.density, scale = -density / duration * constants.volume;
   system.source.assign(system.matrix.padded_rows(), 0);
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (int i = 0; i < n; ++i) {
     if (!state.particle_class[i].pressure_unknown()) continue;
-    double b = scale * (density_source.empty() ? divergence[i] : divergence[i] - density_source[i]);
+    double b = scale * (divergence[i] - target[i]);
     // Past a corner the pressure behind the face goes on along the face as before it, by the weight of the fluid.
     b += 2 * density * constants.volume * prediction.gravity[i].dot(boundary.sums.back_facing_gradient[i]);
     for (int entry = boundary.surface_rows.begin[i]; entry < boundary.surface_rows.begin[i] + boundary.surface_rows.count[i]; ++entry) {
@@ -147,6 +149,7 @@ void assemble_pressure_source(const Constants<D>& constants, double duration, co
       const double between = density * prediction.gravity[i].dot(boundary.surface.position[k] - prediction.position[i]);
       b += yielding(constants, load, k, boundary.surface_rows.weight[entry]) * (load.reference_pressure[k] - between);
     }
+    if (!system.left_behind.empty()) b += system.left_behind[i];
     system.source[i] = b;
   }
 }

@@ -23,10 +23,10 @@ void complete_pressure_matrix(const Constants<D>& constants, const InterfaceCond
                               const Boundary<D>& boundary, const Corrections<D>& correction, const std::vector<int>& at_structure,
                               State<D>& state, PressureSystem<D>& system);
 
-/// system.source from div u* and s; `density_source` is empty where the scene has none.
+/// system.source from div u*, the target q of the divergence and, once it is known, system.left_behind.
 template <int D>
 void assemble_pressure_source(const Constants<D>& constants, double duration, const InterfaceCondition<D>& load, const State<D>& state,
                               const Prediction<D>& prediction, const Boundary<D>& boundary, const std::vector<double>& divergence,
-                              const std::vector<double>& density_source, PressureSystem<D>& system);
+                              const std::vector<double>& target, PressureSystem<D>& system);
 
 }  // namespace tern::fluid

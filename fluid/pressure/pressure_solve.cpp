@@ -14,6 +14,53 @@ namespace {
 
 constexpr int multigrid_limit = 60;  ///< iterations; more means that the preconditioner has failed
 constexpr int jacobi_limit = 20000;
+/// The correction of the pressure is of a hundredth of its size, and a part of what it answers to stays in any case.
+constexpr double correction_tolerance = 0.1, correction_tolerance_by_that_of_pressure = 1e5;
+
+/// `solution`, from what it is, of the matrix and this source.
+template <int D>
+void solve(const Window& window, const std::vector<Vector<D>>& position, double tolerance, std::vector<double>& source,
+           std::vector<double>& solution, State<D>& state, PressureSystem<D>& system) {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
+  // Enclosed fluid can obey the source but for its mean.
+  if (system.regions.any()) system.regions.subtract_means(source);
+
+  const int before = system.result.iterations;  // of the coupling iterations before
+  const auto multigrid = [&](const std::vector<double>& r, std::vector<double>& z) {
+    system.multigrid.apply(r, z);
+    if (system.regions.any()) system.regions.subtract_means(z);
+  };
+  system.result = conjugate_gradient(system.matrix, multigrid, source, tolerance, multigrid_limit, solution, system.work);
+  if (!system.result.converged) {
+    ++state.fallback_solves;
+    spdlog::warn(
+        "The multigrid solve stopped after {} iterations at a residual of {:.1e}; this step is solved by "
+        "Jacobi-preconditioned conjugate gradients.",
+        system.result.iterations, system.result.residual);
+    std::fill(solution.begin(), solution.end(), 0.0);
+    const int wasted = system.result.iterations;
+    const auto jacobi = [&](const std::vector<double>& r, std::vector<double>& z) {
+      for (std::ptrdiff_t i = 0; i < n; ++i) z[i] = r[i] / system.matrix.diagonal()[i];
+      if (system.regions.any()) system.regions.subtract_means(z);
+    };
+    system.result = conjugate_gradient(system.matrix, jacobi, source, tolerance, jacobi_limit, solution, system.work);
+    system.result.iterations += wasted;
+  }
+  system.result.iterations += before;
+  if (!system.result.converged) {
+    const std::ptrdiff_t worst = std::max_element(system.work.residual.begin(), system.work.residual.begin() + n,
+                                                  [](double a, double b) { return std::abs(a) < std::abs(b); }) -
+                                 system.work.residual.begin();
+    std::string where;
+    for (int c = 0; c < D; ++c) where += fmt::format("{}{:.5g}", c ? ", " : "", position[worst][c]);
+    throw NumericalFailure(fmt::format(
+        "The pressure solve did not converge in the window from t = {:.6g} s: relative residual {:.2g} after {} iterations, asked for "
+        "is {:g}; largest at fluid particle {} at ({}) m. Either a velocity has run away before: look at the last frames, or try a smaller "
+        "fluid.numerics.courant; or raise fluid.numerics.pressure_tolerance.",
+        window.begin, system.result.residual, system.result.iterations, tolerance, state.id[worst], where));
+  }
+  if (system.regions.any()) system.regions.subtract_means(solution);
+}
 
 }  // namespace
 
@@ -34,48 +81,20 @@ void solve_pressure_poisson(const Constants<D>& constants, const Window& window,
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (std::ptrdiff_t i = 0; i < n; ++i) system.solution[i] = state.particle_class[i].pressure_unknown() ? state.pressure[i] : 0;
 
-  // Enclosed fluid can obey the source but for its mean.
-  if (system.regions.any()) system.regions.subtract_means(system.source);
-
-  const double tolerance = constants.numerics.pressure_tolerance;
-  const int before = system.result.iterations;  // of the coupling iterations before
-  const auto multigrid = [&](const std::vector<double>& r, std::vector<double>& z) {
-    system.multigrid.apply(r, z);
-    if (system.regions.any()) system.regions.subtract_means(z);
-  };
-  system.result = conjugate_gradient(system.matrix, multigrid, system.source, tolerance, multigrid_limit, system.solution, system.work);
-  if (!system.result.converged) {
-    ++state.fallback_solves;
-    spdlog::warn(
-        "The multigrid solve stopped after {} iterations at a residual of {:.1e}; this step is solved by "
-        "Jacobi-preconditioned conjugate gradients.",
-        system.result.iterations, system.result.residual);
-    std::fill(system.solution.begin(), system.solution.end(), 0.0);
-    const int wasted = system.result.iterations;
-    const auto jacobi = [&](const std::vector<double>& r, std::vector<double>& z) {
-      for (std::ptrdiff_t i = 0; i < n; ++i) z[i] = r[i] / system.matrix.diagonal()[i];
-      if (system.regions.any()) system.regions.subtract_means(z);
-    };
-    system.result = conjugate_gradient(system.matrix, jacobi, system.source, tolerance, jacobi_limit, system.solution, system.work);
-    system.result.iterations += wasted;
-  }
-  system.result.iterations += before;
-  if (!system.result.converged) {
-    const std::ptrdiff_t worst = std::max_element(system.work.residual.begin(), system.work.residual.begin() + n,
-                                                  [](double a, double b) { return std::abs(a) < std::abs(b); }) -
-                                 system.work.residual.begin();
-    std::string where;
-    for (int c = 0; c < D; ++c) where += fmt::format("{}{:.5g}", c ? ", " : "", position[worst][c]);
-    throw NumericalFailure(fmt::format(
-        "The pressure solve did not converge in the window from t = {:.6g} s: relative residual {:.2g} after {} iterations, asked for "
-        "is {:g}; largest at fluid particle {} at ({}) m. Either a velocity has run away before: look at the last frames, or try a smaller "
-        "fluid.numerics.courant; or raise fluid.numerics.pressure_tolerance.",
-        window.begin, system.result.residual, system.result.iterations, tolerance, state.id[worst], where));
-  }
-  if (system.regions.any()) system.regions.subtract_means(system.solution);
+  solve(window, position, constants.numerics.pressure_tolerance, system.source, system.solution, state, system);
 #pragma omp parallel for schedule(static) if (n >= parallel_threshold)
   for (std::ptrdiff_t i = 0; i < n; ++i) state.pressure[i] = system.solution[i];
   state.has_pressure = true;
+}
+
+template <int D>
+void solve_for_correction(const Constants<D>& constants, const Window& window, const std::vector<Vector<D>>& position, State<D>& state,
+                          PressureSystem<D>& system) {
+  const SolveResult of_the_equation = system.result;
+  system.correction.assign(system.matrix.padded_rows(), 0);
+  const double tolerance = std::min(correction_tolerance, correction_tolerance_by_that_of_pressure * constants.numerics.pressure_tolerance);
+  solve(window, position, tolerance, system.left_behind, system.correction, state, system);
+  system.result = of_the_equation;
 }
 
 template void prepare_pressure_solve<2>(const Constants<2>&, const Neighbours<2>&, const std::vector<ParticleClass>&,
@@ -84,5 +103,7 @@ template void prepare_pressure_solve<3>(const Constants<3>&, const Neighbours<3>
                                         const std::vector<Vector<3>>&, PressureSystem<3>&);
 template void solve_pressure_poisson<2>(const Constants<2>&, const Window&, const std::vector<Vector<2>>&, State<2>&, PressureSystem<2>&);
 template void solve_pressure_poisson<3>(const Constants<3>&, const Window&, const std::vector<Vector<3>>&, State<3>&, PressureSystem<3>&);
+template void solve_for_correction<2>(const Constants<2>&, const Window&, const std::vector<Vector<2>>&, State<2>&, PressureSystem<2>&);
+template void solve_for_correction<3>(const Constants<3>&, const Window&, const std::vector<Vector<3>>&, State<3>&, PressureSystem<3>&);
 
 }  // namespace tern::fluid

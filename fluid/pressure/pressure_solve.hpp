@@ -21,4 +21,9 @@ template <int D>
 void solve_pressure_poisson(const Constants<D>& constants, const Window& window, const std::vector<Vector<D>>& position, State<D>& state,
                             PressureSystem<D>& system);
 
+/// system.correction: what the matrix answers to system.left_behind, roughly. Leaves system.result as the solve before made it.
+template <int D>
+void solve_for_correction(const Constants<D>& constants, const Window& window, const std::vector<Vector<D>>& position, State<D>& state,
+                          PressureSystem<D>& system);
+
 }  // namespace tern::fluid

@@ -15,7 +15,10 @@ struct PressureSystem {
   explicit PressureSystem(const Period<D>& period) : multigrid(period) {}
 
   EdgeMatrix matrix;
-  std::vector<double> source, solution;  ///< of the padded length of the matrix
+  std::vector<double> source, solution;         ///< of the padded length of the matrix
+  std::vector<double> left_behind, still_left;  ///< by the first solve of this window and by its correction, as sources; empty before
+  std::vector<double> correction;               ///< of the pressure
+  std::vector<double> share;                    ///< of the correction that is taken, by part of the multigrid
   Multigrid<D> multigrid;
   EnclosedRegions regions;          ///< that neither a free surface nor a body ties
   EnclosedRegions without_surface;  ///< that no free surface ties, whether bodies yield to them or not
@@ -23,6 +26,7 @@ struct PressureSystem {
 
   // Scratch.
   std::vector<float> missing_support;
+  std::vector<double> squared_change;  ///< of what is left behind, by part
   ConjugateGradientWork work;
 };
 

@@ -163,7 +163,7 @@ Continuation fast_drop() {
 }
 
 Continuation with_surface() {
-  Continuation c{"with a surface", dam_break(10, 20), 100};
+  Continuation c{"with a surface", dam_break(10, 20), 30};
   c.scene = scene(2, 0.01, {box({0, 0, 0}, {0.2, 0.2, 0}), box({0.24, 0, 0}, {0.4, 0.1, 0})}, {tank({0, 0, 0}, {0.4, 1, 0})});
   c.with_surface = true;
   return c;

@@ -15,18 +15,6 @@ Vector<2> centroid(const Fluid<2>& fluid) {
   return sum / static_cast<double>(fluid.state().size());
 }
 
-/// Water 1 m deep in a tank of `length`, the surface a cosine of wave length 2 m.
-Shape water_with_wave(double length, double amplitude) {
-  Shape water;
-  water.kind = Shape::Kind::polygon;
-  water.vertices = {{0, 0}, {length, 0}};
-  for (int k = 200; k >= 0; --k) {
-    const double x = length * k / 200;
-    water.vertices.push_back({x, 1 + amplitude * std::cos(std::numbers::pi * x)});
-  }
-  return water;
-}
-
 // Bands per unit of rho g H^2 L, rho g, rho g H and H. Measured: kinetic energy 1.7e-5, slope 0.998, noise 6e-4,
 // centroid 7e-4 higher. Energy is taken from 1.5 s on, when the disorder has settled. Seen to fail: with the factor 2
 // of the wall flux left out, with the hydrostatic part of the walls left out, and with the density source of the wrong

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "fixtures/fluid_scenes.hpp"
+#include "fluid/pressure/divergence.hpp"
 #include "fluid/pressure/pressure_gradient.hpp"
 
 namespace tern::fluid::testing {
@@ -29,9 +30,7 @@ Vector<D> random_vector(std::mt19937& random) {
 template <int D>
 double linear_gradient_error(int n) {
   std::mt19937 random(seed);
-  Case c = block<D>(n);
-  c.fluid->numerics.blend_theta = 0;  // the part that is not exact, by intention
-  Fluid<D> fluid(c);
+  Fluid<D> fluid(block<D>(n));
   jitter(fluid, 0.2, random);
   constexpr double dt = 1e-3;
   fluid.begin_window(0, to_ticks(dt));
@@ -42,8 +41,8 @@ double linear_gradient_error(int n) {
   std::vector<Vector<D>> velocity(state.size(), Vector<D>::Zero());
   std::vector<Motion<D>> motion;
   pack<D>(state.position, velocity, motion);
-  apply_pressure_gradient(fluid.reference(), dt, fluid.neighbours(), fluid.boundary(), fluid.correction(), state, motion, nullptr,
-                          velocity);
+  apply_pressure_gradient(fluid.reference(), dt, fluid.neighbours(), fluid.boundary(), fluid.correction(), state, motion, nullptr, false,
+                          velocity);  // without what is not exact, by intention
   double largest = 0;
   int checked = 0;
   for (std::size_t i = 0; i < state.size(); ++i) {
@@ -62,6 +61,57 @@ TEST(PressureGradient, IsExactForALinearFieldOnTwentyPercentDisorder) {
   const double error2 = linear_gradient_error<2>(16), error3 = linear_gradient_error<3>(12);
   EXPECT_LT(error2, 1e-12);
   EXPECT_LT(error3, 1e-12);
+}
+
+/// omega^2 dt^2 of the stiffest waves of displacement on a periodic lattice under a uniform pressure.
+template <int D>
+double stiffest_vibration(double pressure, double smoothing_length_ratio) {
+  constexpr int n = 20;
+  constexpr double size = 1e-5, dt = 1e-3;  // displacement in spacings
+  double largest = 0;
+  for (int k = 4; k <= 7; ++k) {  // the stiffest is among them
+    Case c = scene(D, 1.0, {box({0, 0, 0}, {n, n, D == 2 ? 0.0 : 8})}, {}, 0);
+    make_periodic(c, {0, 0, 0}, {n, n, 8}, D == 2 ? "xy" : "xyz");
+    c.fluid->numerics.smoothing_length_ratio = smoothing_length_ratio;
+    Fluid<D> fluid(c);
+    State<D> state = fluid.state();
+    std::vector<double> displacement;
+    for (auto& x : state.position) {
+      displacement.push_back(size * std::sin(2 * std::numbers::pi * k * x[0] / n));
+      x[0] += displacement.back();
+    }
+    fluid.set_state(state);
+    fluid.begin_window(0, to_ticks(dt));
+    fluid.see_surface({});
+    state = fluid.state();
+    state.pressure.assign(state.size(), pressure);
+    std::vector<Vector<D>> velocity(state.size(), Vector<D>::Zero());
+    std::vector<Motion<D>> motion;
+    pack<D>(state.position, velocity, motion);
+    apply_pressure_gradient(fluid.reference(), dt, fluid.neighbours(), fluid.boundary(), fluid.correction(), state, motion, nullptr, true,
+                            velocity);
+    double along = 0, square = 0;
+    for (std::size_t i = 0; i < state.size(); ++i) {
+      const double d = displacement[state.id[i]];
+      along -= velocity[i][0] * dt * d;
+      square += d * d;
+    }
+    largest = std::max(largest, along / square);
+  }
+  return largest;
+}
+
+// The pressure of an impact makes no stiffer springs between particles than a window resolves: omega dt <= 1, from 2 on it would be
+// unstable. Below that they are in proportion to the pressure. Measured: 0.96 to 1.04. Seen to fail: without the
+// bound (1e6).
+TEST(PressureGradient, KeepsParticlesInOrderByNoStifferSpringsThanAWindowResolves) {
+  for (const double square : {stiffest_vibration<2>(1e15, 1.3), stiffest_vibration<2>(1e15, 1.5), stiffest_vibration<2>(1e15, 2),
+                              stiffest_vibration<3>(1e15, 1.5)}) {
+    std::printf("[ (omega dt)^2 at most %.3f ]\n", square);
+    EXPECT_LT(square, 1.1);
+    EXPECT_GT(square, 0.9);
+  }
+  EXPECT_NEAR(stiffest_vibration<2>(2e4, 1.5) / stiffest_vibration<2>(1e4, 1.5), 2, 1e-6);
 }
 
 /// | sum f.u - sum V p div u | relative to the sum of the sizes of its terms, for the forces of one projection step.
@@ -86,12 +136,18 @@ double adjoint_error(int n) {
   fluid.set_state(state);
   const double dt = seconds(to_ticks(1e-3));
   step(fluid, dt);
+  std::vector<Vector<D>> before(fluid.state().size());
+  for (std::size_t i = 0; i < before.size(); ++i) before[i] = state.velocity[fluid.state().id[i]];
+  std::vector<Motion<D>> motion;
+  std::vector<double> divergence;
+  compute_divergence(fluid.period(), fluid.neighbours(), fluid.boundary(), fluid.correction(), fluid.state().particle_class,
+                     fluid.prediction().position, before, motion, divergence);
   double power = 0, work = 0, size = 0;
   for (std::size_t i = 0; i < fluid.state().size(); ++i) {
-    const Vector<D>& u = state.velocity[fluid.state().id[i]];
+    const Vector<D>& u = before[i];
     EXPECT_TRUE(!fluid.state().particle_class[i].spray() || u.norm() == 0);
     const double by_force = fluid.constants().mass / dt * (fluid.state().velocity[i] - u).dot(u);
-    const double by_divergence = fluid.state().pressure[i] * -fluid.pressure_source()[i] * dt / density;
+    const double by_divergence = fluid.state().pressure[i] * fluid.constants().volume * divergence[i];
     power += by_force, work += by_divergence;
     size += std::abs(by_force) + std::abs(by_divergence);
   }

@@ -4,6 +4,7 @@
 
 #include "fixtures/fluid_scenes.hpp"
 #include "fluid/gauges/totals.hpp"
+#include "fluid/motion/velocity_gradient.hpp"
 #include "fluid/motion/velocity_noise.hpp"
 
 namespace tern::fluid::testing {
@@ -36,8 +37,9 @@ class Block {
   /// After a step.
   std::vector<Vector<D>> damped(std::vector<Vector<D>> velocity) const {
     PackedVelocities<D> packed;
-    damp_velocity_noise(share(velocity), fluid_.period(), fluid_.neighbours(), fluid_.correction(), fluid_.state().particle_class,
-                        position(), packed, velocity);
+    compute_velocity_gradient(fluid_.period(), fluid_.neighbours(), fluid_.correction(), fluid_.state().particle_class, position(),
+                              velocity, packed);
+    damp_velocity_noise(share(velocity), fluid_.period(), fluid_.neighbours(), fluid_.state().particle_class, packed, velocity);
     return velocity;
   }
 

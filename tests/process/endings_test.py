@@ -148,13 +148,13 @@ class EndingsTest(RealRunTest):
                 self.assertEqual(process.returncode, 4, errors)
 
     def stuck_run(self, role, *words):
-        """A run in which the main thread of this process does nothing from the 40th window on; its heartbeats go on."""
+        """A run in which the main thread of this process does nothing from the 20th window on; its heartbeats go on."""
         library = self.build / "tests" / "libfault_injection.so"
         self.assertTrue(library.exists(), f"{library} is missing: ninja fault_injection makes it")
         shutil.rmtree(self.out, ignore_errors=True)
-        # Before the pressure, the surface, or the condition of the 40th window is sent (bodies of proto/wire/tern.proto).
+        # Before the pressure, the surface, or the condition of the 20th window is sent (bodies of proto/wire/tern.proto).
         fault = {"LD_PRELOAD": str(library), "ASAN_OPTIONS": "verify_asan_link_order=0", "TERN_FAULT_PROCESS": f"tern-{role}",
-                 "TERN_FAULT_AT": {"fluid": "send:16:40", "structure": "send:13:40", "coupler": "send:15:40"}[role],
+                 "TERN_FAULT_AT": {"fluid": "send:16:20", "structure": "send:13:20", "coupler": "send:15:20"}[role],
                  "TERN_FAULT_DO": "stuck"}
         with unittest.mock.patch.dict(os.environ, fault):
             process = self.start("--quiet", *words, case=CASE)
@@ -195,7 +195,7 @@ class EndingsTest(RealRunTest):
                 other.wait()
         self.assertLess(time.monotonic() - began, 11, errors)  # the deadline, 7 s, and a busy machine
         self.assertEqual(process.returncode, 4, errors)
-        self.assertRegex(self.contents()["first_cause"], r"^The coupler process waited 2[.\d]* s for fluid at step 40")
+        self.assertRegex(self.contents()["first_cause"], r"^The coupler process waited 2[.\d]* s for fluid at step 20")
         self.assertEqual(find_damage(self.out), [])
 
     # Seen to fail: with print() alone ("tern: [Errno 32] Broken pipe" and exit code 5).

@@ -158,7 +158,7 @@ class ResumeTest(RealRunTest):
 
     def test_the_state_before_a_failure_is_kept(self):
         for role, case, words in (("fluid", SMALL, ["--until", "0.8"]), ("structure", SMALL, ["--until", "0.8"]),
-                                  ("fluid", CASES / "hydrostatic_tank", ["--until", "1"])):
+                                  ("fluid", CASES / "hydrostatic_tank", ["--until", "3"])):
             with self.subTest(f"{role} of {case.name}"):
                 shutil.rmtree(self.out, ignore_errors=True)
                 whole = self.path / case.name

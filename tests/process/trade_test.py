@@ -50,7 +50,7 @@ if "--version" in sys.argv:
     sys.exit(0)
 options = dict(text.split("=", 1) for word, text in zip(sys.argv, sys.argv[1:]) if word == "--set")
 dx = float(options.get("fluid.spacing", "0.1")) * (2 if "draft" in sys.argv else 0.5 if "reference" in sys.argv else 1)
-numerics = {"courant": float(options.get("fluid.numerics.courant", "0.15")), "gradient": "blend"}
+numerics = {"courant": float(options.get("fluid.numerics.courant", "0.2")), "gradient": "blend"}
 print(json.dumps({"name": "pond", "path": sys.argv[2], "hash": json.dumps(options), "dimension": 2, "end_time": 3.0, "title": "",
                   "has_fluid": True, "has_structure": False, "expected_cpu_s": 1 / dx**3,
                   "settings": {"fluid": {"spacing": dx, "numerics": numerics,

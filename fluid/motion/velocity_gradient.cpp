@@ -1,0 +1,33 @@
+#include "fluid/motion/velocity_gradient.hpp"
+
+#include "base/parallel.hpp"
+
+namespace tern::fluid {
+
+template <int D>
+void compute_velocity_gradient(const Period<D>& space, const Neighbours<D>& neighbours, const Corrections<D>& correction,
+                               const std::vector<ParticleClass>& particle_class, const std::vector<Vector<D>>& position,
+                               const std::vector<Vector<D>>& velocity, PackedVelocities<D>& packed) {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
+  pack<D>(position, velocity, packed.motion);
+  packed.half_gradient.resize(n);
+  space.specialise([&](auto periodic) {
+    const PackedPeriod<decltype(periodic)::value, D> period(space);
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+    for (std::ptrdiff_t i = 0; i < n; ++i) {
+      std::array<Packed<D>, D>& half = packed.half_gradient[i];
+      half.fill(Packed<D>::Zero());
+      if (!particle_class[i].has(ParticleClass::corrected_gradient)) continue;
+      const Matrix<D> gradient = velocity_gradient_sum(neighbours, period, packed.motion, i) * correction.fluid[i];
+      for (int b = 0; b < D; ++b)
+        for (int a = 0; a < D; ++a) half[b][a] = 0.5 * gradient(a, b);
+    }
+  });
+}
+
+template void compute_velocity_gradient<2>(const Period<2>&, const Neighbours<2>&, const Corrections<2>&, const std::vector<ParticleClass>&,
+                                           const std::vector<Vector<2>>&, const std::vector<Vector<2>>&, PackedVelocities<2>&);
+template void compute_velocity_gradient<3>(const Period<3>&, const Neighbours<3>&, const Corrections<3>&, const std::vector<ParticleClass>&,
+                                           const std::vector<Vector<3>>&, const std::vector<Vector<3>>&, PackedVelocities<3>&);
+
+}  // namespace tern::fluid

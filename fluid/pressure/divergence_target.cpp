@@ -1,0 +1,41 @@
+// Target of the divergence at the middle of the window:
+//   div u^{n+1} = q,     q_i = s_i + dt/2 tr(L_i L_i),     L = grad u^n
+// s is the density source. The other term makes the step second order. Particles that keep their velocity change its divergence at the
+// rate -tr(L L). So a velocity that is solenoidal at the middle of one window has the divergence -dt tr(L L) at the middle of the next,
+// half of which is made by the end of its own window. With q = 0 the pressure would take all of it at once, and with it
+// (k u)^2 dt/2 of every turning motion per unit of time. With this q the mean of the velocities before and after the pressure is
+// solenoidal at the middle, and the pressure does no work on the fluid.
+//
+// The rate is taken from the gradient, and not measured as the change of div u from one window to the next: that one also holds what
+// no smooth motion makes, a wall that comes into the support or water that hits water, and to answer it throws the water back.
+//
+// Beside a structure the term is 0: there the coupling decides which velocity the fluid meets.
+
+#include "fluid/pressure/divergence_target.hpp"
+
+#include "base/parallel.hpp"
+
+namespace tern::fluid {
+
+template <int D>
+void set_divergence_target(double duration, const Neighbours<D>& neighbours, const std::vector<int>& at_structure,
+                           const PackedVelocities<D>& velocities, const std::vector<double>& density_source, std::vector<double>& target) {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(velocities.half_gradient.size());
+  target.resize(n);
+  const auto source = [&](std::ptrdiff_t i) { return density_source.empty() ? 0 : density_source[i]; };
+#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    double quarter = 0;  // of tr(L L)
+    for (int a = 0; a < D; ++a)
+      for (int b = 0; b < D; ++b) quarter += velocities.half_gradient[i][b][a] * velocities.half_gradient[i][a][b];
+    target[i] = source(i) + 2 * duration * quarter;
+  }
+  for_each_beside_structure(neighbours, at_structure, [&](int i) { target[i] = source(i); });
+}
+
+template void set_divergence_target<2>(double, const Neighbours<2>&, const std::vector<int>&, const PackedVelocities<2>&,
+                                       const std::vector<double>&, std::vector<double>&);
+template void set_divergence_target<3>(double, const Neighbours<3>&, const std::vector<int>&, const PackedVelocities<3>&,
+                                       const std::vector<double>&, std::vector<double>&);
+
+}  // namespace tern::fluid
