@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "fluid/boundary/wetness.hpp"
 #include "sph/wet_share.hpp"
@@ -262,22 +263,32 @@ std::optional<WallForce<D>> Probe<D>::force(const Wall<D>& wall, const Vector<D>
 template <int D>
 double Probe<D>::front() const {
   const State<D>& state = fluid_.state();
-  std::vector<char> of_fluid(state.size());
-  std::vector<int> newest;
-  for (std::size_t i = 0; i < state.size(); ++i) {
-    of_fluid[i] = !state.particle_class[i].spray();
-    if (of_fluid[i]) newest.push_back(static_cast<int>(i));
-  }
   const double reach = joined * fluid_.constants().spacing;
   double front = -1e300;
+  const auto add = [&](int i) { front = std::max(front, state.position[i][0] + 0.5 * fluid_.constants().spacing); };
+  const auto for_joined = [&](int i, auto&& what) {
+    for_particles_around(state.position[i], [&](int j, const Vector<D>& d, double) {
+      if (d.norm() <= reach) what(j);
+    });
+  };
+  std::vector<char> of_fluid(state.size());
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    of_fluid[i] = !state.particle_class[i].spray();
+    if (of_fluid[i]) add(static_cast<int>(i));
+  }
+  std::vector<int> newest;  // of the spray that the fluid is joined to
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    bool beside_bulk = false;
+    if (state.particle_class[i].spray()) for_joined(static_cast<int>(i), [&](int j) { beside_bulk |= !state.particle_class[j].spray(); });
+    if (beside_bulk) newest.push_back(static_cast<int>(i));
+  }
+  for (int i : newest) of_fluid[i] = true;
   while (!newest.empty()) {
     const int i = newest.back();
     newest.pop_back();
-    front = std::max(front, state.position[i][0] + 0.5 * fluid_.constants().spacing);
-    for_particles_around(state.position[i], [&](int j, const Vector<D>& d, double) {
-      if (of_fluid[j] || d.norm() > reach) return;
-      of_fluid[j] = true;
-      newest.push_back(j);
+    add(i);
+    for_joined(i, [&](int j) {
+      if (!std::exchange(of_fluid[j], true)) newest.push_back(j);
     });
   }
   return front;
