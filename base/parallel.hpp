@@ -1,7 +1,8 @@
 #pragma once
-// Reductions with the same bits for any number of threads: the range is cut into blocks of fixed length, each block is
-// reduced by one thread from its first index to its last, and the block results are combined in the order of the
-// blocks.
+// Loops and reductions with the same bits for any number of threads. A reduction cuts its range into blocks of fixed length, each block is
+// reduced by one thread from its first index to its last, and the block results are combined in the order of the blocks.
+
+#include <omp.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +14,36 @@ namespace tern {
 
 inline constexpr std::ptrdiff_t reduction_block = 1024;     ///< indices per block; changing it changes last bits
 inline constexpr std::ptrdiff_t parallel_threshold = 8192;  ///< below this a parallel region costs more than it saves
+
+namespace detail {
+
+/// A function of its own, so that one thread and several run the same instructions.
+template <class Work>
+[[gnu::noinline]] void for_range(std::ptrdiff_t begin, std::ptrdiff_t end, const Work& work) {
+  for (std::ptrdiff_t i = begin; i < end; ++i) work(i);
+}
+
+}  // namespace detail
+
+/// work(i) for each i in [0, n), in equal ranges for all threads where `items`, what the loop works on in all, are worth it. `work` must
+/// not throw. One thread enters no parallel region: at the end of each, GCC's runtime makes a system call, also for a team of one.
+template <class Work>
+void parallel_for(std::ptrdiff_t n, std::ptrdiff_t items, const Work& work) {
+  if (items < parallel_threshold || omp_get_max_threads() == 1) {
+    detail::for_range(0, n, work);
+    return;
+  }
+#pragma omp parallel
+  {
+    const std::ptrdiff_t threads = omp_get_num_threads(), thread = omp_get_thread_num();
+    detail::for_range(n * thread / threads, n * (thread + 1) / threads, work);
+  }
+}
+
+template <class Work>
+void parallel_for(std::ptrdiff_t n, const Work& work) {
+  parallel_for(n, n, work);
+}
 
 /// combine(...combine(combine(initial, term(0)), term(1))...) in the block order described above. `initial` must be
 /// neutral (0 of a sum): every block starts from it. `term(i)` is called once per i in [0, n), concurrently, and must
@@ -27,17 +58,11 @@ T ordered_fold(std::ptrdiff_t n, const T& initial, Term&& term, Combine&& combin
     return value;
   };
   if (blocks == 0) return initial;
-  if (n < parallel_threshold) {
-    T total = fold_block(0);
-    for (std::ptrdiff_t block = 1; block < blocks; ++block) total = combine(total, fold_block(block));
-    return total;
-  }
   // Kept from call to call: steps shall allocate nothing. The reference is to that of the calling thread.
   thread_local std::vector<T> kept;
   std::vector<T>& partial = kept;
   partial.resize(static_cast<std::size_t>(blocks), initial);
-#pragma omp parallel for schedule(static)
-  for (std::ptrdiff_t block = 0; block < blocks; ++block) partial[static_cast<std::size_t>(block)] = fold_block(block);
+  parallel_for(blocks, n, [&](std::ptrdiff_t block) { partial[static_cast<std::size_t>(block)] = fold_block(block); });
   T total = partial[0];
   for (std::size_t block = 1; block < partial.size(); ++block) total = combine(total, partial[block]);
   return total;

@@ -22,8 +22,7 @@ void correct_moments(const Neighbours<D>& neighbours, const Boundary<D>& boundar
   correction.matrix.resize(n);
   correction.fluid.resize(n);
   correction.trace.resize(n);
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
+  parallel_for(n, [&](std::ptrdiff_t i) {
     const Matrix<D> m = neighbours.moment[i] + boundary.sums.moment[i];
     correction.trace[i] = m.trace() / D;
     const bool has_gradient = eigenvalues_reach<D>(neighbours.moment[i], least_eigenvalue);
@@ -31,12 +30,12 @@ void correct_moments(const Neighbours<D>& neighbours, const Boundary<D>& boundar
     correction.fluid[i] = has_gradient ? Matrix<D>(neighbours.moment[i].inverse()) : Matrix<D>::Zero();
     if (!boundary.sees_face(i)) {
       correction.matrix[i] = has_gradient ? correction.fluid[i] : Matrix<D>::Identity();
-      continue;
+      return;
     }
     const Matrix<D> across = m - boundary.sums.tangential[i];
     const bool trusted = eigenvalues_reach<D>(0.5 * (across + across.transpose()), least_eigenvalue);
     correction.matrix[i] = trusted ? Matrix<D>(across.inverse()) : Matrix<D>::Identity();
-  }
+  });
 }
 
 template void correct_moments<2>(const Neighbours<2>&, const Boundary<2>&, std::vector<ParticleClass>&, Corrections<2>&);

@@ -22,8 +22,7 @@ void classify_particles(const Constants<D>& constants, const Neighbours<D>& neig
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
   std::vector<ParticleClass>& particle_class = state.particle_class;
   const bool always = constants.numerics.gradient == GradientForm::sum;
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
+  parallel_for(n, [&](std::ptrdiff_t i) {
     const bool at_structure = boundary.sees_structure(i);
     const Matrix<D> m = neighbours.moment[i] + boundary.sums.moment[i];
     ParticleClass& own = particle_class[i];
@@ -33,21 +32,20 @@ void classify_particles(const Constants<D>& constants, const Neighbours<D>& neig
     if (correction.trace[i] > unmark_above) own.set(Mark::thin_support, false);
     // At the structure the coupler supplies the other half of a pair force, so this half must be symmetric too.
     own.set(Mark::symmetric_gradient, always || at_structure || !own.interior() || !eigenvalues_reach<D>(m, symmetric_eigenvalue));
-  }
+  });
   // From the few marked particles to their neighbours, rather than asking all neighbours of every particle.
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
+  parallel_for(n, [&](std::ptrdiff_t i) {
     std::uint8_t own;
 #pragma omp atomic read
     own = particle_class[i].marks();
-    if ((own & (Mark::thin_support | Mark::too_few_neighbours)) == 0) continue;
+    if ((own & (Mark::thin_support | Mark::too_few_neighbours)) == 0) return;
     const std::uint8_t marks = Mark::beside_surface | Mark::symmetric_gradient | (own & Mark::too_few_neighbours ? Mark::beside_spray : 0);
     for (int k = neighbours.begin[i]; k < neighbours.begin[i] + neighbours.count[i]; ++k) {
       std::uint8_t& other = particle_class[neighbours.column[k]].marks();
 #pragma omp atomic update
       other |= marks;
     }
-  }
+  });
 }
 
 #define TERN_INSTANTIATE(D) \

@@ -85,8 +85,7 @@ struct CellContents {
     start.assign(grid.count() + 1, 0);
     order.resize(n);
     cell.resize(n);
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-    for (int i = 0; i < n; ++i) cell[i] = grid.index(points[i]);
+    parallel_for(n, [&](int i) { cell[i] = grid.index(points[i]); });
     for (int i = 0; i < n; ++i) ++start[cell[i] + 1];
     for (int c = 0; c < grid.count(); ++c) start[c + 1] += start[c];
     for (int i = 0; i < n; ++i) order[start[cell[i]]++] = i;

@@ -63,8 +63,7 @@ void find_covered_faces(const Faces<D>& structure, const Faces<D>& walls, const 
                         std::vector<std::uint8_t>& covered) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(structure.size());
   covered.resize(n);
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t k = 0; k < n; ++k) {
+  parallel_for(n, [&](std::ptrdiff_t k) {
     // In the wall is what has the nearest patch before it.
     const Vector<D> x = structure.position[k] + before * structure.normal[k];
     double nearest2 = 1e300, height = 1;
@@ -75,7 +74,7 @@ void find_covered_faces(const Faces<D>& structure, const Faces<D>& walls, const 
       height = d.dot(walls.normal[wall]);
     });
     covered[k] = height < 0;
-  }
+  });
 }
 
 #define TERN_INSTANTIATE(D)     \

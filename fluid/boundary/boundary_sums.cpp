@@ -18,8 +18,7 @@ void set_wall_sums(const Constants<D>& constants, const std::vector<Vector<D>>& 
   for (auto* v :
        {&sums.wall_gradient, &sums.mirrored_hydrostatic, &sums.surface_gradient, &sums.back_facing_gradient, &sums.unborne_gradient})
     v->resize(n);
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
+  parallel_for(n, [&](std::ptrdiff_t i) {
     const HiddenSums<D> hidden = sum_hidden(constants, position[i], faces, i, rows);
     sums.number_density[i] = hidden.density;
     sums.moment[i] = hidden.moment;
@@ -32,7 +31,7 @@ void set_wall_sums(const Constants<D>& constants, const std::vector<Vector<D>>& 
     sums.back_facing_gradient[i].setZero();
     sums.unborne_gradient[i].setZero();
     sums.flux[i] = hidden.flux;
-  }
+  });
 }
 
 namespace {

@@ -54,9 +54,8 @@ template <int D>
 void hide_walls_behind_structure(const std::vector<Vector<D>>& position, const Faces<D>& walls, const Faces<D>& surface,
                                  const FaceRows& surface_rows, FaceRows& wall_rows) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
-    if (surface_rows.count[i] == 0 || wall_rows.count[i] == 0) continue;
+  parallel_for(n, [&](std::ptrdiff_t i) {
+    if (surface_rows.count[i] == 0 || wall_rows.count[i] == 0) return;
     int kept = 0;
     for (int entry = wall_rows.begin[i]; entry < wall_rows.begin[i] + wall_rows.count[i]; ++entry) {
       const Vector<D>& wall = walls.position[wall_rows.face[entry]];
@@ -67,7 +66,7 @@ void hide_walls_behind_structure(const std::vector<Vector<D>>& position, const F
       wall_rows.face[wall_rows.begin[i] + kept++] = wall_rows.face[entry];
     }
     wall_rows.count[i] = kept;
-  }
+  });
 }
 
 template <int D>

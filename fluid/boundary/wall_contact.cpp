@@ -14,16 +14,15 @@ void settle_wall_contacts(const Constants<D>& constants, const Boundary<D>& boun
   const Faces<D>& faces = boundary.seen_walls();
   const double distance = constants.numerics.contact_distance * constants.spacing;
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
-    if (boundary.wall_rows.height[i] > distance) continue;
+  parallel_for(n, [&](std::ptrdiff_t i) {
+    if (boundary.wall_rows.height[i] > distance) return;
     for (int entry = boundary.wall_rows.begin[i]; entry < boundary.wall_rows.begin[i] + boundary.wall_rows.count[i]; ++entry) {
       const int k = boundary.wall_rows.face[entry];
       if (!touches<D>(faces.position[k], faces.normal[k], faces.area[k], position[i], distance)) continue;
       const double approach = (faces.velocity[k] - velocity[i]).dot(faces.normal[k]);
       if (approach > 0) velocity[i] += approach * faces.normal[k];
     }
-  }
+  });
 }
 
 template void settle_wall_contacts<2>(const Constants<2>&, const Boundary<2>&, const std::vector<Vector<2>>&, std::vector<Vector<2>>&);

@@ -14,11 +14,10 @@ double work_of_gravity(double mass, double duration, const State<D>& state, cons
 template <int D>
 void advance(double duration, const Prediction<D>& prediction, State<D>& state) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
+  parallel_for(n, [&](std::ptrdiff_t i) {
     state.velocity[i] = prediction.velocity[i];
     state.position[i] = prediction.position[i] + 0.5 * duration * prediction.velocity[i];
-  }
+  });
 }
 
 template double work_of_gravity<2>(double, double, const State<2>&, const Prediction<2>&);

@@ -26,11 +26,10 @@ template <int D>
 void pack(const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& velocity, std::vector<Motion<D>>& motion) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
   motion.resize(n);
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
+  parallel_for(n, [&](std::ptrdiff_t i) {
     motion[i] = {Packed<D>::Zero(), Packed<D>::Zero()};
     for (int c = 0; c < D; ++c) motion[i].position[c] = position[i][c], motion[i].velocity[c] = velocity[i][c];
-  }
+  });
 }
 
 /// Vectors between packed positions, as Period::between().

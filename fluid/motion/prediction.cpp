@@ -12,28 +12,25 @@ void predict(const Gravity<D>& gravity, const Window& window, const State<D>& st
   prediction.position.resize(n);
   const double middle = window.begin + 0.5 * window.duration;
   const Vector<D> everywhere = gravity.at(middle, Vector<D>::Zero());
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
+  parallel_for(n, [&](std::ptrdiff_t i) {
     prediction.position[i] = state.position[i] + 0.5 * window.duration * state.velocity[i];
     prediction.gravity[i] = everywhere;
-  }
+  });
   // One expression cannot be evaluated by two threads.
   if (!gravity.uniform())
     for (std::ptrdiff_t i = 0; i < n; ++i) prediction.gravity[i] = gravity.at(middle, prediction.position[i]);
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) prediction.velocity[i] = state.velocity[i] + window.duration * prediction.gravity[i];
+  parallel_for(n, [&](std::ptrdiff_t i) { prediction.velocity[i] = state.velocity[i] + window.duration * prediction.gravity[i]; });
 }
 
 template <int D>
 void wrap_into_period(const Period<D>& period, State<D>& state, Prediction<D>& prediction) {
   if (!period.any()) return;
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
+  parallel_for(n, [&](std::ptrdiff_t i) {
     const Vector<D> shift = period.into(prediction.position[i]);
     prediction.position[i] += shift;
     state.position[i] += shift;
-  }
+  });
 }
 
 template <int D>
@@ -54,17 +51,15 @@ void sort_by_cell(double width, State<D>& state, Prediction<D>& prediction, Cell
   cells.contents.template fill<D>(cells.grid, prediction.position);
   const auto reorder = [&](auto& values, auto& scratch) {
     scratch.resize(n);
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-    for (std::ptrdiff_t i = 0; i < n; ++i) scratch[i] = values[cells.contents.order[i]];
+    parallel_for(n, [&](std::ptrdiff_t i) { scratch[i] = values[cells.contents.order[i]]; });
     values.swap(scratch);
   };
   for_each_particle_field(
       state, [&]<class T>(const char*, const char*, std::vector<T>& values) { reorder(values, std::get<std::vector<T>>(cells.sorted)); });
   for (auto* values : {&prediction.position, &prediction.velocity, &prediction.gravity})
     reorder(*values, std::get<std::vector<Vector<D>>>(cells.sorted));
-    // Particles now lie in cell order, so the cell lists are the identity.
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) cells.contents.order[i] = static_cast<int>(i);
+  // Particles now lie in cell order, so the cell lists are the identity.
+  parallel_for(n, [&](std::ptrdiff_t i) { cells.contents.order[i] = static_cast<int>(i); });
 }
 
 template void predict<2>(const Gravity<2>&, const Window&, const State<2>&, Prediction<2>&);

@@ -66,9 +66,8 @@ void shift_particles(double coefficient, const Constants<D>& constants, const Ne
                      const std::vector<Vector<D>>& predicted_position, std::vector<Vector<D>>& position) {
   if (coefficient == 0) return;
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
-    if (!particle_class[i].interior()) continue;
+  parallel_for(n, [&](std::ptrdiff_t i) {
+    if (!particle_class[i].interior()) return;
     const Vector<D> hidden = boundary.sums.wall_gradient[i] + boundary.sums.surface_gradient[i] + boundary.sums.back_facing_gradient[i];
     Vector<D> shift = -coefficient * (neighbours.concentration_gradient[i] + hidden);
     if (particle_class[i].has(ParticleClass::beside_surface)) {
@@ -83,7 +82,7 @@ void shift_particles(double coefficient, const Constants<D>& constants, const Ne
     keep_off_faces<D>(boundary.seen_walls(), boundary.wall_rows, i, predicted_position[i], 0.5 * constants.spacing, shift);
     if (at_structure) keep_off_faces<D>(boundary.surface, boundary.surface_rows, i, predicted_position[i], 0.5 * constants.spacing, shift);
     position[i] += shift;
-  }
+  });
 }
 
 template void move_off_structure<2>(const Constants<2>&, const Boundary<2>&, const std::vector<int>&, const std::vector<Vector<2>>&,

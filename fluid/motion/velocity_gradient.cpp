@@ -13,15 +13,14 @@ void compute_velocity_gradient(const Period<D>& space, const Neighbours<D>& neig
   packed.half_gradient.resize(n);
   space.specialise([&](auto periodic) {
     const PackedPeriod<decltype(periodic)::value, D> period(space);
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-    for (std::ptrdiff_t i = 0; i < n; ++i) {
+    parallel_for(n, [&](std::ptrdiff_t i) {
       std::array<Packed<D>, D>& half = packed.half_gradient[i];
       half.fill(Packed<D>::Zero());
-      if (!particle_class[i].has(ParticleClass::corrected_gradient)) continue;
+      if (!particle_class[i].has(ParticleClass::corrected_gradient)) return;
       const Matrix<D> gradient = velocity_gradient_sum(neighbours, period, packed.motion, i) * correction.fluid[i];
       for (int b = 0; b < D; ++b)
         for (int a = 0; a < D; ++a) half[b][a] = 0.5 * gradient(a, b);
-    }
+    });
   });
 }
 

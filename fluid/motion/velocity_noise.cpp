@@ -34,9 +34,8 @@ void damp_velocity_noise(double share, const Period<D>& space, const Neighbours<
   const std::vector<std::array<Packed<D>, D>>& half_gradient = packed.half_gradient;
   space.specialise([&](auto periodic) {
     const PackedPeriod<decltype(periodic)::value, D> period(space);
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-    for (std::ptrdiff_t i = 0; i < n; ++i) {
-      if (!particle_class[i].has(ParticleClass::corrected_gradient)) continue;
+    parallel_for(n, [&](std::ptrdiff_t i) {
+      if (!particle_class[i].has(ParticleClass::corrected_gradient)) return;
       const Packed<D> x = motion[i].position, u = motion[i].velocity;
       const std::array<Packed<D>, D> own = half_gradient[i];
       Packed<D> even = Packed<D>::Zero(), odd = Packed<D>::Zero();
@@ -49,7 +48,7 @@ void damp_velocity_noise(double share, const Period<D>& space, const Neighbours<
         change += exchange * r;
       });
       for (int c = 0; c < D; ++c) velocity[i][c] += share * (even[c] + odd[c]);
-    }
+    });
   });
 }
 

@@ -24,8 +24,7 @@ void add_viscosity(const Constants<D>& constants, double duration, const Neighbo
   const double scale = 2 * duration * constants.viscosity;
   const double least = least_height * constants.kernel.smoothing_length();
   const Faces<D>& faces = boundary.seen_walls();
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
+  parallel_for(n, [&](std::ptrdiff_t i) {
     const Vector<D> u = velocity[i];
     Vector<D> sum = Vector<D>::Zero();
     const int last = neighbours.begin[i] + neighbours.count[i];
@@ -40,7 +39,7 @@ void add_viscosity(const Constants<D>& constants, double duration, const Neighbo
       sum += std::max(boundary.wall_rows.weight[entry], 0.0) / height * (faces.velocity[k] - u);
     }
     predicted_velocity[i] += scale * sum;
-  }
+  });
 }
 
 template void add_viscosity<2>(const Constants<2>&, double, const Neighbours<2>&, const Boundary<2>&, const std::vector<Vector<2>>&,

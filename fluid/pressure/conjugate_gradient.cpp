@@ -23,8 +23,7 @@ SolveResult conjugate_gradient(const EdgeMatrix& matrix, const Apply& preconditi
     return result;
   }
   matrix.multiply(p, q);
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) r[i] = b[i] - q[i];
+  parallel_for(n, [&](std::ptrdiff_t i) { r[i] = b[i] - q[i]; });
   result.residual = std::sqrt(dot(r, r)) / norm_b;
   double rho = 0;
   while (result.residual > tolerance) {
@@ -34,17 +33,15 @@ SolveResult conjugate_gradient(const EdgeMatrix& matrix, const Apply& preconditi
     if (!(rho_next > 0)) return result;
     const double beta = result.iterations == 0 ? 0 : rho_next / rho;
     rho = rho_next;
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-    for (std::ptrdiff_t i = 0; i < n; ++i) d[i] = z[i] + beta * d[i];
+    parallel_for(n, [&](std::ptrdiff_t i) { d[i] = z[i] + beta * d[i]; });
     matrix.multiply(d, q);
     const double curvature = dot(d, q);
     if (!(curvature > 0)) return result;
     const double alpha = rho / curvature;
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-    for (std::ptrdiff_t i = 0; i < n; ++i) {
+    parallel_for(n, [&](std::ptrdiff_t i) {
       p[i] += alpha * d[i];
       r[i] -= alpha * q[i];
-    }
+    });
     result.residual = std::sqrt(dot(r, r)) / norm_b;
     ++result.iterations;
   }

@@ -34,12 +34,11 @@ void compute_density_source(const Reference<D>& reference, double bulk_speed, co
   source.resize(n);
   const Constants<D>& constants = reference.constants;
   const double rate = constants.numerics.density_relaxation / density_time_scale(reference, bulk_speed);
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
+  parallel_for(n, [&](std::ptrdiff_t i) {
     const double excess = (neighbours.number_density[i] + boundary.sums.number_density[i]) / constants.lattice.density - 1;
     const bool applies = excess > 0 || (correction.trace[i] > interior_trace && particle_class[i].interior());
     source[i] = applies ? rate * excess : 0;
-  }
+  });
 }
 
 template double density_time_scale<2>(const Reference<2>&, double);

@@ -32,18 +32,17 @@ void compute_divergence(const Period<D>& space, const Neighbours<D>& neighbours,
   pack<D>(position, velocity, motion);
   space.specialise([&](auto periodic) {
     const PackedPeriod<decltype(periodic)::value, D> period(space);
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-    for (std::ptrdiff_t i = 0; i < n; ++i) {
+    parallel_for(n, [&](std::ptrdiff_t i) {
       const Matrix<D> sum = velocity_gradient_sum(neighbours, period, motion, i);
       if (!boundary.sees_face(i)) {
         divergence[i] =
             particle_class[i].has(ParticleClass::symmetric_gradient) ? sum.trace() : trace_of_product<D>(sum, correction.fluid[i]);
-        continue;
+        return;
       }
       const double through_faces =
           boundary.sums.flux[i] + velocity[i].dot(boundary.sums.wall_gradient[i] + boundary.sums.surface_gradient[i]);
       divergence[i] = sum.trace() + boundary.sums.tangential[i].cwiseProduct(sum * correction.fluid[i]).sum() - 2 * through_faces;
-    }
+    });
   });
 }
 

@@ -23,13 +23,12 @@ void set_divergence_target(double duration, const Neighbours<D>& neighbours, con
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(velocities.half_gradient.size());
   target.resize(n);
   const auto source = [&](std::ptrdiff_t i) { return density_source.empty() ? 0 : density_source[i]; };
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
+  parallel_for(n, [&](std::ptrdiff_t i) {
     double quarter = 0;  // of tr(L L)
     for (int a = 0; a < D; ++a)
       for (int b = 0; b < D; ++b) quarter += velocities.half_gradient[i][b][a] * velocities.half_gradient[i][a][b];
     target[i] = source(i) + 2 * duration * quarter;
-  }
+  });
   for_each_beside_structure(neighbours, at_structure, [&](int i) { target[i] = source(i); });
 }
 

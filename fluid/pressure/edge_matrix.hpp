@@ -30,12 +30,11 @@ class EdgeMatrix {
     const int slices = (n + slice - 1) / slice;
     start_.resize(slices + 1);
     start_[0] = 0;
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-    for (int s = 0; s < slices; ++s) {
+    parallel_for(slices, n, [&](int s) {
       int longest = 0;
       for (int i = s * slice; i < std::min(n, (s + 1) * slice); ++i) longest = std::max(longest, length(i));
       start_[s + 1] = static_cast<std::size_t>(longest) * slice;
-    }
+    });
     for (int s = 0; s < slices; ++s) start_[s + 1] += start_[s];
     if (column_.size() < start_[slices]) {
       column_.resize(start_[slices] + start_[slices] / 8);
@@ -91,8 +90,7 @@ class EdgeMatrix {
   template <class T>
   void multiply(const std::vector<T>& x, std::vector<T>& y) const {
     const std::ptrdiff_t slices = static_cast<std::ptrdiff_t>(start_.size()) - 1;
-#pragma omp parallel for schedule(static) if (rows_ >= parallel_threshold)
-    for (std::ptrdiff_t s = 0; s < slices; ++s) {
+    parallel_for(slices, rows_, [&](std::ptrdiff_t s) {
       T sum[slice], own[slice];
       for (int lane = 0; lane < slice; ++lane) {
         own[lane] = x[s * slice + lane];
@@ -105,7 +103,7 @@ class EdgeMatrix {
 #pragma omp simd
         for (int lane = 0; lane < slice; ++lane) sum[lane] += T(edge[lane]) * (own[lane] - values[column[lane]]);
       for (int lane = 0; lane < slice; ++lane) y[s * slice + lane] = sum[lane];
-    }
+    });
   }
 
  private:

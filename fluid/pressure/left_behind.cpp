@@ -22,17 +22,16 @@ void assemble_left_behind(const Constants<D>& constants, double duration, const 
                           const std::vector<double>& divergence, const std::vector<double>& target, std::vector<double>& left) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(particle_class.size());
   const double scale = -constants.density / duration * constants.volume;
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i)
+  parallel_for(n, [&](std::ptrdiff_t i) {
     if (particle_class[i].pressure_unknown()) left[i] = scale * (divergence[i] - target[i]);
+  });
   for_each_beside_structure(neighbours, at_structure, [&](int i) { left[i] = 0; });
 }
 
 template <int D>
 void add_correction(const PressureSystem<D>& system, State<D>& state) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) state.pressure[i] += system.correction[i];
+  parallel_for(n, [&](std::ptrdiff_t i) { state.pressure[i] += system.correction[i]; });
 }
 
 template <int D>
@@ -49,11 +48,10 @@ void keep_best_share(PressureSystem<D>& system, State<D>& state) {
     square[part[i]] += change * change;
   }
   for (std::size_t k = 0; k < share.size(); ++k) share[k] = square[k] > 0 ? std::clamp(share[k] / square[k], 0.0, 1.0) : 0;
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
+  parallel_for(n, [&](std::ptrdiff_t i) {
     state.pressure[i] -= (1 - share[part[i]]) * system.correction[i];
     left[i] *= share[part[i]];
-  }
+  });
 }
 
 #define TERN_INSTANTIATE(D)                                                                                                        \

@@ -182,8 +182,7 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
   auto& element = element_;
   element.resize(used);
   const Vector<D> scale = gradient_scale * inverse_width.cwiseAbs2();
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (int cell = 0; cell < used; ++cell) {
+  parallel_for(used, n, [&](int cell) {
     double sum[corners * corners] = {};
     for (int entry = cell_start_[cell]; entry < cell_start_[cell + 1]; ++entry) {
       const int i = cell_particle_[entry];
@@ -213,7 +212,7 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
     }
     for (int a = 0; a < corners; ++a)
       for (int b = 0; b < corners; ++b) element[cell][a * corners + b] = static_cast<float>(sum[std::min(a, b) * corners + std::max(a, b)]);
-  }
+  });
   level.row.assign(level.nodes(), {});
   const auto add_cell = [&](int node, int a, int cell) {
     for (int b = 0; b < corners; ++b) {

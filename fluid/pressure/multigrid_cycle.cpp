@@ -18,15 +18,14 @@ void Multigrid<D>::smooth(Level& level, bool forward) {
   for (int k = 0; k < colors; ++k) {
     const auto& nodes = level.color[forward ? k : colors - 1 - k];
     const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(nodes.size());
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-    for (std::ptrdiff_t m = 0; m < n; ++m) {
+    parallel_for(n, [&](std::ptrdiff_t m) {
       const int node = nodes[m];
       const auto& row = level.row[node];
       const auto& neighbour = level.neighbour[node];
       float sum = level.b[node];
       for (int s = 0; s < stencil; ++s) sum -= row[s] * level.x[neighbour[s]];
       level.x[node] += sum * level.inverse_diagonal[node];
-    }
+    });
     for (const auto& [row, first, last] : level.further_rows[forward ? k : colors - 1 - k])
       level.x[row] -= level.inverse_diagonal[row] * further_product(level, first, last);
   }
@@ -42,12 +41,11 @@ float Multigrid<D>::further_product(const Level& level, int first, int last) {
 template <int D>
 void Multigrid<D>::compute_residual(Level& level) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(level.nodes());
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t node = 0; node < n; ++node) {
+  parallel_for(n, [&](std::ptrdiff_t node) {
     float sum = level.b[node];
     for (int s = 0; s < stencil; ++s) sum -= level.row[node][s] * level.x[level.neighbour[node][s]];
     level.residual[node] = sum;
-  }
+  });
   for (const auto& rows : level.further_rows)
     for (const auto& [row, first, last] : rows) level.residual[row] -= further_product(level, first, last);
 }
@@ -87,17 +85,15 @@ void Multigrid<D>::apply(const std::vector<double>& r, std::vector<double>& z) {
   if (!(largest > 0)) largest = 1;
   const double inverse_largest = 1 / largest;
   const auto& diagonal = matrix_->diagonal();
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
+  parallel_for(n, [&](std::ptrdiff_t i) {
     r_[i] = static_cast<float>(r[i] * inverse_largest);
     z_[i] = jacobi_weight * r_[i] / diagonal[i];
-  }
+  });
   matrix_->multiply(z_, az_);
 
   Level& finest = levels_[0];
   const std::ptrdiff_t cells = static_cast<std::ptrdiff_t>(cell_node_.size());
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t cell = 0; cell < cells; ++cell) {
+  parallel_for(cells, n, [&](std::ptrdiff_t cell) {
     std::array<float, corners> sum{};
     for (int entry = cell_start_[cell]; entry < cell_start_[cell + 1]; ++entry) {
       const int i = cell_particle_[entry];
@@ -105,27 +101,25 @@ void Multigrid<D>::apply(const std::vector<double>& r, std::vector<double>& z) {
       for (int corner = 0; corner < corners; ++corner) sum[corner] += particle_weight_[entry][corner] * q;
     }
     cell_sum_[cell] = sum;
-  }
+  });
   const std::ptrdiff_t nodes = static_cast<std::ptrdiff_t>(finest.nodes());
-#pragma omp parallel for schedule(static) if (nodes >= parallel_threshold)
-  for (std::ptrdiff_t node = 0; node < nodes; ++node) {
+  parallel_for(nodes, [&](std::ptrdiff_t node) {
     float sum = 0;
     for (int corner = 0; corner < corners; ++corner)
       if (node_cell_[node][corner] >= 0) sum += cell_sum_[node_cell_[node][corner]][corner];
     finest.b[node] = sum;
-  }
+  });
   for (const auto& [node, corner, cell] : further_cells_) finest.b[node] += cell_sum_[cell][corner];
   cycle(0);
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t cell = 0; cell < cells; ++cell)
+  parallel_for(cells, n, [&](std::ptrdiff_t cell) {
     for (int entry = cell_start_[cell]; entry < cell_start_[cell + 1]; ++entry) {
       float sum = 0;
       for (int corner = 0; corner < corners; ++corner) sum += particle_weight_[entry][corner] * finest.x[cell_node_[cell][corner]];
       z_[cell_particle_[entry]] += sum;
     }
+  });
   matrix_->multiply(z_, az_);
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) z[i] = largest * (double(z_[i]) + double(jacobi_weight) * (r_[i] - az_[i]) / diagonal[i]);
+  parallel_for(n, [&](std::ptrdiff_t i) { z[i] = largest * (double(z_[i]) + double(jacobi_weight) * (r_[i] - az_[i]) / diagonal[i]); });
 }
 
 template void Multigrid<2>::apply(const std::vector<double>&, std::vector<double>&);

@@ -37,10 +37,9 @@ void apply_pressure_gradient(const Reference<D>& reference, double duration, con
   const double* pressure = state.pressure.data();
   reference.period.specialise([&](auto periodic) {
     const PackedPeriod<decltype(periodic)::value, D> period(reference.period);
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-    for (std::ptrdiff_t m = 0; m < n; ++m) {
+    parallel_for(n, [&](std::ptrdiff_t m) {
       const std::ptrdiff_t i = at_structure ? (*only)[m] : m;
-      if (!state.particle_class[i].pressure_unknown() || boundary.sees_structure(i) != at_structure) continue;
+      if (!state.particle_class[i].pressure_unknown() || boundary.sees_structure(i) != at_structure) return;
       const Packed<D> x = motion[i].position;
       const double p = pressure[i];
       Packed<D> even = Packed<D>::Zero(), odd = Packed<D>::Zero();
@@ -64,7 +63,7 @@ void apply_pressure_gradient(const Reference<D>& reference, double duration, con
         gradient += 2 * std::min(theta * std::max(p, 0.0), most) * kernel_gradient;
       }
       velocity[i] += scale * gradient;
-    }
+    });
   });
 }
 

@@ -107,9 +107,9 @@ void assemble_pressure_matrix(const Constants<D>& constants, const State<D>& sta
   const int n = static_cast<int>(state.size());
   matrix.reset(n, [&](int i) { return state.particle_class[i].pressure_unknown() ? neighbours.count[i] : 0; });
   const InterfaceCondition<D> none;
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (int i = 0; i < n; ++i)
+  parallel_for(n, [&](int i) {
     if (!boundary.sees_structure(i)) assemble_row(constants, none, state, neighbours, boundary, correction, i, matrix);
+  });
   matrix.pad();
 }
 
@@ -120,14 +120,13 @@ void complete_pressure_matrix(const Constants<D>& constants, const InterfaceCond
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(at_structure.size()), all = static_cast<std::ptrdiff_t>(state.size());
   system.without_surface.size.clear();
   const bool yields = n > 0 && mark_yielding_regions(constants, load, neighbours, boundary, correction, at_structure, state, system);
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t m = 0; m < n; ++m)
-    assemble_row(constants, load, state, neighbours, boundary, correction, at_structure[m], system.matrix);
+  parallel_for(
+      n, [&](std::ptrdiff_t m) { assemble_row(constants, load, state, neighbours, boundary, correction, at_structure[m], system.matrix); });
   if (!yields) return;
-#pragma omp parallel for schedule(static) if (all >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < all; ++i)
+  parallel_for(all, [&](std::ptrdiff_t i) {
     if (!boundary.sees_structure(i) && state.particle_class[i].has(ParticleClass::yields_to_level))
       assemble_row(constants, load, state, neighbours, boundary, correction, static_cast<int>(i), system.matrix);
+  });
 }
 
 template <int D>
@@ -137,9 +136,8 @@ void assemble_pressure_source(const Constants<D>& constants, double duration, co
   const int n = static_cast<int>(state.size());
   const double density = constants.density, scale = -density / duration * constants.volume;
   system.source.assign(system.matrix.padded_rows(), 0);
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (int i = 0; i < n; ++i) {
-    if (!state.particle_class[i].pressure_unknown()) continue;
+  parallel_for(n, [&](int i) {
+    if (!state.particle_class[i].pressure_unknown()) return;
     double b = scale * (divergence[i] - target[i]);
     // Past a corner the pressure behind the face goes on along the face as before it, by the weight of the fluid.
     b += 2 * density * constants.volume * prediction.gravity[i].dot(boundary.sums.back_facing_gradient[i]);
@@ -151,7 +149,7 @@ void assemble_pressure_source(const Constants<D>& constants, double duration, co
     }
     if (!system.left_behind.empty()) b += system.left_behind[i];
     system.source[i] = b;
-  }
+  });
 }
 
 #define TERN_INSTANTIATE(D)                                                                                                              \

@@ -78,12 +78,10 @@ void solve_pressure_poisson(const Constants<D>& constants, const Window& window,
                             PressureSystem<D>& system) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
   system.solution.assign(system.matrix.padded_rows(), 0);
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) system.solution[i] = state.particle_class[i].pressure_unknown() ? state.pressure[i] : 0;
+  parallel_for(n, [&](std::ptrdiff_t i) { system.solution[i] = state.particle_class[i].pressure_unknown() ? state.pressure[i] : 0; });
 
   solve(window, position, constants.numerics.pressure_tolerance, system.source, system.solution, state, system);
-#pragma omp parallel for schedule(static) if (n >= parallel_threshold)
-  for (std::ptrdiff_t i = 0; i < n; ++i) state.pressure[i] = system.solution[i];
+  parallel_for(n, [&](std::ptrdiff_t i) { state.pressure[i] = system.solution[i]; });
   state.has_pressure = true;
 }
 
