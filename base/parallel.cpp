@@ -14,12 +14,13 @@ double sum_of_blocks(std::ptrdiff_t n, BlockSum&& block_sum) {
   const auto of_block = [&](std::ptrdiff_t block) {
     return block_sum(block * reduction_block, std::min(n, (block + 1) * reduction_block));
   };
-  thread_local std::vector<double>
-      kept;  // from call to call: steps shall allocate nothing. The reference is to that of the calling thread.
-  std::vector<double>& partial = kept;
-  partial.resize(static_cast<std::size_t>(blocks));
-  parallel_for(blocks, n, [&](std::ptrdiff_t block) { partial[static_cast<std::size_t>(block)] = of_block(block); });
   double total = 0;
+  if (n < parallel_threshold) {
+    for (std::ptrdiff_t block = 0; block < blocks; ++block) total += of_block(block);
+    return total;
+  }
+  std::vector<double> partial(static_cast<std::size_t>(blocks));
+  parallel_for(blocks, n, [&](std::ptrdiff_t block) { partial[static_cast<std::size_t>(block)] = of_block(block); });
   for (const double value : partial) total += value;
   return total;
 }

@@ -58,6 +58,11 @@ T ordered_fold(std::ptrdiff_t n, const T& initial, Term&& term, Combine&& combin
     return value;
   };
   if (blocks == 0) return initial;
+  if (n < parallel_threshold) {
+    T total = fold_block(0);
+    for (std::ptrdiff_t block = 1; block < blocks; ++block) total = combine(total, fold_block(block));
+    return total;
+  }
   // Kept from call to call: steps shall allocate nothing. The reference is to that of the calling thread.
   thread_local std::vector<T> kept;
   std::vector<T>& partial = kept;

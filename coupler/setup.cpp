@@ -19,6 +19,9 @@ constexpr Algorithm algorithms[] = {
 
 /// Mass behind a face, over that of a layer of fluid particles, up to which one pass is not enough.
 constexpr double lightest_of_one_pass = 0.5 * (1 + 1e-9);  // a plate of just this mass is one of them, whatever its rounding
+/// A light body follows the load at once, and what a window changes of it, above all which particles touch, is more than the coupling
+/// iterations can bring to agree in windows as long as the fluid alone takes them.
+constexpr double window_share_of_light = 0.5;
 /// Robin mass of a light surface when windows are repeated, in layers of fluid particles; from 2 to 12 the iterations are as many.
 /// Few motions of a light body answer with its mass, all others are held by its stiffness. A mass like the fluid's own lies between the
 /// two; the iterations find out what it gets wrong.
@@ -48,11 +51,12 @@ Setup<D>::Setup(const Case& scene, const SurfaceProperties& of_surface)
     : coupling(scene.coupling),
       algorithm(choose_algorithm(scene, of_surface)),
       scheme(scheme_of<D>(scene.coupling.scheme)),
+      window_share(any_body_is_light(scene, of_surface) ? window_share_of_light : 1),
       density(scene.fluid->density),
       spacing(scene.fluid->spacing),
       smoothing_length(scene.fluid->numerics.smoothing_length_ratio * scene.fluid->spacing),
       contact_distance(scene.fluid->numerics.contact_distance * scene.fluid->spacing),
-      courant(scene.fluid->numerics.courant),
+      courant(window_share * scene.fluid->numerics.courant),
       robin_mass_factor(algorithm.iterates && !algorithm.tests ? 1 : coupling.robin_mass_factor),
       least_robin_mass(algorithm.iterates && !algorithm.tests ? robin_layers * density * spacing : 0),
       gravity(scene.gravity),

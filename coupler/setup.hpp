@@ -31,7 +31,8 @@ struct Setup {
   CouplingCase coupling;
   Algorithm algorithm;
   const Scheme<D>& scheme;
-  double density, spacing, smoothing_length, contact_distance, courant;  ///< of the fluid
+  double window_share;                                                   ///< of the length that the fluid proposes, which a window takes
+  double density, spacing, smoothing_length, contact_distance, courant;  ///< of the fluid; courant with window_share
   double robin_mass_factor, least_robin_mass;  ///< m_p = max(factor m_s, least), m_s the mass behind a face [kg/m^2]
   std::vector<double> body_density;
   std::vector<std::string> body_name;

@@ -60,6 +60,7 @@ std::string step_limits(const Case& scene, const Estimate& e) {
                                     : "the free fall over the height of the scene, the initial speed");
     }
   }
+  if (e.light) text += "  light body       half of the least of these: it weighs less than half a layer of fluid particles\n";
   for (const BodyEstimate& body : e.bodies) {
     text += fmt::format("  {:<16} {:.3g} s = {} dx_s/c_p, c_p = {:.4g} m/s (sub-step)\n", body.name, body.sub_step,
                         scene.structure->numerics.courant, body.wave_speed);

@@ -159,15 +159,18 @@ void estimate_fluid(const Case& scene, Estimate& result) {
 
 constexpr double pressure_share = 0.4;  ///< of the cost of a step of the fluid, paid once more in each coupling iteration
 
+bool any_body_is_light(const Case& scene, const std::vector<BodyEstimate>& bodies) {
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (0.5 * scene.structure->bodies[b].density * bodies[b].thickness <= 0.5 * scene.fluid->density * scene.fluid->spacing) return true;
+  return false;
+}
+
 /// Mean in a window. Bodies that are light for a layer of fluid particles take 3 to 10 (`./tern verify rising_disc rising_ball_3d`).
-double coupling_iterations(const Case& scene, const std::vector<BodyEstimate>& bodies) {
+double coupling_iterations(const Case& scene, bool light) {
   constexpr double of_light = 6, of_heavy = 2;
   const bool every_window = scene.coupling.algorithm == CouplingAlgorithm::implicit;
   if (!every_window && scene.coupling.algorithm != CouplingAlgorithm::automatic) return 1;
-  for (std::size_t b = 0; b < bodies.size(); ++b)
-    if (0.5 * scene.structure->bodies[b].density * bodies[b].thickness <= 0.5 * scene.fluid->density * scene.fluid->spacing)
-      return of_light;
-  return every_window ? of_heavy : 1;
+  return light ? of_light : every_window ? of_heavy : 1;
 }
 
 // The windows of a structure alone are equal parts of the time from one output to the next.
@@ -190,6 +193,8 @@ Estimate estimate_in(const Case& scene, const Costs& costs) {
       structure_particles += static_cast<double>(result.bodies.back().particles);
     }
     if (!scene.fluid) result.step = window_alone(scene, sub_step);
+    result.light = scene.fluid && any_body_is_light(scene, result.bodies);
+    if (result.light) result.step *= 0.5;  // Setup::window_share
     result.sub_steps = std::ceil(result.step / sub_step * (1 - 1e-12));
   }
   result.steps = std::ceil(scene.end_time / result.step);
@@ -197,7 +202,7 @@ Estimate estimate_in(const Case& scene, const Costs& costs) {
   const double paid_sub_steps = integrator == Integrator::explicit_steps   ? result.sub_steps
                                 : integrator == Integrator::implicit_steps ? implicit_window
                                                                            : std::min(result.sub_steps, implicit_window);
-  result.iterations = scene.fluid && scene.structure ? coupling_iterations(scene, result.bodies) : 1;
+  result.iterations = scene.fluid && scene.structure ? coupling_iterations(scene, result.light) : 1;
   const double passes = !scene.fluid || scene.coupling.algorithm == CouplingAlgorithm::explicit_staggering ? 1 : 1 + result.iterations;
   const double solves = 1 + pressure_share * (result.iterations - 1);
   const auto particles = static_cast<double>(result.fluid_particles);

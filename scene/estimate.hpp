@@ -48,6 +48,7 @@ struct Estimate {
   double steps = 0;         ///< in the whole run
   std::vector<BodyEstimate> bodies;
   double sub_steps = 0;                                      ///< of the structure in one step
+  bool light = false;                                        ///< a body is, for a layer of fluid particles: windows half as long
   double iterations = 1;                                     ///< of the coupling in one step
   double memory = 0;                                         ///< all processes [bytes]
   double fluid_cpu = 0, structure_cpu = 0, coupler_cpu = 0;  ///< [s]

@@ -56,8 +56,10 @@ bool LoadAlternation::add(const Eigen::VectorXd& load, double least) {
     return false;
   }
   keep(loads_, load);
+  double squares = (load + last_).squaredNorm();
+  for (std::size_t n = 1; n + 1 < loads_.size(); ++n) squares += (loads_[n] + loads_[n - 1]).squaredNorm();
+  mean_ = std::sqrt(squares / static_cast<double>(std::max<std::size_t>(loads_.size() - 1, 1))) / 2;
   const Eigen::VectorXd change = load - last_;
-  mean_ = (load + last_).norm() / 2;
   last_ = load;
   const Eigen::VectorXd before = std::exchange(change_, change);
   if (before.size() == 0) return false;

@@ -3,7 +3,7 @@
 // a_n = F_n - 2 F_{n-1} + F_{n-2}; a load F + (-1)^n A has the kinks 4 (-1)^n A. Motion that windows resolve has kinks that last. Impacts
 // have one pair of opposite kinks. Noise has kinks of correlation -2/3. A harmless vibration that windows do not resolve dies out: of what
 // is not in the mean motion of a window the interface keeps 0.8 (structure/coupled_structure.hpp). A load that turns round again and
-// again, does not die out and exceeds the load it is laid on can only be kept up by the coupling: a fluid that can only push would pull in
+// again, does not die out and exceeds the load it is laid on over some windows (which may pass through zero in one) can only be kept up by the coupling: a fluid that can only push would pull in
 // every other window.
 // A vibration of less than four windows, but not quite two, does not turn round in each. When nothing else is in the load its kinks follow
 // a_{n+1} = 2 r cos(theta) a_n - r^2 a_{n-1}. Explicit staggering makes a motion of the body with pi < omega dt < 2 pi grow like this,
@@ -24,7 +24,8 @@ class LoadAlternation {
   bool add(const Eigen::VectorXd& load, double least);
 
   double amplitude() const { return amplitude_; }  ///< |A| of the last window
-  double mean() const { return mean_; }            ///< |F|: of the mean of the last two windows; of sixteen for a vibration
+  double mean() const { return mean_; }            ///< |F|, root mean square over the windows kept, of the mean of two in turn; of sixteen
+                                                   ///< for a vibration
   const Eigen::VectorXd& kink() const { return kink_; }
   static constexpr int reversals = 4;   ///< that are taken for proof
   static constexpr int vibration = 16;  ///< kinks that are
