@@ -19,6 +19,7 @@ namespace tern {
 namespace {
 
 constexpr double said_mass_error = 0.01, refused_mass_error = 0.05;  ///< of a body
+constexpr double finest_fit = 0.7;                                   ///< of the spacing that is asked for
 constexpr double most_by_spacing = 0.06;                             ///< of a shell's deflection
 
 /// Volume of a shape [m^D], where it is composed by Gauss' theorem over patches of a quarter of the spacing.
@@ -32,6 +33,32 @@ double volume(const Shape& shape, double spacing) {
   double sum = 0;
   for (std::size_t k = 0; k < surface.area.size(); ++k) sum += surface.position[k].dot(surface.normal[k]) * surface.area[k];
   return sum / D;
+}
+
+template <int D>
+using Fill = LatticePoints<D> (*)(const Shape&, double);
+
+/// What so many particles at this spacing weigh more than the shape, over its weight.
+template <int D>
+double mass_error(std::size_t particles, double spacing, double whole) {
+  return static_cast<double>(particles) * std::pow(spacing, D) / whole - 1;
+}
+
+/// The largest spacing below this one, of three digits, at which the particles have the mass of their shape to half of what is said; the
+/// last one tried where there is none [m].
+template <int D>
+double better_spacing(Fill<D> lattice, const Shape& shape, double spacing, double whole) {
+  constexpr double finer = 0.98, most_looks = 1e8;  // a second of search; no hint is worth more
+  const Bounds<D> bounds = bounding_box<D>(shape);
+  double looks = 0, fits = spacing;
+  while (fits > 0.25 * spacing) {
+    fits *= finer;
+    looks += ((bounds.max - bounds.min) / fits).prod() * count_sides(shape);
+    if (looks > most_looks) break;
+    const double rounded = std::stod(fmt::format("{:.3g}", fits));
+    if (std::abs(mass_error<D>(lattice(shape, rounded).size(), rounded, whole)) <= 0.5 * said_mass_error) return rounded;
+  }
+  return fits;
 }
 
 template <int D>
@@ -68,8 +95,6 @@ class PlacementCheck {
     return scene_.structure ? scene_.structure->bodies : none;
   }
 
-  using Fill = LatticePoints<D> (*)(const Shape&, double);
-
   LatticePoints<D> not_empty(LatticePoints<D> points, const Shape& shape, double spacing, const std::string& where) const {
     const Bounds<D> bounds = bounding_box<D>(shape);
     if (points.empty()) {
@@ -101,25 +126,12 @@ class PlacementCheck {
   }
 
   // The particles have the mass of their cells of the lattice, whatever the shape cuts off.
-  void check_mass_of(Fill lattice, const std::string& label, const Shape& shape, std::size_t particles, double spacing,
+  void check_mass_of(Fill<D> lattice, const std::string& label, const Shape& shape, std::size_t particles, double spacing,
                      const std::string& where) {
     const double whole = volume<D>(shape, spacing);
-    const auto error = [&](double count, double dx) { return count * std::pow(dx, D) / whole - 1; };
-    const double now = error(static_cast<double>(particles), spacing);
+    const double now = mass_error<D>(particles, spacing, whole);
     if (std::abs(now) <= said_mass_error) return;
-    double fits = spacing;                            // the largest one below that brings the error down
-    constexpr double finer = 0.98, most_looks = 1e8;  // a second of search; no hint is worth more
-    const Bounds<D> bounds = bounding_box<D>(shape);
-    double looks = 0;
-    while (fits > 0.25 * spacing) {
-      fits *= finer;
-      looks += ((bounds.max - bounds.min) / fits).prod() * count_sides(shape);
-      if (looks > most_looks) break;
-      const double rounded = std::stod(fmt::format("{:.3g}", fits));
-      if (std::abs(error(static_cast<double>(lattice(shape, rounded).size()), rounded)) > 0.5 * said_mass_error) continue;
-      fits = rounded;
-      break;
-    }
+    const double fits = better_spacing<D>(lattice, shape, spacing, whole);
     const std::string sentence =
         fmt::format("the {} particles of {} have {:.2g} % {} mass than its shape; a spacing of {:.3g} m fits better than {:.3g} m.",
                     particles, label, 100 * std::abs(now), now > 0 ? "more" : "less", fits, spacing);
@@ -345,10 +357,34 @@ template double thin_section<2>(const StructureBody&);
 template double thin_section<3>(const StructureBody&);
 
 template <int D>
+void fit_spacings_of_bodies(Case& scene, const Setting& settings) {
+  if (!scene.structure) return;
+  for (std::size_t i = 0; i < scene.structure->bodies.size(); ++i) {
+    StructureBody& body = scene.structure->bodies[i];
+    if (body.is_shell) continue;  // its particles have the areas of their cells
+    const std::size_t particles = fill_lattice<D>(body.shape, body.spacing).size();
+    const double whole = volume<D>(body.shape, body.spacing), now = mass_error<D>(particles, body.spacing, whole);
+    if (particles == 0 || std::abs(now) <= refused_mass_error) continue;
+    const double fits = better_spacing<D>(fill_lattice<D>, body.shape, body.spacing, whole);
+    if (fits < finest_fit * body.spacing ||
+        std::abs(mass_error<D>(fill_lattice<D>(body.shape, fits).size(), fits, whole)) > said_mass_error)
+      continue;  // check_placement() refuses it
+    scene.warnings.push_back(
+        fmt::format("{}: at the spacing {:.4g} m the {} particles of the elastic body '{}' have {:.2g} % {} mass than its shape; {:.3g} m "
+                    "is taken.",
+                    settings.at("structure").at("body").items[i].where, body.spacing, particles, body.name, 100 * std::abs(now),
+                    now > 0 ? "more" : "less", fits));
+    body.spacing = fits;
+  }
+}
+
+template <int D>
 void check_placement(Case& scene, const Setting& settings) {
   PlacementCheck<D>(scene, settings).run();
 }
 
+template void fit_spacings_of_bodies<2>(Case&, const Setting&);
+template void fit_spacings_of_bodies<3>(Case&, const Setting&);
 template void check_placement<2>(Case&, const Setting&);
 template void check_placement<3>(Case&, const Setting&);
 

@@ -32,6 +32,7 @@ void check_scene_in(Case& scene, const Setting& settings) {
                       "which their particles have their mass.",
                       settings.at("fluid").at("spacing").where, asked, scene.fluid->spacing));
   }
+  fit_spacings_of_bodies<D>(scene, settings);
   check_structure<D>(scene, settings);
   check_placement<D>(scene, settings);
   check_gauges(scene, settings);

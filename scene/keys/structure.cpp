@@ -30,7 +30,8 @@ const Rows<StructureBody>& body_rows() {
       {"name", &StructureBody::name, "", required, any, "Name of the body in gauges and messages; unique."},
       {"shape", &StructureBody::shape, "", required, any, "The undeformed body."},
       {"spacing", &StructureBody::spacing, "m", required, a_size,
-       "Particle spacing dx_s; at least 2 and better 4 particles across the thinnest part."},
+       "Particle spacing dx_s; at least 2 and better 4 particles across the thinnest part. Made smaller, down to 0.7 of it, where the "
+       "particles would have a mass more than 5 % off that of the shape."},
       {"density", &StructureBody::density, "kg/m^3", required, a_density, "Density of the undeformed body."},
       {"young_modulus", &StructureBody::young_modulus, "Pa", required, a_modulus, "Young's modulus E."},
       {"poisson_ratio", &StructureBody::poisson_ratio, "-", required, between(-1, 0.5), "Poisson's ratio nu."},
