@@ -18,30 +18,30 @@ inline constexpr std::ptrdiff_t parallel_threshold = 8192;  ///< below this a pa
 namespace detail {
 
 /// A function of its own, so that one thread and several run the same instructions.
-template <class Work>
-[[gnu::noinline]] void for_range(std::ptrdiff_t begin, std::ptrdiff_t end, const Work& work) {
-  for (std::ptrdiff_t i = begin; i < end; ++i) work(i);
+template <class Index, class Work>
+[[gnu::noinline]] void for_range(Index begin, Index end, const Work& work) {
+  for (Index i = begin; i < end; ++i) work(i);
 }
 
 }  // namespace detail
 
 /// work(i) for each i in [0, n), in equal ranges for all threads where `items`, what the loop works on in all, are worth it. `work` must
 /// not throw. One thread enters no parallel region: at the end of each, GCC's runtime makes a system call, also for a team of one.
-template <class Work>
-void parallel_for(std::ptrdiff_t n, std::ptrdiff_t items, const Work& work) {
+template <class Index, class Work>
+void parallel_for(Index n, std::ptrdiff_t items, const Work& work) {
   if (items < parallel_threshold || omp_get_max_threads() == 1) {
-    detail::for_range(0, n, work);
+    detail::for_range(Index{0}, n, work);
     return;
   }
 #pragma omp parallel
   {
     const std::ptrdiff_t threads = omp_get_num_threads(), thread = omp_get_thread_num();
-    detail::for_range(n * thread / threads, n * (thread + 1) / threads, work);
+    detail::for_range(static_cast<Index>(n * thread / threads), static_cast<Index>(n * (thread + 1) / threads), work);
   }
 }
 
-template <class Work>
-void parallel_for(std::ptrdiff_t n, const Work& work) {
+template <class Index, class Work>
+void parallel_for(Index n, const Work& work) {
   parallel_for(n, n, work);
 }
 
