@@ -42,12 +42,15 @@ void settle_contacts(const Setup<D>& setup, const InterfacePressure<D>& pressure
   const InterfaceParticles<D>& particles = window.particles;
   std::vector<Vector<D>>& on_particles = window.particle_force.force;
   if (iterates) window.contact.force.assign(window.load.force.size(), Vector<D>::Zero());
+  if (setup.contact_distance == 0) return;
   for (const auto& pair : window.pairs.pairs()) {
     const int i = pair.particle, k = pair.point;
     const Vector<D>& n = surface.normal[k];
-    if (!touches<D>(surface.position[k], n, surface.area[k], particles.position[i], setup.contact_distance)) continue;
+    if (!stands_over<D>(surface.position[k], n, surface.area[k], particles.position[i])) continue;
     const Vector<D> velocity = pressure.velocity[i] + (window.duration / particles.mass[i]) * on_particles[i];
-    const double approach = (surface.velocity[k] - velocity).dot(n);
+    const double permitted =
+        permitted_approach((particles.position[i] - surface.position[k]).dot(n), setup.contact_distance, window.duration);
+    const double approach = (surface.velocity[k] - velocity).dot(n) - permitted;
     // In one pass the face gives way as the mass does that lies behind the particle.
     double behind = responding_mass(setup, window, k) * std::pow(particles.volume[i], (D - 1.0) / D), expected = approach;
     if (iterates) {
@@ -61,7 +64,7 @@ void settle_contacts(const Setup<D>& setup, const InterfacePressure<D>& pressure
     const Vector<D> force = -(mass * expected / window.duration) * n;
     add_pair_force(pair, force, window.load, on_particles);
     if (iterates) window.contact.force[k] += force;
-    window.audit.contact_dissipation += 0.5 * mass * expected * approach;
+    window.audit.contact_dissipation += 0.5 * mass * expected * (approach + 2 * permitted);
     ++window.audit.contacts;
   }
 }

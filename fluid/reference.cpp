@@ -7,8 +7,9 @@ namespace tern::fluid {
 
 template <int D>
 Gravity<D>::Gravity(const Case& scene)
-    : expression_(scene.gravity),
-      uniform_(std::all_of(scene.gravity.begin(), scene.gravity.end(), [](const Expression& e) { return e.is_constant(); })) {}
+    : expression_(scene.gravity), uniform_(std::all_of(scene.gravity.begin(), scene.gravity.end(), [](const Expression& e) {
+        return !e.depends_on('x') && !e.depends_on('y') && !e.depends_on('z');
+      })) {}
 
 template <int D>
 Vector<D> Gravity<D>::at(double t, const Vector<D>& x) const {

@@ -170,7 +170,7 @@ void Fluid<D>::end_window(const InterfaceForce<D>& force) {
   ScopedTimer timer(timing_.correction);
   const Constants<D>& constants = reference_.constants;
   push(force.force);  // u^{n+1} = u** + dt a_interface
-  settle_wall_contacts(constants, boundary_, prediction_.position, prediction_.velocity);
+  settle_wall_contacts(constants, window_.duration, boundary_, prediction_.position, prediction_.velocity);
   check_speed(window_, prediction_, boundary_.surface.velocity, state_);
   check_volume(window_, boundary_.surface.size() == 0 ? 0 : volume_drift(), state_);
   state_.potential -= work_of_gravity(constants.mass, window_.duration, state_, prediction_);

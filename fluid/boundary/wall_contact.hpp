@@ -6,9 +6,9 @@
 
 namespace tern::fluid {
 
-/// Takes the approach to walls in reach out of `velocity`.
+/// Takes out of `velocity` what would bring a particle nearer to a wall than the contact distance in a window of this duration [s].
 template <int D>
-void settle_wall_contacts(const Constants<D>& constants, const Boundary<D>& boundary, const std::vector<Vector<D>>& position,
-                          std::vector<Vector<D>>& velocity);
+void settle_wall_contacts(const Constants<D>& constants, double duration, const Boundary<D>& boundary,
+                          const std::vector<Vector<D>>& position, std::vector<Vector<D>>& velocity);
 
 }  // namespace tern::fluid

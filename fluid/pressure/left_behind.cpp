@@ -38,6 +38,7 @@ template <int D>
 void keep_best_share(PressureSystem<D>& system, State<D>& state) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
   const std::vector<int>& part = system.multigrid.part_of_particle();
+  if (system.multigrid.parts() == 0) return;  // spray alone
   auto &left = system.left_behind, &share = system.share, &square = system.squared_change;
   if (system.regions.any()) system.regions.subtract_means(system.still_left);  // as of left_behind: enclosed fluid cannot answer them
   share.assign(system.multigrid.parts(), 0);
