@@ -37,7 +37,7 @@ def plates_table(rows):
     for cell in dict.fromkeys(name.rsplit(", ", 1)[0] for name in by_name):
         rows_of = [by_name.get(f"{cell}, {algorithm}") for algorithm in families.ALGORITHMS]
         lines.append(f"| {cell} | " + " | ".join(outcome(row) if row else "" for row in rows_of) + " |")
-    counts = [f"* {algorithm}: {counted([row for name, row in by_name.items() if name.endswith(algorithm)])}."
+    counts = [f"* {algorithm}: {counted([row for name, row in by_name.items() if name.endswith(', ' + algorithm)])}."
               for algorithm in families.ALGORITHMS]
     return [*lines, "", *counts]
 

@@ -54,7 +54,7 @@ def draw(all_rows, out):
         cells = list(families.plates())
         figure, grids = plt.subplots(1, 3, figsize=(15, 6), sharey=True)
         for axes, algorithm in zip(grids, families.ALGORITHMS):
-            _grid(axes, [cell for cell in cells if cell.name.endswith(algorithm)], rows)
+            _grid(axes, [cell for cell in cells if cell.name.endswith(", " + algorithm)], rows)
             axes.set_title(algorithm)
             axes.set_xlabel("Young's modulus [Pa], wet faces")
         grids[0].set_ylabel("density over that of water, particles across")
