@@ -54,7 +54,7 @@ std::string step_limits(const Case& scene, const Estimate& e) {
       text += fmt::format("  viscosity        {:.3g} s = {} h^2/nu\n", e.viscous_step, scene.fluid->numerics.viscous_courant);
     }
     if (std::isfinite(e.flow_step)) {
-      text += fmt::format("  speed            {:.3g} s = {} dx/|u| at {:.3g} m/s, {}, or walls and clamps that move\n", e.flow_step,
+      text += fmt::format("  speed            {:.3g} s = {} dx/|u| at {:.3g} m/s, {}, or bodies, walls and clamps that move\n", e.flow_step,
                           scene.fluid->numerics.courant, e.speed,
                           e.settled ? "half of sqrt(|g| H), the least that is reckoned with"
                                     : "the free fall over the height of the scene, the initial speed");
@@ -254,8 +254,10 @@ std::string explain_text(const Case& scene, const Costs& costs) {
   }
   text += "\nNot modelled\n";
   if (scene.fluid)
-    text += fmt::format("* {}urbulence, surface tension, and air: a closed air pocket is empty space.\n",
-                        scene.fluid->viscosity ? "T" : "Viscosity, t");
+    text += fmt::format(
+        "* {}urbulence, surface tension, and air: a closed air pocket is empty space, and so is what opens where the pressure would fall "
+        "below that of the air.\n",
+        scene.fluid->viscosity ? "T" : "Viscosity, t");
   if (scene.structure && scene.fluid && scene.fluid->viscosity) text += "* Friction between the fluid and elastic bodies.\n";
   if (scene.structure) text += "* Plasticity, damage, material damping, contact: bodies that enter each other or a wall stop the run.\n";
   if (!scene.structure) text += "* Elastic bodies: no [structure] in the case, so no structure and no coupler process.\n";

@@ -51,7 +51,7 @@ def costs_file(directory):
         process = subprocess.Popen([paths.command(), "run", SCENE, "--out", out, "--quiet"], stdin=subprocess.DEVNULL,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=os.environ | {"TERN_BUILD": str(directory)})
         try:
-            if process.wait(timeout=60) != 0:
+            if process.wait(timeout=300) != 0:
                 return None
             costs = _costs(report.read(out))
         except subprocess.TimeoutExpired:
