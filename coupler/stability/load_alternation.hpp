@@ -3,8 +3,8 @@
 // a_n = F_n - 2 F_{n-1} + F_{n-2}; a load F + (-1)^n A has the kinks 4 (-1)^n A. Motion that windows resolve has kinks that last. Impacts
 // have one pair of opposite kinks. Noise has kinks of correlation -2/3. A harmless vibration that windows do not resolve dies out: of what
 // is not in the mean motion of a window the interface keeps 0.8 (structure/coupled_structure.hpp). A load that turns round again and
-// again, does not die out and exceeds the load it is laid on over some windows (which may pass through zero in one) can only be kept up by the coupling: a fluid that can only push would pull in
-// every other window.
+// again, does not die out and exceeds the load it is laid on, over some windows, for that may pass through zero in one, can only be kept up
+// by the coupling: a fluid that can only push would pull in every other window.
 // A vibration of less than four windows, but not quite two, does not turn round in each. When nothing else is in the load its kinks follow
 // a_{n+1} = 2 r cos(theta) a_n - r^2 a_{n-1}. Explicit staggering makes a motion of the body with pi < omega dt < 2 pi grow like this,
 // slowly (docs/THEORY.md, section 3).

@@ -1,5 +1,5 @@
 // Inelastic contact with walls: a particle that would come closer than a fraction of dx to a face within the next window loses so much of
-// the normal velocity with which it approaches that face. Spray and thin sheets feel little or no pressure, so nothing else would stop them.
+// the normal velocity with which it approaches that face. Spray and thin sheets feel little or no pressure: nothing else would stop them.
 
 #include "fluid/boundary/wall_contact.hpp"
 

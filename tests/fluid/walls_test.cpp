@@ -17,8 +17,8 @@ WallCase rolling_tank() {
 }
 
 // Drops of four particles, and of one, against a wall in the longest windows, from twenty places. A particle moves by half a spacing in a
-// window, and the contact distance is a quarter. Seen to fail: with contacts settled only where a particle is nearer than that (26 of 40 drops
-// go through the wall); with parts of the fluid asked for where all of it is spray (the program ends by a signal).
+// window, and the contact distance is a quarter. Seen to fail: with contacts settled only where a particle is nearer than that (26 of 40
+// drops go through the wall); with parts of the fluid asked for where all of it is spray (the program ends by a signal).
 TEST(Walls, StopADropHoweverLongTheWindow) {
   const double dx = 0.01, speed = 2;
   int through = 0;

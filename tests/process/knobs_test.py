@@ -177,13 +177,13 @@ class KnobsTest(unittest.TestCase):
         self.assert_more(default.wall_distance(), other.wall_distance(), "distance to the nearest wall")
 
     def test_fluid_numerics_pressure_tolerance(self):
-        """A loose solve takes fewer iterations and is further from one that is nearly exact, as long as the flow remembers: in the second
-        half of this surge any two tolerances are equally far apart, 1e-8 from 1e-12 as well.
+        """A loose solve takes fewer iterations, and a tight one is nearer to one that is nearly exact, as long as the flow remembers. From
+        1e-6 on the correction for what the solve leaves behind is solved to a tenth, whatever the key, and outweighs it.
         """
         default, other = self.pair("surge", FLUID + "pressure_tolerance=1e-2")
-        exact = self.run_scene("surge", FLUID + "pressure_tolerance=1e-12")
+        tight, exact = (self.run_scene("surge", FLUID + f"pressure_tolerance={tolerance}") for tolerance in ("1e-8", "1e-12"))
         self.assert_more(default.figures["pressure_iterations_mean"], other.figures["pressure_iterations_mean"], "iterations")
-        self.assert_more(other.change(exact, 0.4), default.change(exact, 0.4), "distance from the exact solve")
+        self.assert_more(default.change(exact, 0.4), tight.change(exact, 0.4), "distance from the exact solve")
 
     # Structure.
 
