@@ -183,7 +183,7 @@ FAMILIES = {"plates": plates, "poisson": poisson, "thickness": thickness, "spaci
 QUICK = {
     "density ratio 0.1, 4 across, E 1e+07 Pa, one face wet, explicit", "density ratio 0.1, 4 across, E 1e+07 Pa, one face wet, implicit",
     "density ratio 0.01, 4 across, E 1e+09 Pa, both faces wet, implicit",
-    "density ratio 0.01, 8 across, E 1e+09 Pa, both faces wet, explicit",
+    "density ratio 10, 2 across, E 1e+07 Pa, both faces wet, explicit",
     "density ratio 1, 4 across, E 1e+07 Pa, both faces wet, semi-implicit",
     "plate under water, Poisson's ratio 0.49999", "plate of 20 mm, 1 across, both faces wet",
     "structure over fluid 0.25, 20 mm, both faces wet",
