@@ -191,7 +191,7 @@ TEST(ProcessSplit, TwoRunsAndOneAndTwoThreadsGiveTheSameBits) {
   const std::vector<std::string> fine = {"--set",   "fluid.spacing=0.002",
                                          "--set",   "structure.body.plate.spacing=0.002",
                                          "--set",   "fluid.body.0.shape.box.max=[0.2, 0.225]",
-                                         "--until", "0.006"};
+                                         "--until", "0.01"};
   const auto with_threads = [&](const char* threads) {
     auto words = fine;
     words.insert(words.end(), {"--threads", threads});
