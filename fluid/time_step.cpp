@@ -88,6 +88,7 @@ void Fluid<D>::prepare_pressure() {
     state_.evaluations.density_source += static_cast<long>(state_.size());
     compute_density_source(reference_, prediction_.bulk_speed, neighbours_, boundary_, correction_, state_.particle_class, density_source_);
   }
+  find_enclosed_fluid(neighbours_, correction_, state_, system_);
   set_divergence_target(window_.duration, neighbours_, at_structure_, packed_, density_source_, divergence_target_);
   assemble_pressure_matrix(reference_.constants, state_, neighbours_, boundary_, correction_, system_.matrix);
   system_.left_behind.clear();
@@ -107,8 +108,8 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
     if (pushed || !first) compute_divergence();
     if (first) {
       complete_pressure_matrix(constants, load, neighbours_, boundary_, correction_, at_structure_, state_, system_);
-      // Where no surface lets a pool change its volume, its own mean density is the one to keep.
-      if (system_.without_surface.any()) system_.without_surface.subtract_means(divergence_target_);
+      // Where no surface lets a region change its volume, its own mean density is the one to keep.
+      if (system_.body_tied.any()) system_.body_tied.subtract_means(divergence_target_);
     }
     assemble_pressure_source(constants, window_.duration, load, state_, prediction_, boundary_, divergence_, divergence_target_, system_);
   }
@@ -116,7 +117,7 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
     ScopedTimer timer(timing_.pressure_solve);
     if (first) {
       prepare_pressure_solve(constants, neighbours_, state_.particle_class, prediction_.position, system_);
-      if (system_.regions.any()) account_for_enclosed_fluid(reference_, window_, boundary_, system_.source, system_.regions, state_);
+      if (system_.sealed.any()) account_for_enclosed_fluid(reference_, window_, boundary_, system_.source, system_.sealed, state_);
     }
     solve_pressure_poisson(constants, window_, prediction_.position, state_, system_);
   }
@@ -145,6 +146,7 @@ void Fluid<D>::drive_out_what_is_left() {
     left.assign(system_.matrix.padded_rows(), 0);
     assemble_left_behind(reference_.constants, window_.duration, neighbours_, at_structure_, state_.particle_class, divergence_,
                          divergence_target_, left);
+    if (system_.body_tied.any()) system_.body_tied.subtract_means(left);  // the first solve has closed the sum over them
   };
   find_left(system_.left_behind);
   {
@@ -175,7 +177,7 @@ void Fluid<D>::end_window(const InterfaceForce<D>& force) {
   check_volume(window_, boundary_.surface.size() == 0 ? 0 : volume_drift(), state_);
   state_.potential -= work_of_gravity(constants.mass, window_.duration, state_, prediction_);
   advance(window_.duration, prediction_, state_);  // r^{n+1} = r* + dt/2 u^{n+1}
-  move_off_structure(constants, boundary_, at_structure_, prediction_.position, state_.position);
+  move_off_faces(constants, boundary_, prediction_.position, state_.position);
   if (const double coefficient = shifting_coefficient(constants, window_.duration, prediction_.bulk_speed); coefficient != 0) {
     state_.evaluations.shifting += static_cast<long>(state_.size());
     shift_particles(coefficient, constants, neighbours_, boundary_, correction_, state_.particle_class, prediction_.position,

@@ -1,8 +1,9 @@
 // Particle shifting against clumps and voids (Lind et al. 2012), with the part normal to a free surface left out
 // (optimised shifting, Khayyer et al. 2017):
 //   dr_i = -C_s h |u|max dt grad C_i,   grad C_i = sum V_j (1 + 0.2 (w_ij/w(dx))^4) grad w_ij
-// And off the faces of the structure: the displacement of a face differs a little from dt times the velocity that was sent, so that a
-// particle beside a face that swings would creep up to it and through it.
+// And off faces: the displacement of a face of the structure differs a little from dt times the velocity that was sent, and a wall that
+// turns moves in a straight line within a window, so that a particle beside such a face would creep up to it and through it. Where a lattice
+// is cut by a curved or oblique wall, some particles also start nearer to it than any may come later.
 
 #include "fluid/motion/shifting.hpp"
 
@@ -27,9 +28,9 @@ void keep_off_faces(const Faces<D>& faces, const FaceRows& rows, std::ptrdiff_t 
   }
 }
 
-/// Way back to the contact distance of the faces of the structure [m].
+/// Way back to the contact distance of the faces [m].
 template <int D>
-Vector<D> off_structure(const Faces<D>& faces, const FaceRows& rows, std::ptrdiff_t i, const Vector<D>& x, double distance) {
+Vector<D> off_faces(const Faces<D>& faces, const FaceRows& rows, std::ptrdiff_t i, const Vector<D>& x, double distance) {
   Vector<D> way = Vector<D>::Zero();
   if (rows.height[i] > distance) return way;
   for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry) {
@@ -44,15 +45,18 @@ Vector<D> off_structure(const Faces<D>& faces, const FaceRows& rows, std::ptrdif
 }  // namespace
 
 template <int D>
-void move_off_structure(const Constants<D>& constants, const Boundary<D>& boundary, const std::vector<int>& at_structure,
-                        const std::vector<Vector<D>>& predicted_position, std::vector<Vector<D>>& position) {
+void move_off_faces(const Constants<D>& constants, const Boundary<D>& boundary, const std::vector<Vector<D>>& predicted_position,
+                    std::vector<Vector<D>>& position) {
   const double contact = constants.numerics.contact_distance * constants.spacing;
-  if (!boundary.surface.position.empty() && contact > 0)
-    for (int i : at_structure) {
-      Vector<D> way = off_structure<D>(boundary.surface, boundary.surface_rows, i, predicted_position[i], contact);
-      keep_off_faces<D>(boundary.seen_walls(), boundary.wall_rows, i, predicted_position[i], contact, way);
-      position[i] += way;
-    }
+  if (contact == 0) return;
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
+  parallel_for(n, [&](std::ptrdiff_t i) {
+    if (boundary.sees_wall(i)) position[i] += off_faces<D>(boundary.seen_walls(), boundary.wall_rows, i, predicted_position[i], contact);
+    if (!boundary.sees_structure(i)) return;
+    Vector<D> way = off_faces<D>(boundary.surface, boundary.surface_rows, i, predicted_position[i], contact);
+    keep_off_faces<D>(boundary.seen_walls(), boundary.wall_rows, i, predicted_position[i], contact, way);
+    position[i] += way;
+  });
 }
 
 template <int D>
@@ -85,10 +89,8 @@ void shift_particles(double coefficient, const Constants<D>& constants, const Ne
   });
 }
 
-template void move_off_structure<2>(const Constants<2>&, const Boundary<2>&, const std::vector<int>&, const std::vector<Vector<2>>&,
-                                    std::vector<Vector<2>>&);
-template void move_off_structure<3>(const Constants<3>&, const Boundary<3>&, const std::vector<int>&, const std::vector<Vector<3>>&,
-                                    std::vector<Vector<3>>&);
+template void move_off_faces<2>(const Constants<2>&, const Boundary<2>&, const std::vector<Vector<2>>&, std::vector<Vector<2>>&);
+template void move_off_faces<3>(const Constants<3>&, const Boundary<3>&, const std::vector<Vector<3>>&, std::vector<Vector<3>>&);
 template double shifting_coefficient<2>(const Constants<2>&, double, double);
 template double shifting_coefficient<3>(const Constants<3>&, double, double);
 template void shift_particles<2>(double, const Constants<2>&, const Neighbours<2>&, const Boundary<2>&, const Corrections<2>&,

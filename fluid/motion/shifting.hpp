@@ -9,10 +9,10 @@
 
 namespace tern::fluid {
 
-/// Moves the particles `at_structure` back towards the contact distance of its faces.
+/// Moves particles that are nearer to a face than the contact distance back towards it.
 template <int D>
-void move_off_structure(const Constants<D>& constants, const Boundary<D>& boundary, const std::vector<int>& at_structure,
-                        const std::vector<Vector<D>>& predicted_position, std::vector<Vector<D>>& position);
+void move_off_faces(const Constants<D>& constants, const Boundary<D>& boundary, const std::vector<Vector<D>>& predicted_position,
+                    std::vector<Vector<D>>& position);
 
 /// C_s h |u|max dt [m^2]; 0: the scene has no shifting, or nothing moves.
 template <int D>

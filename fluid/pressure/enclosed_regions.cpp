@@ -30,7 +30,7 @@ void EnclosedRegions::subtract_means(std::vector<double>& values) {
 
 template <int D>
 void find_enclosed_regions(const Neighbours<D>& neighbours, const std::vector<ParticleClass>& particle_class,
-                           const std::vector<float>& constant, EnclosedRegions& regions) {
+                           const std::vector<std::uint8_t>& at_surface, EnclosedRegions& regions) {
   const int n = static_cast<int>(particle_class.size());
   std::vector<std::uint8_t>& tied = regions.tied;
   auto &region = regions.region, &size = regions.size, &queue = regions.queue;
@@ -38,7 +38,7 @@ void find_enclosed_regions(const Neighbours<D>& neighbours, const std::vector<Pa
   size.clear();
   bool any_tied = false;
   for (int i = 0; i < n; ++i) {
-    tied[i] = particle_class[i].pressure_unknown() && constant[i] > 0;
+    tied[i] = particle_class[i].pressure_unknown() && at_surface[i] != 0;
     any_tied = any_tied || tied[i];
   }
   int loose = 0;
@@ -89,6 +89,20 @@ void find_enclosed_regions(const Neighbours<D>& neighbours, const std::vector<Pa
   }
 }
 
+void select_regions(const EnclosedRegions& regions, const std::vector<std::uint8_t>& property, bool value, EnclosedRegions& selected) {
+  selected.size.clear();
+  std::vector<int>& number = selected.queue;
+  number.assign(regions.size.size(), -1);
+  for (std::size_t k = 0; k < regions.size.size(); ++k)
+    if ((property[k] != 0) == value) {
+      number[k] = static_cast<int>(selected.size.size());
+      selected.size.push_back(regions.size[k]);
+    }
+  if (selected.size.empty()) return;
+  selected.region.resize(regions.region.size());
+  for (std::size_t i = 0; i < regions.region.size(); ++i) selected.region[i] = regions.region[i] < 0 ? -1 : number[regions.region[i]];
+}
+
 template <int D>
 void account_for_enclosed_fluid(const Reference<D>& reference, const Window& window, const Boundary<D>& boundary,
                                 const std::vector<double>& source, EnclosedRegions& regions, State<D>& state) {
@@ -129,7 +143,7 @@ void account_for_enclosed_fluid(const Reference<D>& reference, const Window& win
 }
 
 #define TERN_INSTANTIATE(D)                                                                                                       \
-  template void find_enclosed_regions<D>(const Neighbours<D>&, const std::vector<ParticleClass>&, const std::vector<float>&,      \
+  template void find_enclosed_regions<D>(const Neighbours<D>&, const std::vector<ParticleClass>&, const std::vector<std::uint8_t>&, \
                                          EnclosedRegions&);                                                                       \
   template void account_for_enclosed_fluid<D>(const Reference<D>&, const Window&, const Boundary<D>&, const std::vector<double>&, \
                                               EnclosedRegions&, State<D>&);

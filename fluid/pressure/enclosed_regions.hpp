@@ -1,10 +1,14 @@
 #pragma once
-// Fluid that is enclosed all round, by walls or by its own periodic images: nothing ties its pressure to a value, and its
-// pressure equation has a solution only if no net volume flows in. Each connected region is treated by itself.
+// Fluid that is enclosed all round, by walls, by bodies or by its own periodic images: no free surface ties its pressure to a value. Each
+// connected region is treated by itself. Where bodies yield to it, they tie the level of its pressure. Where nothing does, it is sealed:
+// its pressure equation has a solution only if no net volume flows in.
 //
-// If all fluid is enclosed and no wall moves, the fluid fills its enclosure once and for all. What is missing of a support
-// later is disorder, not a free surface: taken for one it would tie the pressure to zero in the middle of the fluid, and
-// flows that stretch their particles (stagnation points) blow up.
+// A region is enclosed unless one of its particles lacks at least half of what those of a flat surface lack of their support. Less is
+// disorder, which reaches that far where a lattice is cut by a curved or oblique face: taken for a surface it would tie the pressure to
+// zero there, in some windows and not in others.
+//
+// If all fluid is enclosed between fixed walls, it fills its enclosure once and for all. Flows that stretch their particles (stagnation
+// points) may then lack more, and would blow up if that were taken for a surface.
 
 #include <cstdint>
 #include <vector>
@@ -33,11 +37,14 @@ struct EnclosedRegions {
   void subtract_means(std::vector<double>& values);
 };
 
-/// Finds the connected sets of unknowns none of which has c_i > 0. Costs little where all is tied: ties spread along the
-/// order of the particles, back and forwards, and only what they do not reach is searched.
+/// Finds the connected sets of unknowns none of which is `at_surface`. Costs little where all is tied: ties spread along the order of the
+/// particles, back and forwards, and only what they do not reach is searched.
 template <int D>
 void find_enclosed_regions(const Neighbours<D>& neighbours, const std::vector<ParticleClass>& particle_class,
-                           const std::vector<float>& constant, EnclosedRegions& regions);
+                           const std::vector<std::uint8_t>& at_surface, EnclosedRegions& regions);
+
+/// Those of `regions` whose number has this `property`.
+void select_regions(const EnclosedRegions& regions, const std::vector<std::uint8_t>& property, bool value, EnclosedRegions& selected);
 
 /// Accounts for what the regions are asked for and cannot do, into state.enclosed, with one warning; finds whether the fluid fills its
 /// enclosure for good. `source`: right-hand side of the pressure equation. Uses regions.sum.

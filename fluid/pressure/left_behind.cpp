@@ -40,7 +40,7 @@ void keep_best_share(PressureSystem<D>& system, State<D>& state) {
   const std::vector<int>& part = system.multigrid.part_of_particle();
   if (system.multigrid.parts() == 0) return;  // spray alone
   auto &left = system.left_behind, &share = system.share, &square = system.squared_change;
-  if (system.regions.any()) system.regions.subtract_means(system.still_left);  // as of left_behind: enclosed fluid cannot answer them
+  if (system.sealed.any()) system.sealed.subtract_means(system.still_left);  // as of left_behind: sealed fluid cannot answer them
   share.assign(system.multigrid.parts(), 0);
   square.assign(system.multigrid.parts(), 0);
   for (std::ptrdiff_t i = 0; i < n; ++i) {

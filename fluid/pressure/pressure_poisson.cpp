@@ -23,12 +23,13 @@
 namespace tern::fluid {
 namespace {
 
-constexpr double least_deficit = 0.08;  ///< of tr M / D: less is disorder, not a surface
+constexpr double least_deficit = 0.08;      ///< of tr M / D: less is disorder, not a surface
+constexpr double deficit_of_surface = 0.38;  ///< of a particle at a flat surface
 
 /// Part of a particle's kernel, where it is more than disorder.
 template <int D>
 double missing_support(const State<D>& state, const Corrections<D>& correction, std::ptrdiff_t i) {
-  const double deficit = state.fills_enclosure ? 0 : 1 - correction.trace[i];
+  const double deficit = state.particle_class[i].has(ParticleClass::enclosed) ? 0 : 1 - correction.trace[i];
   return deficit > least_deficit ? deficit : 0;
 }
 
@@ -71,35 +72,42 @@ void assemble_row(const Constants<D>& constants, const InterfaceCondition<D>& lo
   }
 }
 
-/// Marks the particles with the symmetric gradient in regions that no free surface ties and that deform bodies; whether there are such
-/// regions.
+/// Finds which enclosed regions bodies tie, and marks their particles with the symmetric gradient.
 template <int D>
-bool mark_yielding_regions(const Constants<D>& constants, const InterfaceCondition<D>& load, const Neighbours<D>& neighbours,
-                           const Boundary<D>& boundary, const Corrections<D>& correction, const std::vector<int>& at_structure,
-                           State<D>& state, PressureSystem<D>& system) {
-  const int n = static_cast<int>(state.size());
-  system.missing_support.resize(n);
-  for (int i = 0; i < n; ++i) system.missing_support[i] = static_cast<float>(missing_support(state, correction, i));
-  find_enclosed_regions<D>(neighbours, state.particle_class, system.missing_support, system.without_surface);
-  if (!system.without_surface.any()) return false;
-  std::vector<std::uint8_t>& yields = system.without_surface.tied;
-  yields.assign(system.without_surface.size.size(), 0);
+void tie_to_bodies(const Constants<D>& constants, const InterfaceCondition<D>& load, const Boundary<D>& boundary,
+                   const std::vector<int>& at_structure, State<D>& state, PressureSystem<D>& system) {
+  std::vector<std::uint8_t>& yields = system.enclosed.tied;
+  yields.assign(system.enclosed.size.size(), 0);
   for (int i : at_structure) {
-    if (system.without_surface.region[i] < 0) continue;
+    if (!system.enclosed.any() || system.enclosed.region[i] < 0) continue;
     for (int entry = boundary.surface_rows.begin[i]; entry < boundary.surface_rows.begin[i] + boundary.surface_rows.count[i]; ++entry)
       if (yielding(constants, load, boundary.surface_rows.face[entry], boundary.surface_rows.weight[entry]) > 0)
-        yields[system.without_surface.region[i]] = 1;
+        yields[system.enclosed.region[i]] = 1;
   }
-  if (std::find(yields.begin(), yields.end(), 1) == yields.end()) return false;
-  for (int i = 0; i < n; ++i) {
-    const int region = system.without_surface.region[i];
+  select_regions(system.enclosed, yields, false, system.sealed);
+  select_regions(system.enclosed, yields, true, system.body_tied);
+  if (!system.body_tied.any()) return;
+  for (std::size_t i = 0; i < state.size(); ++i) {
     ParticleClass& own = state.particle_class[i];
-    own.set(ParticleClass::yields_to_level, own.has(ParticleClass::symmetric_gradient) && region >= 0 && yields[region]);
+    own.set(ParticleClass::yields_to_level, own.has(ParticleClass::symmetric_gradient) && system.body_tied.region[i] >= 0);
   }
-  return true;
 }
 
 }  // namespace
+
+template <int D>
+void find_enclosed_fluid(const Neighbours<D>& neighbours, const Corrections<D>& correction, State<D>& state, PressureSystem<D>& system) {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
+  system.at_surface.resize(n);
+  parallel_for(n, [&](std::ptrdiff_t i) {
+    const ParticleClass own = state.particle_class[i];
+    system.at_surface[i] =
+        own.has(ParticleClass::beside_spray) || (!state.fills_enclosure && 1 - correction.trace[i] >= 0.5 * deficit_of_surface);
+  });
+  find_enclosed_regions<D>(neighbours, state.particle_class, system.at_surface, system.enclosed);
+  if (!system.enclosed.any()) return;
+  for (std::ptrdiff_t i = 0; i < n; ++i) state.particle_class[i].set(ParticleClass::enclosed, system.enclosed.region[i] >= 0);
+}
 
 template <int D>
 void assemble_pressure_matrix(const Constants<D>& constants, const State<D>& state, const Neighbours<D>& neighbours,
@@ -118,11 +126,10 @@ void complete_pressure_matrix(const Constants<D>& constants, const InterfaceCond
                               const Boundary<D>& boundary, const Corrections<D>& correction, const std::vector<int>& at_structure,
                               State<D>& state, PressureSystem<D>& system) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(at_structure.size()), all = static_cast<std::ptrdiff_t>(state.size());
-  system.without_surface.size.clear();
-  const bool yields = n > 0 && mark_yielding_regions(constants, load, neighbours, boundary, correction, at_structure, state, system);
+  tie_to_bodies(constants, load, boundary, at_structure, state, system);
   parallel_for(
       n, [&](std::ptrdiff_t m) { assemble_row(constants, load, state, neighbours, boundary, correction, at_structure[m], system.matrix); });
-  if (!yields) return;
+  if (!system.body_tied.any()) return;
   parallel_for(all, [&](std::ptrdiff_t i) {
     if (!boundary.sees_structure(i) && state.particle_class[i].has(ParticleClass::yields_to_level))
       assemble_row(constants, load, state, neighbours, boundary, correction, static_cast<int>(i), system.matrix);
@@ -153,6 +160,7 @@ void assemble_pressure_source(const Constants<D>& constants, double duration, co
 }
 
 #define TERN_INSTANTIATE(D)                                                                                                              \
+  template void find_enclosed_fluid<D>(const Neighbours<D>&, const Corrections<D>&, State<D>&, PressureSystem<D>&);                      \
   template void assemble_pressure_matrix<D>(const Constants<D>&, const State<D>&, const Neighbours<D>&, const Boundary<D>&,              \
                                             const Corrections<D>&, EdgeMatrix&);                                                         \
   template void complete_pressure_matrix<D>(const Constants<D>&, const InterfaceCondition<D>&, const Neighbours<D>&, const Boundary<D>&, \

@@ -11,13 +11,17 @@
 
 namespace tern::fluid {
 
+/// system.enclosed, whose particles it marks in the state: what they lack of their support is no surface.
+template <int D>
+void find_enclosed_fluid(const Neighbours<D>& neighbours, const Corrections<D>& correction, State<D>& state, PressureSystem<D>& system);
+
 /// The rows of all particles that see no face of the structure.
 template <int D>
 void assemble_pressure_matrix(const Constants<D>& constants, const State<D>& state, const Neighbours<D>& neighbours,
                               const Boundary<D>& boundary, const Corrections<D>& correction, EdgeMatrix& matrix);
 
 /// The rows of the particles `at_structure`, whose faces yield as the load says; and, where an enclosed region deforms a body, those of
-/// the particles it pushes by its level. Marks these in the state.
+/// the particles it pushes by its level. Marks these in the state; system.sealed and system.body_tied.
 template <int D>
 void complete_pressure_matrix(const Constants<D>& constants, const InterfaceCondition<D>& load, const Neighbours<D>& neighbours,
                               const Boundary<D>& boundary, const Corrections<D>& correction, const std::vector<int>& at_structure,

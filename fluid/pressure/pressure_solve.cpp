@@ -22,13 +22,13 @@ template <int D>
 void solve(const Window& window, const std::vector<Vector<D>>& position, double tolerance, std::vector<double>& source,
            std::vector<double>& solution, State<D>& state, PressureSystem<D>& system) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
-  // Enclosed fluid can obey the source but for its mean.
-  if (system.regions.any()) system.regions.subtract_means(source);
+  // Sealed fluid can obey the source but for its mean.
+  if (system.sealed.any()) system.sealed.subtract_means(source);
 
   const int before = system.result.iterations;  // of the coupling iterations before
   const auto multigrid = [&](const std::vector<double>& r, std::vector<double>& z) {
     system.multigrid.apply(r, z);
-    if (system.regions.any()) system.regions.subtract_means(z);
+    if (system.sealed.any()) system.sealed.subtract_means(z);
   };
   system.result = conjugate_gradient(system.matrix, multigrid, source, tolerance, multigrid_limit, solution, system.work);
   if (!system.result.converged) {
@@ -41,7 +41,7 @@ void solve(const Window& window, const std::vector<Vector<D>>& position, double 
     const int wasted = system.result.iterations;
     const auto jacobi = [&](const std::vector<double>& r, std::vector<double>& z) {
       for (std::ptrdiff_t i = 0; i < n; ++i) z[i] = r[i] / system.matrix.diagonal()[i];
-      if (system.regions.any()) system.regions.subtract_means(z);
+      if (system.sealed.any()) system.sealed.subtract_means(z);
     };
     system.result = conjugate_gradient(system.matrix, jacobi, source, tolerance, jacobi_limit, solution, system.work);
     system.result.iterations += wasted;
@@ -59,7 +59,7 @@ void solve(const Window& window, const std::vector<Vector<D>>& position, double 
         "fluid.numerics.courant; or raise fluid.numerics.pressure_tolerance.",
         window.begin, system.result.residual, system.result.iterations, tolerance, state.id[worst], where));
   }
-  if (system.regions.any()) system.regions.subtract_means(solution);
+  if (system.sealed.any()) system.sealed.subtract_means(solution);
 }
 
 }  // namespace
@@ -70,7 +70,6 @@ void prepare_pressure_solve(const Constants<D>& constants, const Neighbours<D>& 
                             PressureSystem<D>& system) {
   system.result = {};
   system.multigrid.build(system.matrix, position, particle_class, neighbours.beside_body, constants.spacing, constants.volume);
-  find_enclosed_regions<D>(neighbours, particle_class, system.matrix.constant(), system.regions);
 }
 
 template <int D>

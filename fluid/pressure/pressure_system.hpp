@@ -1,6 +1,7 @@
 #pragma once
 // The pressure equation of one step: matrix, right-hand side, solution, and what solves it.
 
+#include <cstdint>
 #include <vector>
 
 #include "fluid/pressure/conjugate_gradient.hpp"
@@ -20,12 +21,13 @@ struct PressureSystem {
   std::vector<double> correction;               ///< of the pressure
   std::vector<double> share;                    ///< of the correction that is taken, by part of the multigrid
   Multigrid<D> multigrid;
-  EnclosedRegions regions;          ///< that neither a free surface nor a body ties
-  EnclosedRegions without_surface;  ///< that no free surface ties, whether bodies yield to them or not
-  SolveResult result;               ///< iterations: of all coupling iterations of the window
+  EnclosedRegions enclosed;     ///< regions without a free surface, ...
+  EnclosedRegions sealed;       ///< those of them that nothing ties, ...
+  EnclosedRegions body_tied;    ///< and those that bodies tie, which yield to them
+  SolveResult result;           ///< iterations: of all coupling iterations of the window
 
   // Scratch.
-  std::vector<float> missing_support;
+  std::vector<std::uint8_t> at_surface;  ///< particles whose pressure a free surface ties
   std::vector<double> squared_change;  ///< of what is left behind, by part
   ConjugateGradientWork work;
 };

@@ -110,5 +110,25 @@ TEST(SealedFluid, HasAPressureThatDoesNotDependOnAnAddedConstant) {
   for (std::size_t i = 0; i < pressure[0].size(); ++i) ASSERT_NEAR(pressure[0][i], pressure[1][i], 1e-6 * density * gravity);
 }
 
+// A lattice that is cut by a circle starts with a particle a hundredth of a spacing from the wall. Nothing may pass through the wall, and
+// the water stays enclosed; the tank takes it along as it is.
+// Seen to fail: without the way back to the contact distance (a particle is beside the wall's plane after 18 windows, and 38 windows later
+// at 3 km/s).
+TEST(SealedFluid, StaysInARoundTankThatIsShaken) {
+  Shape circle;
+  circle.kind = Shape::Kind::ball;
+  circle.radius = 0.5;
+  WallCase wall = tank({}, {}, {});
+  wall.shape = circle;
+  wall.motion.emplace().displacement = {Expression("0.05*(1-cos(2*pi*t))"), Expression(), Expression()};
+  Fluid<2> fluid(scene(2, 0.02, {circle}, {wall}));
+  for (int n = 0; n < 60; ++n) {
+    step(fluid, 0.00383);
+    for (const ParticleClass own : fluid.state().particle_class) ASSERT_TRUE(own.has(ParticleClass::enclosed)) << "window " << n;
+  }
+  EXPECT_EQ(fluid.state().leaked, 0);
+  EXPECT_LT(fluid.largest_speed(), 0.5);  // the tank moves at 0.31 m/s at most
+}
+
 }  // namespace
 }  // namespace tern::fluid::testing
