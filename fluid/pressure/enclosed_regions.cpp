@@ -142,10 +142,10 @@ void account_for_enclosed_fluid(const Reference<D>& reference, const Window& win
                   regions.size[largest], regions.size[largest] * volume, D));
 }
 
-#define TERN_INSTANTIATE(D)                                                                                                       \
+#define TERN_INSTANTIATE(D)                                                                                                         \
   template void find_enclosed_regions<D>(const Neighbours<D>&, const std::vector<ParticleClass>&, const std::vector<std::uint8_t>&, \
-                                         EnclosedRegions&);                                                                       \
-  template void account_for_enclosed_fluid<D>(const Reference<D>&, const Window&, const Boundary<D>&, const std::vector<double>&, \
+                                         EnclosedRegions&);                                                                         \
+  template void account_for_enclosed_fluid<D>(const Reference<D>&, const Window&, const Boundary<D>&, const std::vector<double>&,   \
                                               EnclosedRegions&, State<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

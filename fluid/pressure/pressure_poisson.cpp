@@ -23,7 +23,7 @@
 namespace tern::fluid {
 namespace {
 
-constexpr double least_deficit = 0.08;      ///< of tr M / D: less is disorder, not a surface
+constexpr double least_deficit = 0.08;       ///< of tr M / D: less is disorder, not a surface
 constexpr double deficit_of_surface = 0.38;  ///< of a particle at a flat surface
 
 /// Part of a particle's kernel, where it is more than disorder.
