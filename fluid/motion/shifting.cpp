@@ -2,8 +2,8 @@
 // (optimised shifting, Khayyer et al. 2017):
 //   dr_i = -C_s h |u|max dt grad C_i,   grad C_i = sum V_j (1 + 0.2 (w_ij/w(dx))^4) grad w_ij
 // And off faces: the displacement of a face of the structure differs a little from dt times the velocity that was sent, and a wall that
-// turns moves in a straight line within a window, so that a particle beside such a face would creep up to it and through it. Where a lattice
-// is cut by a curved or oblique wall, some particles also start nearer to it than any may come later.
+// turns moves in a straight line within a window. A particle beside such a face would creep up to it and through it. Where a lattice is
+// cut by a curved or oblique wall, some particles also start nearer to it than any may come later.
 
 #include "fluid/motion/shifting.hpp"
 
