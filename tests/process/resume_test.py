@@ -119,7 +119,7 @@ class ResumeTest(RealRunTest):
                          r"has no checkpoint to go on from: .*prescribed_motion.py.* may keep no checkpoints")
 
     def test_a_run_that_is_interrupted_says_how_to_go_on(self):
-        words = ["--until", "0.5", "--set", "output.frame_interval=0.02"]
+        words = ["--until", "2", "--set", "output.frame_interval=0.02"]
         self.run_case(PLATE, self.path / "whole", *words)
         process = self.start("--quiet", *words, case=PLATE)
         self.wait_until_running(process)
