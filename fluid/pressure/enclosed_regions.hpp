@@ -4,8 +4,8 @@
 // its pressure equation has a solution only if no net volume flows in.
 //
 // A region is enclosed unless one of its particles lacks at least half of what those of a flat surface lack of their support. Less is
-// disorder, which reaches that far where a lattice is cut by a curved or oblique face: taken for a surface it would tie the pressure to
-// zero there, in some windows and not in others.
+// disorder. Where a lattice is cut by a curved or oblique face, it exceeds now and then what the pressure equation takes for a surface
+// elsewhere, and would tie the pressure to zero there, in some windows and not in others.
 //
 // If all fluid is enclosed between fixed walls, it fills its enclosure once and for all. Flows that stretch their particles (stagnation
 // points) may then lack more, and would blow up if that were taken for a surface.

@@ -15,8 +15,6 @@
 
 #include "fluid/pressure/pressure_poisson.hpp"
 
-#include <algorithm>
-
 #include "base/parallel.hpp"
 #include "fluid/pressure/divergence_target.hpp"
 
