@@ -6,11 +6,10 @@
 #include "structure/gradient_vectors.hpp"
 
 #include "sph/kernel.hpp"
+#include "sph/symmetric_matrix.hpp"
 
 namespace tern::structure {
 namespace {
-
-constexpr double largest_condition_number = 1e8;
 
 template <int D, int Size>
 Eigen::Matrix<double, Size, 1> basis(const Vector<D>& offset, double h) {
@@ -33,11 +32,9 @@ std::vector<DerivativeVectors<D>> least_squares(std::span<const Vector<D>> offse
     const auto b = basis<D, Size>(offset, h);
     moments += volume * kernel.value(offset.norm()) * b * b.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, Size, Size>> eigen(moments);
-  const auto& values = eigen.eigenvalues();
-  if (!(values[0] > 0) || values[Size - 1] > largest_condition_number * values[0]) return {};
-  const Eigen::Matrix<double, Size, Size> inverse =
-      eigen.eigenvectors() * values.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
+  const Eigen::MatrixXd solve = inverse_of_moments(moments);
+  if (solve.size() == 0) return {};
+  const Eigen::Matrix<double, Size, Size> inverse = solve;
   std::vector<DerivativeVectors<D>> derivatives;
   derivatives.reserve(offsets.size());
   for (const Vector<D>& offset : offsets) {

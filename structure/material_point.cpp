@@ -9,6 +9,7 @@
 
 #include "base/error.hpp"
 #include "sph/kernel.hpp"
+#include "sph/symmetric_matrix.hpp"
 #include "structure/shell/shell_surface.hpp"
 
 namespace tern::structure {
@@ -69,13 +70,13 @@ MaterialPoint find_material_point(const Reference<D>& reference, const std::stri
     point.particle.push_back(static_cast<std::uint32_t>(p));
     point.weight.push_back(w);
   }
-  const Eigen::FullPivLU<Eigen::Matrix<double, D + 1, D + 1>> factor(moments);
-  if (nearest > body->spacing || !factor.isInvertible())
+  const Eigen::MatrixXd inverse = inverse_of_moments(moments);
+  if (nearest > body->spacing || inverse.size() == 0)
     throw BadInput(
         fmt::format("A gauge point lies {:.3g} m from the nearest particle of body '{}', but it must lie in the "
                     "body (within one spacing, {:.3g} m); correct the gauge's `at`.",
                     nearest, body_name, body->spacing));
-  const Basis solution = factor.solve(Basis::Unit(0));
+  const Basis solution = inverse.col(0);
   for (std::size_t n = 0; n < bases.size(); ++n) point.weight[n] *= bases[n].dot(solution);
   return point;
 }

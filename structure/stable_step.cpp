@@ -3,11 +3,11 @@
 
 #include "structure/stable_step.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "sph/symmetric_matrix.hpp"
 #include "structure/time_step.hpp"
 
 namespace tern::structure {
@@ -21,14 +21,7 @@ struct Recurrence {
   std::vector<double> diagonal, beside;
   bool complete = false;  ///< all of the space has been seen
 
-  double largest_eigenvalue() const {
-    const auto n = static_cast<Eigen::Index>(diagonal.size());
-    if (n == 0) return 0;
-    Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(n, n);
-    for (Eigen::Index k = 0; k < n; ++k) matrix(k, k) = diagonal[k];
-    for (Eigen::Index k = 0; k + 1 < n; ++k) matrix(k, k + 1) = matrix(k + 1, k) = beside[k];
-    return std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly).eigenvalues()[n - 1]);
-  }
+  double largest_eigenvalue() const { return diagonal.empty() ? 0 : std::max(0.0, tern::largest_eigenvalue(diagonal, beside)); }
 };
 
 /// Largest eigenvalue of each body of what `apply` does: from the vector x to the forces on its particles, negative.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "fluid/boundary/wetness.hpp"
+#include "sph/symmetric_matrix.hpp"
 #include "sph/wet_share.hpp"
 
 namespace tern::fluid {
@@ -95,8 +96,8 @@ std::optional<double> Probe<D>::pressure(const Vector<D>& x) const {
     filled += w;
   });
   if (filled < 0.35) return std::nullopt;
-  const Eigen::FullPivLU<Eigen::Matrix<double, unknowns, unknowns>> solver(a);
-  return solver.isInvertible() ? std::optional<double>(solver.solve(b)[0]) : std::nullopt;
+  const Eigen::MatrixXd inverse = inverse_of_moments(a);
+  return inverse.size() > 0 ? std::optional<double>(inverse.row(0).dot(b)) : std::nullopt;
 }
 
 /// Share of the kernel around x behind walls and structure: the hidden part of sum V w.

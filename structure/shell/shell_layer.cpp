@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "sph/kernel.hpp"
+#include "sph/symmetric_matrix.hpp"
 
 namespace tern::structure {
 namespace {
@@ -49,12 +50,10 @@ Eigen::MatrixXd fit(const std::vector<Offset<D>>& offsets, bool with_slopes) {
       for (int b = a; b < D - 1; ++b) basis(m++, n) = (a == b ? 0.5 : 1) * xi[a] * xi[b];
     weight[n] = kernel.value(xi.norm());
   }
-  const Eigen::MatrixXd moments = basis * weight.asDiagonal() * basis.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(moments);
-  constexpr double largest_condition_number = 1e8;
-  if (!(eigen.eigenvalues()[0] > 0) || eigen.eigenvalues()[terms - 1] > largest_condition_number * eigen.eigenvalues()[0]) return {};
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose() * basis *
-         weight.asDiagonal();
+  const Eigen::MatrixXd weighted = basis * weight.asDiagonal();
+  const Eigen::MatrixXd inverse = inverse_of_moments(weighted * basis.transpose());
+  if (inverse.size() == 0) return {};
+  return inverse * weighted;
 }
 
 }  // namespace
