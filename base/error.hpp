@@ -20,6 +20,11 @@ class Error : public std::runtime_error {
  public:
   Error(ExitCode code, const std::string& sentence) : std::runtime_error(sentence), code_(code) {}
   ExitCode code() const { return code_; }
+  /// Whether the same windows may go well at half their length.
+  bool shorter_windows_may_help() const { return shorter_windows_may_help_; }
+
+ protected:
+  bool shorter_windows_may_help_ = false;
 
  private:
   ExitCode code_;
@@ -31,7 +36,11 @@ struct BadInput : Error {
 };
 /// The computation left the range in which its result means something.
 struct NumericalFailure : Error {
-  explicit NumericalFailure(const std::string& s) : Error(ExitCode::numerical_failure, s) {}
+  explicit NumericalFailure(const std::string& s) : Error(ExitCode::numerical_failure, s) { shorter_windows_may_help_ = true; }
+};
+/// The scene has come to something that is not modelled, or asks for something that has no value: however short the windows.
+struct EndOfModel : NumericalFailure {
+  explicit EndOfModel(const std::string& s) : NumericalFailure(s) { shorter_windows_may_help_ = false; }
 };
 /// Another participant died, froze, fell silent or broke the protocol.
 struct PeerLost : Error {

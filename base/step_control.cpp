@@ -9,11 +9,22 @@ namespace {
 constexpr double largest_growth = 1.1;   ///< per step
 constexpr double largest_stretch = 1.1;  ///< of a proposal, to meet a time
 constexpr int steps_ahead = 10;          ///< a time this near is met by equal steps
+constexpr double fastest_shortening = 0.8;
+constexpr int patience = 100;  ///< windows at a share of their length, before it doubles: some ten times as many as had to be repeated
 
 }  // namespace
 
+void StepControl::shorten(int halvings, Ticks until) {
+  halvings_ = halvings;
+  until_ = until;
+  windows_ = 0;
+}
+
 Ticks StepControl::next(double proposed_seconds, Ticks now, Ticks target) {
-  double step = proposed_seconds;
+  if (halvings_ > 0 && now >= until_ && ++windows_ > patience) shorten(halvings_ - 1, until_);
+  const double share = std::ldexp(1.0, -halvings_);
+  share_ = previous_ > 0 ? std::max(share, fastest_shortening * share_) : share;
+  double step = share_ * proposed_seconds;
   if (previous_ > 0) step = std::min(step, largest_growth * previous_);
   const double remaining = seconds(target - now);
   const double count = std::max(1.0, std::ceil(remaining / (largest_stretch * step)));

@@ -215,7 +215,7 @@ bool Fluid<D>::push(const std::vector<Vector<D>>& force) {
 template <int D>
 void Fluid<D>::return_to_unprojected_velocity(const std::vector<Vector<D>>& surface_velocity) {
   if (prediction_.unprojected_velocity.size() != state_.size())
-    throw NumericalFailure("The coupler asks for the pressure of a window once more without having said so (InterfaceCondition.repeats).");
+    throw EndOfModel("The coupler asks for the pressure of a window once more without having said so (InterfaceCondition.repeats).");
   prediction_.velocity = prediction_.unprojected_velocity;
   set_surface_velocity(surface_velocity, at_structure_, boundary_);
 }

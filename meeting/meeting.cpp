@@ -33,7 +33,7 @@ std::string text_of(const Vector<D>& x) {
 
 [[noreturn]] void refuse(const std::string& first, const std::string& second, double depth, double length, double time,
                          const std::string& place) {
-  throw NumericalFailure(fmt::format(
+  throw EndOfModel(fmt::format(
       "The body '{}' has entered {} by {:.3g} m, {:.2g} of a patch of its surface, at t = {:.4g} s near {}. Contact of bodies is "
       "not modelled: the results are good up to here and would be wrong from here on. End the run before (end_time), or keep "
       "them apart.",

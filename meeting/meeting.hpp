@@ -45,7 +45,7 @@ struct MeetingState {
 };
 
 /// A look at the surface at the instant `time` [s]; the first one is what later ones are compared with: it tells nothing. Throws
-/// NumericalFailure with names, place and depth when a point lies deeper in another body, in a far part of its own or in a wall than it
+/// EndOfModel with names, place and depth when a point lies deeper in another body, in a far part of its own or in a wall than it
 /// did at first, by more than a tenth of the length of its patch. A wall is no stranger to the part of a body that is clamped beside it.
 template <int D>
 void watch_meetings(const Meetable& meetable, double time, const Surface<D>& surface, MeetingState<D>& state);

@@ -3,6 +3,8 @@
 // last by the process that keeps time: the coupler, or the only one. It names the step and the hash of each file, so that a set is whole
 // or does not count. The last two are kept.
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -77,9 +79,9 @@ class CheckpointStore {
   std::map<std::string, std::string> gauge_hashes_;
 };
 
-/// The state at the end of every tenth window, in memory, the last two: from what a checkpoint can still be made when a later window has
-/// failed. Every tenth, because that costs less than a hundredth of a run of small windows. Two, because a participant may be one window
-/// ahead of another.
+/// The state at the end of every tenth window, in memory, the last three: from what a checkpoint can still be made when a later window has
+/// failed. Every tenth, because that costs less than a hundredth of a run of small windows. The one before the newest, because what fails
+/// has begun up to ten windows before. One more, because a participant may be one window ahead of another.
 class KeptStates {
  public:
   static bool due(std::uint64_t step) { return step % 10 == 0; }
@@ -87,27 +89,30 @@ class KeptStates {
   /// Takes the place of the older one: write(StateWriter&) puts the members in.
   template <class Write>
   void keep(std::uint64_t step, double time_s, Write&& write) {
-    std::swap(newest_, older_);
-    newest_.step = step;
-    newest_.time_s = time_s;
-    newest_.state.clear();
-    write(newest_.state);
+    std::rotate(kept_.begin(), kept_.end() - 1, kept_.end());
+    Kept& newest = kept_.front();
+    newest.step = step;
+    newest.time_s = time_s;
+    newest.state.clear();
+    write(newest.state);
   }
   struct Kept {
     std::uint64_t step = 0;  ///< 0: none
     double time_s = 0;
     StateWriter state;
   };
-  const Kept& newest() const { return newest_; }
+  const Kept& newest() const { return kept_[0]; }
+  /// The one to go on from after an error: what fails numerically has begun before, so that is one from ten to twenty windows before, if
+  /// there is one; else the newest.
+  const Kept& before(const Error& error) const { return kept_[error.code() == ExitCode::numerical_failure && kept_[1].step > 0 ? 1 : 0]; }
   /// Null when this step is not among them.
   const Kept* of(std::uint64_t step) const {
-    for (const Kept* kept : {&newest_, &older_})
-      if (step > 0 && kept->step == step) return kept;
-    return nullptr;
+    const auto kept = std::find_if(kept_.begin(), kept_.end(), [&](const Kept& one) { return step > 0 && one.step == step; });
+    return kept == kept_.end() ? nullptr : &*kept;
   }
 
  private:
-  Kept newest_, older_;
+  std::array<Kept, 3> kept_;
 };
 
 /// Whether the state before such a failure is worth a checkpoint: not after a lost peer, without which no set is whole, nor where the

@@ -14,6 +14,7 @@ namespace tern {
 namespace {
 
 constexpr int most_threads = 256;
+constexpr int most_halvings = 10;
 
 std::string description(const std::string& role) {
   if (role == "fluid") return "The incompressible-SPH fluid process of tern. Without --endpoint it runs alone.";
@@ -68,6 +69,9 @@ CommandLine parse_command_line(int argc, const char* const* argv, const std::str
       ->type_name("S");
   app.add_flag("--force", result.force, "replace the results of an earlier run in DIR");
   app.add_flag("--resume", result.resume, "go on from the newest checkpoint in DIR; all processes of the run have to");
+  if (role != "structure")
+    app.add_option("--repeat", result.repeat, "windows 2^-N as long up to the time T [s], where longer ones have failed (./tern run asks)")
+        ->type_name("N T");
   app.add_flag("--allow-unstable", result.allow_unstable, "run the explicit coupling although the added mass predicts that it is unstable");
   app.add_flag("--quiet", result.quiet, "no progress lines");
   if (role == "coupler") app.add_flag("--record", result.record, "write every message of the participants to DIR/interface.record");
@@ -93,6 +97,9 @@ CommandLine parse_command_line(int argc, const char* const* argv, const std::str
   if (result.threads < 1 || result.threads > most_threads)
     throw BadInput(
         fmt::format("--threads {} is not between 1 and {}; give the number of cores for this process.", result.threads, most_threads));
+  if (const auto [halvings, until_s] = result.repeat; halvings < 0 || halvings > most_halvings || !(until_s >= 0 && until_s < 1e6))
+    throw BadInput(
+        fmt::format("--repeat {} {} is not a number of halvings up to {} and a time up to 1e6 s.", halvings, until_s, most_halvings));
   if (result.endpoint.empty() && (!result.keys.empty() || result.insecure))
     throw BadInput(fmt::format("--keys and --insecure are about the connection to a coupler; add --endpoint to {}.", program));
   if (!(result.deadline_s >= 1 && result.deadline_s <= 1e6))

@@ -68,7 +68,8 @@ void Recorder::go_back(const Mark& mark) {
 
 Ticks FrameSchedule::next(Ticks now) const {
   if (interval_ <= 0) return end_;
-  return std::min(next_multiple(interval_, now), end_);
+  const Ticks next = next_multiple(interval_, now);
+  return end_ - next < to_ticks(0.5 * interval_) ? end_ : next;
 }
 
 }  // namespace tern

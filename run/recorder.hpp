@@ -73,7 +73,8 @@ class Recorder {
   RowSchedule rows_;
 };
 
-/// Times at which frames are due: every interval from 0 and the end.
+/// Times at which frames are due: every interval from 0 and the end. One that would be due less than half an interval before the end is
+/// left out: the last window would be cut short between the two.
 class FrameSchedule {
  public:
   FrameSchedule(double interval, Ticks end) : interval_(interval), end_(end) {}

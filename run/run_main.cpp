@@ -20,6 +20,7 @@ namespace {
 struct Cause {
   ExitCode code;
   std::string sentence;
+  bool shorter_windows_may_help = false;
 };
 
 /// The exit code and sentence of the exception in flight.
@@ -27,7 +28,7 @@ Cause cause_of_current_exception(const std::string& role) {
   try {
     throw;
   } catch (const Error& error) {
-    return {error.code(), error.what()};
+    return {error.code(), error.what(), error.shorter_windows_may_help()};
   } catch (const std::bad_alloc&) {
     return {ExitCode::numerical_failure, fmt::format("The {} process ran out of memory; use a coarser spacing or a smaller domain.", role)};
   } catch (const std::system_error& error) {
@@ -68,7 +69,7 @@ int run_in_directory(const CommandLine& command, const Case& scene, const std::s
     report.set_done();
   } catch (...) {
     const Cause cause = cause_of_current_exception(role);
-    report.set_failure(cause.code, cause.sentence);
+    report.set_failure(cause.code, cause.sentence, cause.shorter_windows_may_help);
     code = end(cause);
   }
   try {

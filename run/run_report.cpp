@@ -74,12 +74,13 @@ void RunReport::set_evaluations(const std::string& term, long count) { evaluatio
 
 double& RunReport::timing(const std::string& name) { return timing_[name]; }
 
-void RunReport::set_failure(ExitCode code, const std::string& cause) {
+void RunReport::set_failure(ExitCode code, const std::string& cause, bool shorter_windows_may_help) {
   if (exit_code_ != 0) return;
   status_ = code == ExitCode::interrupted ? "interrupted" : "failed";
   exit_code_ = static_cast<int>(code);
   cause_ = cause;
   cause_time_ = unix_seconds();
+  shorter_windows_may_help_ = shorter_windows_may_help;
 }
 
 void RunReport::set_done() {
@@ -119,6 +120,7 @@ std::string RunReport::json() const {
                  {"process_id", ::getpid()},
                  {"cause", cause_},
                  {"cause_time", cause_time_},
+                 {"shorter_windows_may_help", shorter_windows_may_help_},
                  {"case", case_name_},
                  {"case_path", case_path_},
                  {"case_hash", case_hash_},

@@ -43,8 +43,8 @@ class RunReport {
   double& timing(const std::string& name);
   void add_time(const std::string& name, double seconds) { timing(name) += seconds; }
 
-  /// First cause of the end; later calls change nothing.
-  void set_failure(ExitCode code, const std::string& cause);
+  /// First cause of the end; later calls change nothing. `shorter_windows_may_help`: for the launcher, which then has them repeated.
+  void set_failure(ExitCode code, const std::string& cause, bool shorter_windows_may_help = false);
   /// Status "done", unless a failure was set.
   void set_done();
 
@@ -83,6 +83,7 @@ class RunReport {
   std::string status_ = "running", cause_;
   int exit_code_ = 0;
   double cause_time_ = 0;
+  bool shorter_windows_may_help_ = false;
   std::string case_name_, case_path_, case_hash_, settings_ = "{}", preset_;
   std::vector<std::string> overrides_;
   double time_s_ = 0, end_time_s_ = 0;

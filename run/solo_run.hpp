@@ -77,6 +77,7 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report,
       file("recorder", mark);
       recorder.go_back(mark);
     });
+    if (clock.on()) keep(kept);
     report.set_resumed(manifest.step, manifest.time_s);
     log_info(fmt::format("goes on from the checkpoint of step {}, t = {:.9g} s", manifest.step, manifest.time_s));
   } else {
@@ -98,7 +99,7 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report,
     try {
       now = advance(now, frames.next(now));
     } catch (const Error& error) {
-      if (state_was_sound(error) && kept.newest().step > 0) keep_after_failure([&] { write_checkpoint(kept.newest()); });
+      if (state_was_sound(error) && kept.newest().step > 0) keep_after_failure([&] { write_checkpoint(kept.before(error)); });
       throw;
     }
     const bool stopping = interrupted();

@@ -94,7 +94,7 @@ double Expression::operator()(double t, double x, double y, double z) const {
   parser_->variables = {t, x, y, z};
   const double value = parser_->parser.Eval();
   if (!std::isfinite(value)) {
-    throw NumericalFailure(
+    throw EndOfModel(
         fmt::format("The expression '{}' has the value {} at t = {} s, x = {} m, y = {} m, z = {} m; write it so that it "
                     "stays finite everywhere in the domain.",
                     text_, value, t, x, y, z));

@@ -183,7 +183,7 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
   };
   /// After a failure: the state before it, if fluid and structure still have theirs.
   const auto save_before_failure = [&](const Error& error) {
-    const KeptStates::Kept* own = kept.of(channel.kept_step(kept.newest().step));
+    const KeptStates::Kept* own = kept.of(channel.kept_step(kept.before(error).step));
     if (!own) return;
     const auto hashes = channel.abort_keeping(error, own->step, longest_last_save_s);
     if (!hashes.empty()) save_own(*own, hashes);
@@ -224,6 +224,7 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
   const auto report_now = [&] {
     report.set_time(seconds(now), totals.windows);
     report_totals(totals, coupler.setup().algorithm.iterates, report);
+    report.set_count("window_halvings", control.halvings());
     report_evaluations(coupler.state().evaluations, accounts.evaluated_gauges(), report);
     proto::report_traffic(channel, report);
     report.update();
@@ -231,10 +232,12 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
 
   if (manifest) {
     restore();
+    if (clock.on()) keep(kept);
   } else {
     checkpoints.clear();
     channel.welcome(static_cast<std::uint32_t>(properties.body.size()));
   }
+  if (const auto& [halvings, until_s] = command.repeat; halvings > 0) control.shorten(halvings, to_ticks(until_s));
   const auto advance = [&] {
     const Stopwatch watch;
     const Ticks target = schedule.next(now);
@@ -244,6 +247,7 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
       limit = "structure";
     }
     const Ticks duration = control.next(proposed, now, target);
+    if (control.halvings() > 0) limit = "repeated";
     channel.set_step(static_cast<std::uint64_t>(totals.windows + 1), seconds(now));
     participants.write_frame_at_end(now + duration == target);
     const double waited = channel.wait_seconds() + channel.exchange_seconds();

@@ -15,10 +15,11 @@ struct Alone {
   SoloStep advance(Ticks now, Ticks target) {
     const StepProposal proposal = fluid.propose_step();
     const Ticks duration = control.next(proposal.seconds, now, target);
+    report.set_count("window_halvings", control.halvings());
     ScopedTimer timer(compute_s);
     fluid.begin_window(now, duration);
     fluid.pass_window();
-    return {duration, proposal.limit, fluid.last_solve().iterations};
+    return {duration, control.halvings() > 0 ? "repeated" : proposal.limit, fluid.last_solve().iterations};
   }
   void save(StateWriter& file) const {
     file("fluid", fluid.state());
@@ -29,16 +30,27 @@ struct Alone {
     file("fluid", state);
     fluid.set_state(std::move(state));
     file("control", control);
+    shorten();
+  }
+
+  Alone(const CommandLine& command, const Case& scene, RunReport& report_of_run)
+      : fluid(scene), report(report_of_run), repeat(command.repeat) {
+    shorten();
+  }
+  void shorten() {
+    if (repeat.first > 0) control.shorten(repeat.first, to_ticks(repeat.second));
   }
 
   fluid::Fluid<D> fluid;
-  double& compute_s;
+  RunReport& report;
+  std::pair<int, double> repeat;  ///< as in CommandLine
+  double& compute_s = report.timing("compute");
   StepControl control{};
 };
 
 template <int D>
 void run_without_structure(const CommandLine& command, const Case& scene, RunReport& report) {
-  Alone<D> alone{fluid::Fluid<D>(scene), report.timing("compute")};
+  Alone<D> alone(command, scene, report);
   run_alone(command, scene, report, fluid::FluidSide<D>(scene, alone.fluid), gauge_columns(scene, GaugeOwner::fluid),
             fluid_energy_columns(), alone);
 }

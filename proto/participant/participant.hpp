@@ -9,8 +9,9 @@
 //   void finish();                              the run is over: write what is missing
 //   std::string save(std::uint64_t step);       optional: keep the state at the end of this window; tells it from any other
 //   void resume(const wire::Welcome&);          the same: go back to what save(resume_step) has kept
-//   void save_after_failure(std::uint64_t wanted) noexcept;      optional: the state at the end of this window (0: of the last one) as
-//                                               save() does, if it is still there, and channel.set_kept()
+//   void save_after_failure(const Error&, std::uint64_t wanted) noexcept;      optional: the state at the end of this window, or (0) of
+//                                               one from which to go on after such an error, as save() does, if it is still there, and
+//                                               channel.set_kept()
 // A structure:
 //   Surface<D> predict_surface(Ticks begin, Ticks duration);        the window under the load of the last one
 //   std::vector<Vector<D>> respond(const SurfaceLoad<D>&);          the window once more, under this load: velocities at its end
@@ -78,8 +79,8 @@ void keeping_the_state(ParticipantChannel& channel, Solver& solver, Part&& part)
   try {
     part();
   } catch (const Error& error) {
-    if constexpr (requires { solver.save_after_failure(std::uint64_t{}); }) {
-      if (state_was_sound(error)) solver.save_after_failure(channel.wanted_step());
+    if constexpr (requires { solver.save_after_failure(std::declval<const Error&>(), std::uint64_t{}); }) {
+      if (state_was_sound(error)) solver.save_after_failure(error, channel.wanted_step());
     }
     throw;
   }

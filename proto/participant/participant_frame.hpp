@@ -40,8 +40,7 @@ class ParticipantFrame {
     report_now();
     report_.update();
     const auto step = static_cast<std::uint64_t>(output_.windows());
-    if (scene_.output.checkpoint_interval > 0 && KeptStates::due(step))
-      kept_.keep(step, seconds(output_.time()), [&](StateWriter& state) { gather(state); });
+    if (scene_.output.checkpoint_interval > 0 && KeptStates::due(step)) keep(step);
   }
 
   void finish() {
@@ -56,8 +55,8 @@ class ParticipantFrame {
     return checkpoints_.save(step, state);
   }
 
-  void save_after_failure(std::uint64_t wanted) noexcept {
-    if (const KeptStates::Kept* kept = kept_.of(wanted > 0 ? wanted : kept_.newest().step))
+  void save_after_failure(const Error& error, std::uint64_t wanted) noexcept {
+    if (const KeptStates::Kept* kept = kept_.of(wanted > 0 ? wanted : kept_.before(error).step))
       keep_after_failure([&] { channel_.set_kept(kept->step, checkpoints_.save(kept->step, kept->state)); });
   }
 
@@ -75,6 +74,7 @@ class ParticipantFrame {
       file("traffic/received", received);
       channel_.resume(welcome.resume_step(), seconds(welcome.resume_ticks()), sent, received);
     });
+    if (scene_.output.checkpoint_interval > 0) keep(welcome.resume_step());
   }
 
  protected:
@@ -110,6 +110,9 @@ class ParticipantFrame {
     output_.save(state);
     state("traffic/sent", channel_.bytes_sent());
     state("traffic/received", channel_.bytes_received());
+  }
+  void keep(std::uint64_t step) {
+    kept_.keep(step, seconds(output_.time()), [&](StateWriter& state) { gather(state); });
   }
   void report_now() {
     output_.report();

@@ -125,5 +125,22 @@ TEST(Checkpoint, LaterOnesOfARunThatWentBackAreRemoved) {
   EXPECT_EQ(run.fluid.files().size(), 2u);
 }
 
+// A numerical failure has begun before it shows; a full disk has not. Seen to fail: with the newest for both.
+TEST(KeptStates, AfterANumericalFailureTheOneBeforeTheNewestIsTaken) {
+  KeptStates kept;
+  const NumericalFailure diverged("It diverged.");
+  const InputOutputError full("The disk is full.");
+  EXPECT_EQ(kept.before(diverged).step, 0u);
+  for (const std::uint64_t step : {10u, 20u, 30u, 40u}) {
+    kept.keep(step, 0.1, [&](StateWriter& state) { state("value", static_cast<double>(step)); });
+    EXPECT_EQ(kept.newest().step, step);
+    EXPECT_EQ(kept.before(full).step, step);
+    EXPECT_EQ(kept.before(diverged).step, step == 10 ? 10 : step - 10);
+  }
+  EXPECT_NE(kept.of(20), nullptr);  // for a participant that is one window behind
+  EXPECT_EQ(kept.of(10), nullptr);
+  EXPECT_EQ(kept.of(0), nullptr);
+}
+
 }  // namespace
 }  // namespace tern

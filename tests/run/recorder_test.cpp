@@ -46,5 +46,21 @@ TEST(Recorder, WritesARowAtEveryMultipleThatAWindowEndsAt) {
   }
 }
 
+// Seen to fail: with every multiple before the end, of which the last is 0.0002 s before it.
+TEST(FrameSchedule, LeavesNoShortWindowBeforeTheEnd) {
+  const Ticks end = to_ticks(3);
+  const FrameSchedule schedule(0.00283, end);
+  Ticks now = 0, shortest = end;
+  while (now < end) {
+    const Ticks next = schedule.next(now);
+    shortest = std::min(shortest, next - now);
+    now = next;
+  }
+  EXPECT_EQ(now, end);
+  EXPECT_GE(shortest, to_ticks(0.00283) - 1);
+  EXPECT_EQ(FrameSchedule(0.2, to_ticks(0.5)).next(to_ticks(0.2)), to_ticks(0.4));
+  EXPECT_EQ(FrameSchedule(0, end).next(0), end);
+}
+
 }  // namespace
 }  // namespace tern

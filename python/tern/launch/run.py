@@ -6,13 +6,13 @@ import shlex
 import shutil
 import sys
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import datetime, timezone
 from pathlib import Path
 
 from tern import paths
-from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, PEER_LOST, STATUS, Error
-from tern.launch import build, cases, first_cause, packages, resumption
+from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, NUMERICAL_FAILURE, PEER_LOST, STATUS, Error
+from tern.launch import build, cases, first_cause, packages, resumption, window_repeat
 from tern.launch.processes import Group, Interrupts
 from tern.launch.record import ROOM, overwrite_json, write_json
 from tern.results import summary
@@ -45,6 +45,7 @@ class Request:
     network_options: list = field(default_factory=list)  # --keys and --insecure, in words
     resume: str | None = None    # directory of the run that goes on
     retries: int = 0             # how often a run that lost a process goes on by itself
+    repeat: window_repeat.Repeat | None = None  # windows that have failed
 
 
 def roles_of(case, only):
@@ -158,19 +159,29 @@ def say(text):
 
 
 def run(request):
-    """Runs a case. Returns (why it ended: first_cause.Cause, directory of the results). After a lost process a run with retries goes on
-    from its newest checkpoint."""
-    cause, out = _run_once(request)
-    for left in range(request.retries, 0, -1):
-        if cause.exit_code != PEER_LOST:
-            break
-        print(f"tern: {cause.sentence} The run goes on from its newest checkpoint ({left} of {request.retries} retries left).",
-              file=sys.stderr, flush=True)
+    """Runs a case. Returns (why it ended: first_cause.Cause, directory of the results). Windows that have failed are taken back and
+    repeated at half their length. After a lost process a run with retries goes on from its newest checkpoint."""
+    cause, out, contents = _run_once(request)
+    left = request.retries
+    while True:
         try:
-            cause, out = _run_once(resumed(out, request))
+            if cause.exit_code == PEER_LOST and left > 0:
+                following = resumed(out, request)
+                note = f"The run goes on from its newest checkpoint ({left} of {request.retries} retries left)."
+                left -= 1
+            elif contents and (repeat := window_repeat.plan(contents, cause, resumption.manifests(out))):
+                following = replace(request, out=str(out), resume=None, force=True) if repeat.anew else resumed(out, request)
+                following = replace(following, repeat=repeat)
+                note = repeat.note
+            else:
+                break
+            print(f"tern: {cause.sentence} {note}", file=sys.stderr, flush=True)
+            cause, out, contents = _run_once(following)
         except Error as error:
             print(f"tern: {error}", file=sys.stderr, flush=True)
             break
+    if not request.quiet and contents:
+        say(summary.text(contents, out))
     return cause, out
 
 
@@ -223,6 +234,8 @@ def _run_once(request):
         now = datetime.now(timezone.utc).isoformat(timespec="seconds")
         contents["started"] = before["started"]
         contents["resumed"] = [*before.get("resumed", []), {"date": now, **(checkpoint or {})}]
+    if taken_back := request.repeat.taken_back if request.repeat else (before or {}).get("taken_back"):
+        contents["taken_back"] = taken_back
     options = [*request.case_options, "--out", str(out), *request.network_options]
     if request.until is not None:
         options += ["--until", repr(request.until)]
@@ -236,6 +249,7 @@ def _run_once(request):
         options.append("--resume")
     if request.allow_unstable:
         options.append("--allow-unstable")
+    timekeeper = "coupler" if "coupler" in roles else roles[0]
     began = time.monotonic()
     steps = out / "steps.csv"
     touched = _touched(steps)  # the coupler makes it, or cuts it back, when all have joined
@@ -249,6 +263,8 @@ def _run_once(request):
                     own += ["--endpoint", endpoint]
                 if request.record and role == "coupler":
                     own.append("--record")
+                if request.repeat and role == timekeeper:
+                    own += ["--repeat", str(request.repeat.halvings), repr(request.repeat.until)]
                 if request.quiet or (len(roles) > 1 and role != "coupler"):
                     own.append("--quiet")  # one progress line: the coupler's, or that of the process that runs alone
                 if role in commands:
@@ -266,11 +282,14 @@ def _run_once(request):
         cause = first_cause.find(group.processes, reports, interrupts.count > 0)
         if before:
             # The process that keeps time has taken an older checkpoint where the newest was not whole.
-            contents["resumed"][-1] |= reports["coupler" if "coupler" in roles else roles[0]].pop("resumed", {})
+            contents["resumed"][-1] |= reports[timekeeper].pop("resumed", {})
         contents = _merged(contents, group.processes, reports, cause, wall_s)
         refused = before and cause.exit_code == BAD_INPUT
         if refused:
             contents = before  # what was there is as it was
+        elif cause.exit_code == NUMERICAL_FAILURE and contents.get("taken_back"):
+            cause.sentence += window_repeat.history(contents["taken_back"])
+            contents["first_cause"] = cause.sentence
         try:
             for role in roles:
                 (out / f"report.{role}.json").unlink(missing_ok=True)
@@ -279,6 +298,4 @@ def _run_once(request):
             if cause.exit_code == DONE:
                 raise Error(INPUT_OUTPUT, f"The results are in {out}, but run.json could not be written: "
                                                   f"{error}.") from error
-    if not request.quiet and not refused:
-        say(summary.text(contents, out))
-    return cause, out
+    return cause, out, None if refused else contents

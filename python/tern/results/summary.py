@@ -54,6 +54,9 @@ def text(contents, out):
     if trials is not None:
         lines.append(f"  coupling iterations per window: mean {trials:.1f}, max {measure(contents, 'coupling_iterations_max') or 0:.0f}"
                      + (f"; {open_windows:.0f} windows did not reach the tolerance" if open_windows else ""))
+    if taken_back := contents.get("taken_back"):
+        lines.append(f"  windows that failed, repeated at half their length or less: {len(taken_back)} times, first from t = "
+                     f"{taken_back[0]['time_s']:.6g} s, at the shortest 1/{2**max(entry['halvings'] for entry in taken_back)} as long")
     for name, label, form in CONSERVATION:
         value = measure(contents, name)
         if value is not None:
