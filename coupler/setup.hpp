@@ -31,6 +31,7 @@ struct Setup {
   CouplingCase coupling;
   Algorithm algorithm;
   const Scheme<D>& scheme;
+  double first_window;                                                   ///< length of the first window at most [s]
   double window_share;                                                   ///< of the length that the fluid proposes, which a window takes
   double density, spacing, smoothing_length, contact_distance, courant;  ///< of the fluid; courant with window_share
   double robin_mass_factor, least_robin_mass;  ///< m_p = max(factor m_s, least), m_s the mass behind a face [kg/m^2]

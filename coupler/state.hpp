@@ -5,6 +5,7 @@
 
 #include "coupler/acceleration/fixed_point.hpp"
 #include "coupler/acceleration/learnt_mass.hpp"
+#include "coupler/motion_error.hpp"
 #include "coupler/setup.hpp"
 #include "coupler/stability/observations.hpp"
 #include "coupler/totals.hpp"
@@ -37,6 +38,7 @@ struct State {
   SurfaceLoad<D> load;                      ///< on the structure in the last window; empty before the first
   SurfaceLoad<D> contact;                   ///< the contacts in it; empty where windows are not repeated
   std::vector<Vector<D>> surface_velocity;  ///< at the end of the last window [m/s]; empty before the first
+  MotionError<D> motion;                    ///< how that has changed
   LearntMass mass;                          ///< with which the surface has answered
   std::vector<double> area_at_start;        ///< of every surface point [m^(D-1)]
   FixedPoint fixed_point;                   ///< what the iterations of the last windows have shown of the answer to a load
@@ -51,6 +53,7 @@ struct State {
     visit("load", all.load.force...);
     visit("contact", all.contact.force...);
     visit("surface_velocity", all.surface_velocity...);
+    visit("motion", all.motion...);
     visit("mass", all.mass...);
     visit("area_at_start", all.area_at_start...);
     visit("fixed_point", all.fixed_point...);

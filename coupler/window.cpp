@@ -16,6 +16,15 @@
 namespace tern::coupler {
 
 template <int D>
+WindowProposal Coupler<D>::propose(double of_fluid, const std::string& limit) const {
+  constexpr double fastest_shortening = 0.8;  // of a window, where nothing else shortens it: a single short step is none
+  const double shared = setup_.window_share * of_fluid, last = state_.observations.duration;
+  const double of_surface =
+      last > 0 ? std::max(longest_window(setup_.spacing, state_.motion, last), fastest_shortening * last) : setup_.first_window;
+  return of_surface < shared ? WindowProposal{of_surface, "interface"} : WindowProposal{shared, limit};
+}
+
+template <int D>
 void Coupler<D>::run_window(Participants<D>& participants, Ticks begin, Ticks duration) {
   // Opening: the fluid finds its neighbours while the structure predicts where its surface will be.
   participants.begin_window(begin, duration);
@@ -55,7 +64,7 @@ bool out_of_reach(const FluidExtent<D>& fluid, const Surface<D>& surface, Ticks 
 template <int D>
 void Coupler<D>::pass_window(double begin, double duration, const Surface<D>& surface) {
   window_.begin = begin;
-  window_.duration = state_.observations.duration = duration;
+  window_.duration = duration;
   window_.audit = {};
   window_.stretch = stretch_of(surface, state_.area_at_start);
   window_.robin_mass = robin_mass(setup_, window_, state_.mass);
@@ -63,6 +72,9 @@ void Coupler<D>::pass_window(double begin, double duration, const Surface<D>& su
   window_.load.force.assign(surface.position.size(), Vector<D>::Zero());
   state_.load = window_.load;
   state_.contact.force.clear();
+  follow_motion(setup_.properties.body, state_.surface_velocity, surface.velocity, surface.area, state_.observations.duration, duration,
+                state_.motion);
+  state_.observations.duration = duration;
   state_.surface_velocity = surface.velocity;
   for (LoadAlternation& alternation : state_.observations.alternation) alternation = {};
   ++state_.evaluations.windows_without_exchange;
@@ -174,6 +186,8 @@ const InterfaceForce<D>& Coupler<D>::last_exchange(const InterfacePressure<D>& p
 
   state_.load = window_.load;
   state_.contact = window_.contact;
+  follow_motion(setup_.properties.body, state_.surface_velocity, window_.velocity_at_end, window_.surface.area,
+                state_.observations.duration, window_.duration, state_.motion);
   state_.surface_velocity = window_.velocity_at_end;
   state_.observations.duration = window_.duration;
   state_.observations.surface_area = 0;

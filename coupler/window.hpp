@@ -1,6 +1,7 @@
 #pragma once
 // The coupler: what it is given, what it remembers, and the window (window.cpp).
 
+#include <string>
 #include <vector>
 
 #include "coupler/participants.hpp"
@@ -14,10 +15,19 @@ namespace tern::coupler {
 template <int D>
 bool out_of_reach(const FluidExtent<D>& fluid, const Surface<D>& surface, Ticks duration);
 
+struct WindowProposal {
+  double seconds;
+  std::string limit;
+};
+
 template <int D>
 class Coupler {
  public:
   Coupler(const Case& scene, const SurfaceProperties& properties) : setup_(scene, properties), state_(setup_), window_(setup_) {}
+
+  /// How long the next window is to be, at most as long as the fluid proposes [s], and what limits it. Windows of light bodies are half as
+  /// long as the fluid's, and no window is longer than the motion of the surface allows (motion_error.hpp).
+  WindowProposal propose(double of_fluid, const std::string& limit) const;
 
   /// One window, from opening to end. Throws NumericalFailure when a load is not finite, when fluid and structure cannot be brought to
   /// agree, and when the coupling diverges; and what the participants throw.

@@ -241,7 +241,9 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
   const auto advance = [&] {
     const Stopwatch watch;
     const Ticks target = schedule.next(now);
-    proposed *= coupler.setup().window_share;
+    const WindowProposal proposal = coupler.propose(proposed, limit);
+    proposed = proposal.seconds;
+    limit = proposal.limit;
     if (longest_of_structure > 0 && longest_of_structure < proposed) {
       proposed = longest_of_structure;
       limit = "structure";

@@ -26,7 +26,7 @@ struct Sides {
   /// The next windows, and what the observers see of them.
   void run(int windows) {
     for (int n = 0; n < windows; ++n) {
-      const Ticks duration = control.next(coupler.setup().window_share * fluid.propose_step().seconds, now, to_ticks(1000));
+      const Ticks duration = control.next(coupler.propose(fluid.propose_step().seconds, "").seconds, now, to_ticks(1000));
       run_window<D>(fluid, coupled, coupler, now, duration);
       now += duration;
       const auto of_fluid = fluid.energies();

@@ -39,7 +39,7 @@ Outcome run(const Case& scene, double until) {
   StepControl control;
   Outcome outcome;
   for (Ticks now = 0, end = to_ticks(until); now < end; ++outcome.windows) {
-    const Ticks duration = control.next(coupler.setup().window_share * fluid.propose_step().seconds, now, end);
+    const Ticks duration = control.next(coupler.propose(fluid.propose_step().seconds, "").seconds, now, end);
     run_window<2>(fluid, coupled, coupler, now, duration);
     now += duration;
     outcome.wet += coupler.audit().pairs > 0;

@@ -115,7 +115,7 @@ LastFrame run_here(const Case& scene) {
   LastFrame frame;
   int wet = 0;
   for (Ticks now = 0; now < end; ++frame.step) {
-    const Ticks duration = control.next(coupler.setup().window_share * fluid.propose_step().seconds, now, schedule.next(now));
+    const Ticks duration = control.next(coupler.propose(fluid.propose_step().seconds, "").seconds, now, schedule.next(now));
     run_window<2>(fluid, coupled, coupler, now, duration);
     now += duration;
     wet += coupler.audit().pairs > 0;
