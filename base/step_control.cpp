@@ -14,17 +14,17 @@ constexpr int patience = 100;  ///< windows at a share of their length, before i
 
 }  // namespace
 
-void StepControl::shorten(int halvings, Ticks until) {
+void StepControl::shorten(int halvings, Ticks until, double longest) {
   halvings_ = halvings;
   until_ = until;
+  longest_ = longest;
   windows_ = 0;
 }
 
 Ticks StepControl::next(double proposed_seconds, Ticks now, Ticks target) {
-  if (halvings_ > 0 && now >= until_ && ++windows_ > patience) shorten(halvings_ - 1, until_);
-  const double share = std::ldexp(1.0, -halvings_);
-  share_ = previous_ > 0 ? std::max(share, fastest_shortening * share_) : share;
-  double step = share_ * proposed_seconds;
+  if (halvings_ > 0 && now >= until_ && ++windows_ > patience) shorten(halvings_ - 1, until_, 2 * longest_);
+  double step = proposed_seconds;
+  if (halvings_ > 0) step = std::min(step, halvings_ == 1 ? std::max(longest_, fastest_shortening * previous_) : longest_);
   if (previous_ > 0) step = std::min(step, largest_growth * previous_);
   const double remaining = seconds(target - now);
   const double count = std::max(1.0, std::ceil(remaining / (largest_stretch * step)));

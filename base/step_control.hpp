@@ -12,9 +12,10 @@ class StepControl {
   /// Next window length [ticks] for a proposal [s], from `now` towards the next time that must be met.
   Ticks next(double proposed_seconds, Ticks now, Ticks target);
 
-  /// From here on 2^-halvings of what is proposed, by and by unless it is the first: these windows are repeated, because longer ones have
-  /// failed at the time `until` [ticks]. Every hundred windows after that double the share again.
-  void shorten(int halvings, Ticks until);
+  /// From here on windows of at most this length [s]: they are repeated, because others, 2^halvings as long, have failed at the time
+  /// `until` [ticks]. By and by, but when that has been tried (more than one halving) or before the first window, at once. Every hundred
+  /// windows after that time double the length, until it is theirs again.
+  void shorten(int halvings, Ticks until, double longest);
   /// How often windows are halved now.
   int halvings() const { return halvings_; }
 
@@ -22,7 +23,7 @@ class StepControl {
   template <class Visit, class... Same>
   static void for_each_field(Visit&& visit, Same&... all) {
     visit("previous", all.previous_...);
-    visit("share", all.share_...);
+    visit("longest", all.longest_...);
     visit("halvings", all.halvings_...);
     visit("until", all.until_...);
     visit("windows", all.windows_...);
@@ -30,7 +31,7 @@ class StepControl {
 
  private:
   double previous_ = 0;  ///< [s]
-  double share_ = 1;     ///< of what is proposed
+  double longest_ = 0;   ///< where windows are halved [s]
   int halvings_ = 0;
   Ticks until_ = 0;
   std::int64_t windows_ = 0;  ///< after that, or since their share has doubled

@@ -31,8 +31,8 @@ template <int D>
 void follow_motion(const std::vector<std::uint32_t>& body, const std::vector<Vector<D>>& begin, const std::vector<Vector<D>>& end,
                    const std::vector<double>& area, double duration_before, double duration, MotionError<D>& motion);
 
-/// The longest window that leaves no more than the tolerance of any body's motion, after one of this duration [s]; infinite where nothing is
-/// known of it. `spacing`: of the fluid [m].
+/// The longest window that leaves no more than the tolerance of any body's motion, after one of this duration [s]; infinite where nothing
+/// is known of it. `spacing`: of the fluid [m].
 template <int D>
 double longest_window(double spacing, const MotionError<D>& motion, double duration);
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <tuple>
 
 #include "base/error.hpp"
 #include "base/version.hpp"
@@ -47,6 +48,7 @@ CommandLine parse_command_line(int argc, const char* const* argv, const std::str
   CommandLine result;
   std::vector<std::string> overrides;
   double until = 0;
+  std::tuple<int, double, double> repeat{0, 0.0, 0.0};
 
   CLI::App app(description(role), program);
   app.footer(examples(program));
@@ -70,8 +72,9 @@ CommandLine parse_command_line(int argc, const char* const* argv, const std::str
   app.add_flag("--force", result.force, "replace the results of an earlier run in DIR");
   app.add_flag("--resume", result.resume, "go on from the newest checkpoint in DIR; all processes of the run have to");
   if (role != "structure")
-    app.add_option("--repeat", result.repeat, "windows 2^-N as long up to the time T [s], where longer ones have failed (./tern run asks)")
-        ->type_name("N T");
+    app.add_option("--repeat", repeat,
+                   "up to the time T [s] windows of at most L [s], where others 2^N as long have failed (./tern run asks)")
+        ->type_name("N T L");
   app.add_flag("--allow-unstable", result.allow_unstable, "run the explicit coupling although the added mass predicts that it is unstable");
   app.add_flag("--quiet", result.quiet, "no progress lines");
   if (role == "coupler") app.add_flag("--record", result.record, "write every message of the participants to DIR/interface.record");
@@ -97,9 +100,11 @@ CommandLine parse_command_line(int argc, const char* const* argv, const std::str
   if (result.threads < 1 || result.threads > most_threads)
     throw BadInput(
         fmt::format("--threads {} is not between 1 and {}; give the number of cores for this process.", result.threads, most_threads));
-  if (const auto [halvings, until_s] = result.repeat; halvings < 0 || halvings > most_halvings || !(until_s >= 0 && until_s < 1e6))
-    throw BadInput(
-        fmt::format("--repeat {} {} is not a number of halvings up to {} and a time up to 1e6 s.", halvings, until_s, most_halvings));
+  result.repeat = {std::get<0>(repeat), std::get<1>(repeat), std::get<2>(repeat)};
+  if (const auto& [halvings, until_s, longest_s] = result.repeat;
+      halvings < 0 || halvings > most_halvings || !(until_s >= 0 && until_s < 1e6) || !(longest_s >= 0) || (halvings > 0 && longest_s == 0))
+    throw BadInput(fmt::format("--repeat {} {} {} is not a number of halvings up to {}, a time up to 1e6 s, and a length of windows in s.",
+                               halvings, until_s, longest_s, most_halvings));
   if (result.endpoint.empty() && (!result.keys.empty() || result.insecure))
     throw BadInput(fmt::format("--keys and --insecure are about the connection to a coupler; add --endpoint to {}.", program));
   if (!(result.deadline_s >= 1 && result.deadline_s <= 1e6))

@@ -4,7 +4,6 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "run/run_report.hpp"
 #include "scene/case_file.hpp"
@@ -24,8 +23,11 @@ struct CommandLine {
   bool force = false;           ///< replace the results of an earlier run in `out`
   bool allow_unstable = false;  ///< run a coupling that is predicted to be unstable
   bool resume = false;          ///< go on from the newest checkpoint in `out`
-  /// Longer windows than 2^-halvings of their length have failed at a time [s]; not of the structure.
-  std::pair<int, double> repeat{0, 0.0};
+  /// Windows have failed; StepControl::shorten(). Not of the structure.
+  struct Repeat {
+    int halvings = 0;
+    double until_s = 0, longest_s = 0;
+  } repeat;
   bool quiet = false;   ///< no progress lines
   bool record = false;  ///< coupler only: keep what the participants send in `out`/interface.record
 

@@ -181,6 +181,38 @@ double window_alone(const Case& scene, double sub_step) {
   return interval / (std::floor(interval / (sub_steps_per_window(scene) * sub_step)) + 1);
 }
 
+/// Bodies whose velocities at the start differ from place to place vibrate: windows by the error of their motion
+/// (coupler/motion_error.cpp), in the first mode of bending of a beam that is as long and as thick.
+template <int D>
+double motion_step(const Case& scene, const std::vector<BodyEstimate>& bodies) {
+  constexpr double tolerance = 1e-4, bending = 1.0;  // (1.875^2/sqrt(12) h c/L^2 of a cantilever)
+  double longest = infinity;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const StructureBody& body = scene.structure->bodies[b];
+    if (is_zero(body.velocity)) continue;
+    const auto places = fill_body<D>(body);
+    Vector<D> mean = Vector<D>::Zero();
+    for (const Vector<D>& x : places) mean += value<D>(body.velocity, x) / static_cast<double>(places.size());
+    double speed = 0;
+    for (const Vector<D>& x : places) speed = std::max(speed, (value<D>(body.velocity, x) - mean).norm());
+    const double length = free_length<D>(body), frequency = bending * bodies[b].wave_speed * bodies[b].thickness / (length * length);
+    if (speed > 0)
+      longest = std::min(longest, std::cbrt(12 * std::sqrt(2.0) * tolerance * scene.fluid->spacing / (speed * frequency * frequency)));
+  }
+  return longest;
+}
+
+/// Windows that grow by a tenth from the first one, beyond those that the same time takes at their full length.
+template <int D>
+double windows_of_growth(const Case& scene, const Estimate& result) {
+  double first = result.step;
+  for (std::size_t b = 0; b < result.bodies.size(); ++b)
+    if (!is_zero(scene.structure->bodies[b].velocity))
+      first = std::min(first, 10 * scene.structure->bodies[b].spacing / result.bodies[b].wave_speed);
+  const double windows = std::log(result.step / first) / std::log(1.1);
+  return windows - (result.step - first) / (0.1 * result.step);
+}
+
 template <int D>
 Estimate estimate_in(const Case& scene, const Costs& costs) {
   Estimate result;
@@ -195,9 +227,15 @@ Estimate estimate_in(const Case& scene, const Costs& costs) {
     if (!scene.fluid) result.step = window_alone(scene, sub_step);
     result.light = scene.fluid && any_body_is_light(scene, result.bodies);
     if (result.light) result.step *= 0.5;  // Setup::window_share
+    if (scene.fluid) {
+      result.motion_step = motion_step<D>(scene, result.bodies);
+      result.step = std::min(result.step, result.motion_step);
+      if (const double frame = scene.output.frame_interval; frame > 0) result.step = frame / std::ceil(frame / result.step * (1 - 1e-9));
+    }
     result.sub_steps = std::ceil(result.step / sub_step * (1 - 1e-12));
   }
   result.steps = std::ceil(scene.end_time / result.step);
+  if (scene.fluid && scene.structure) result.steps = std::ceil(result.steps + windows_of_growth<D>(scene, result));
   const Integrator integrator = scene.structure ? scene.structure->numerics.integrator : Integrator::explicit_steps;
   const double paid_sub_steps = integrator == Integrator::explicit_steps   ? result.sub_steps
                                 : integrator == Integrator::implicit_steps ? implicit_window

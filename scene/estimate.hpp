@@ -1,6 +1,7 @@
 #pragma once
 // What a case will take: particles, steps, memory, time; for `tern-case check` and `explain`.
 
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,8 +45,10 @@ struct Estimate {
   double gravity_step = 0;  ///< limit gravity_courant sqrt(dx/|g|) [s]; infinite without gravity
   double flow_step = 0;     ///< limit courant dx/speed [s]; infinite at rest
   double viscous_step = 0;  ///< limit viscous_courant h^2/nu [s]; infinite without viscosity
-  double step = 0;          ///< the smallest of those that apply; of a structure alone, its window [s]
-  double steps = 0;         ///< in the whole run
+  /// Limit of the error of the motion of bodies that vibrate from the start on [s]; infinite without such.
+  double motion_step = std::numeric_limits<double>::infinity();
+  double step = 0;   ///< the smallest of those that apply; of a structure alone, its window [s]
+  double steps = 0;  ///< in the whole run
   std::vector<BodyEstimate> bodies;
   double sub_steps = 0;                                      ///< of the structure in one step
   bool light = false;                                        ///< a body is, for a layer of fluid particles: windows half as long

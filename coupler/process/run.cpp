@@ -224,7 +224,6 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
   const auto report_now = [&] {
     report.set_time(seconds(now), totals.windows);
     report_totals(totals, coupler.setup().algorithm.iterates, report);
-    report.set_count("window_halvings", control.halvings());
     report_evaluations(coupler.state().evaluations, accounts.evaluated_gauges(), report);
     proto::report_traffic(channel, report);
     report.update();
@@ -237,7 +236,7 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
     checkpoints.clear();
     channel.welcome(static_cast<std::uint32_t>(properties.body.size()));
   }
-  if (const auto& [halvings, until_s] = command.repeat; halvings > 0) control.shorten(halvings, to_ticks(until_s));
+  if (const auto& [halvings, until_s, longest_s] = command.repeat; halvings > 0) control.shorten(halvings, to_ticks(until_s), longest_s);
   const auto advance = [&] {
     const Stopwatch watch;
     const Ticks target = schedule.next(now);
@@ -250,6 +249,8 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
     }
     const Ticks duration = control.next(proposed, now, target);
     if (control.halvings() > 0) limit = "repeated";
+    report.set_measure("window_s", seconds(duration));
+    report.set_count("window_halvings", control.halvings());
     channel.set_step(static_cast<std::uint64_t>(totals.windows + 1), seconds(now));
     participants.write_frame_at_end(now + duration == target);
     const double waited = channel.wait_seconds() + channel.exchange_seconds();

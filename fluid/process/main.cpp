@@ -16,6 +16,7 @@ struct Alone {
     const StepProposal proposal = fluid.propose_step();
     const Ticks duration = control.next(proposal.seconds, now, target);
     report.set_count("window_halvings", control.halvings());
+    report.set_measure("window_s", seconds(duration));
     ScopedTimer timer(compute_s);
     fluid.begin_window(now, duration);
     fluid.pass_window();
@@ -38,12 +39,12 @@ struct Alone {
     shorten();
   }
   void shorten() {
-    if (repeat.first > 0) control.shorten(repeat.first, to_ticks(repeat.second));
+    if (repeat.halvings > 0) control.shorten(repeat.halvings, to_ticks(repeat.until_s), repeat.longest_s);
   }
 
   fluid::Fluid<D> fluid;
   RunReport& report;
-  std::pair<int, double> repeat;  ///< as in CommandLine
+  CommandLine::Repeat repeat;
   double& compute_s = report.timing("compute");
   StepControl control{};
 };

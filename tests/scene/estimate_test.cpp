@@ -133,5 +133,16 @@ TEST(Estimate, SaysWhichAlgorithmTheMassBehindAFaceCallsFor) {
   EXPECT_NE(text("100").find("it is light, so that every window is repeated"), std::string::npos);
 }
 
+// A ring that vibrates in fluid at rest takes 202 windows: neither gravity nor the fluid limits them. Seen to fail: with the fluid's limits
+// alone (34), without the windows that grow (128).
+TEST(Estimate, KnowsTheWindowsOfABodyThatVibratesFromTheStart) {
+  const Estimate ring = estimate(case_of("ring_in_annulus"));
+  EXPECT_GT(ring.steps, 140);
+  EXPECT_LT(ring.steps, 300);
+  EXPECT_NE(explain_text(case_of("ring_in_annulus")).find("of a body that vibrates from the start on"), std::string::npos);
+  EXPECT_TRUE(std::isinf(estimate(case_of("dam_break_plate")).motion_step));
+  EXPECT_TRUE(std::isinf(estimate(case_of("rising_disc")).motion_step));
+}
+
 }  // namespace
 }  // namespace tern

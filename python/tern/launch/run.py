@@ -169,7 +169,7 @@ def run(request):
                 following = resumed(out, request)
                 note = f"The run goes on from its newest checkpoint ({left} of {request.retries} retries left)."
                 left -= 1
-            elif contents and (repeat := window_repeat.plan(contents, cause, resumption.manifests(out))):
+            elif contents and (repeat := window_repeat.plan(out, contents, cause, resumption.manifests(out))):
                 following = replace(request, out=str(out), resume=None, force=True) if repeat.anew else resumed(out, request)
                 following = replace(following, repeat=repeat)
                 note = repeat.note
@@ -264,7 +264,7 @@ def _run_once(request):
                 if request.record and role == "coupler":
                     own.append("--record")
                 if request.repeat and role == timekeeper:
-                    own += ["--repeat", str(request.repeat.halvings), repr(request.repeat.until)]
+                    own += ["--repeat", str(request.repeat.halvings), repr(request.repeat.until), repr(request.repeat.longest)]
                 if request.quiet or (len(roles) > 1 and role != "coupler"):
                     own.append("--quiet")  # one progress line: the coupler's, or that of the process that runs alone
                 if role in commands:

@@ -11,7 +11,7 @@ _PLACES = {
     "structure_side": ("Surface", "cut_box", "run_structure"),
     "fluid_side": ("InterfaceParticles", "run_fluid"),
     "side": ("Case", "Run", "bad_input", "finite", "run_participant"),
-    "channel": ("Participant", "RunEnded"),
+    "channel": ("NumericalFailure", "Participant", "RunEnded"),
     "recording": ("Recording", "play_back"),
     "schema": ("wire",),
 }

@@ -15,6 +15,7 @@ import time
 import zmq
 from zmq.utils.monitor import recv_monitor_message
 
+from tern.errors import NUMERICAL_FAILURE
 from tern.participant.message_check import MAX_MESSAGE_BYTES, BadMessage, check_body
 from tern.participant.schema import wire
 from tern.participant.security import EVENTS, CannotConnect, Handshake
@@ -31,6 +32,13 @@ class RunEnded(Exception):
     def __init__(self, exit_code, sentence):
         super().__init__(sentence)
         self.exit_code = exit_code
+
+
+class NumericalFailure(RunEnded):
+    """The solver has found no answer. ./tern run has the windows repeated at half their length."""
+
+    def __init__(self, sentence):
+        super().__init__(NUMERICAL_FAILURE, sentence)
 
 
 class Participant:

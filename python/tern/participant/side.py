@@ -20,7 +20,7 @@ import zmq
 
 from tern import paths
 from tern.errors import BAD_INPUT, INPUT_OUTPUT, INTERRUPTED, NUMERICAL_FAILURE, PEER_LOST
-from tern.participant.channel import Participant, RunEnded
+from tern.participant.channel import NumericalFailure, Participant, RunEnded
 from tern.participant.checkpoints import Checkpoints
 from tern.participant.schema import wire
 
@@ -120,9 +120,10 @@ class Report:
         self.contents |= {"case": case.name, "case_path": case.path, "case_hash": case.hash, "settings": case.settings,
                           "end_time_s": options.until or case.end_time}
 
-    def set_end(self, exit_code, cause):
+    def set_end(self, exit_code, cause, shorter_windows_may_help=False):
         status = {0: "done", INTERRUPTED: "interrupted"}.get(exit_code, "failed")
-        self.contents |= {"status": status, "exit_code": exit_code, "cause": cause, "cause_time": time.time() if exit_code else 0}
+        self.contents |= {"status": status, "exit_code": exit_code, "cause": cause, "cause_time": time.time() if exit_code else 0,
+                          "shorter_windows_may_help": shorter_windows_may_help}
 
     def write(self):
         usage = resource.getrusage(resource.RUSAGE_SELF)
@@ -326,7 +327,7 @@ def run_participant(role, obey, add_options=None):
     if add_options:
         add_options(parser)
     options = parser.parse_args()
-    run, code, sentence = None, 0, ""
+    run, code, sentence, failed_numerically = None, 0, "", False
     try:
         _prepare_directory(options, role)
         run = Run(role, program, options)
@@ -342,6 +343,7 @@ def run_participant(role, obey, add_options=None):
         obey(run)
     except Exception as error:  # whatever it is, the coupler is told and the launcher finds a report
         code, sentence = _cause_of(error, program)
+        failed_numerically = isinstance(error, NumericalFailure)
         if run and not isinstance(error, RunEnded):
             run.log(traceback.format_exc(), "err")
         if run and run.channel:
@@ -349,7 +351,7 @@ def run_participant(role, obey, add_options=None):
                 run.channel.abort(code, sentence.encode("ascii", "replace").decode()[:4096])
         print(f"{program}: {sentence}", file=sys.stderr)
     if run:
-        run.report.set_end(code, sentence)
+        run.report.set_end(code, sentence, failed_numerically)
         try:
             run.report.write()
             run.log(f"ends with exit code {code} at step {run.report.steps}, t = {run.report.time_s:.9g} s. {sentence}")

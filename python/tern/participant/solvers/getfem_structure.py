@@ -17,8 +17,7 @@ import numpy as np
 import scipy.sparse as sparse
 from scipy.sparse.linalg import splu
 
-from tern.errors import NUMERICAL_FAILURE
-from tern.participant import RunEnded, Surface, bad_input, cut_box, run_structure
+from tern.participant import NumericalFailure, Surface, bad_input, cut_box, run_structure
 
 GAMMA = 2 - np.sqrt(2)
 ELEMENTS_ACROSS = 2
@@ -160,8 +159,8 @@ class GetfemStructure:
             except NotConverged as fault:
                 steps *= 2
                 if steps > MOST_STEPS:
-                    raise RunEnded(NUMERICAL_FAILURE, f"Newton's method failed at t = {time_s:.6g} s, in {MOST_STEPS} steps of "
-                                   f"{duration_s / MOST_STEPS:.3g} s as well ({fault}): the body is deformed too much.") from fault
+                    raise NumericalFailure(f"Newton's method failed at t = {time_s:.6g} s, in {MOST_STEPS} steps of "
+                                           f"{duration_s / MOST_STEPS:.3g} s as well ({fault}): the body is deformed too much.") from fault
                 continue
             self.state = state
             return
