@@ -174,6 +174,9 @@ def run(request):
                 following = replace(following, repeat=repeat)
                 note = repeat.note
             else:
+                if contents and cause.exit_code == NUMERICAL_FAILURE and contents.get("taken_back"):
+                    contents["first_cause"] = cause.sentence = cause.sentence + window_repeat.history(contents["taken_back"])
+                    _write_end(out / "run.json", contents)
                 break
             print(f"tern: {cause.sentence} {note}", file=sys.stderr, flush=True)
             cause, out, contents = _run_once(following)
@@ -287,9 +290,6 @@ def _run_once(request):
         refused = before and cause.exit_code == BAD_INPUT
         if refused:
             contents = before  # what was there is as it was
-        elif cause.exit_code == NUMERICAL_FAILURE and contents.get("taken_back"):
-            cause.sentence += window_repeat.history(contents["taken_back"])
-            contents["first_cause"] = cause.sentence
         try:
             for role in roles:
                 (out / f"report.{role}.json").unlink(missing_ok=True)
