@@ -7,8 +7,8 @@
 namespace tern::coupler {
 namespace {
 
-/// What a window may leave of the surface's place, in spacings of the fluid: a vibration of one spacing then has 59 windows a period, and
-/// one of a hundredth 13. Displacements of 1e-4 dx are far below what particles resolve.
+/// What a window may leave of the surface's place, in spacings of the fluid: a vibration of one spacing then has about 59 windows a period,
+/// and one of a hundredth 13. Displacements of 1e-4 dx are far below what particles resolve.
 constexpr double tolerance = 1e-4;
 /// Share of the last window in the mean. Two successive errors are multiplied: of a motion that windows resolve they agree,
 /// of impacts and of noise, which no shorter window would resolve any better, they have opposite signs.

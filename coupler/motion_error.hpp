@@ -1,7 +1,7 @@
 #pragma once
 // What windows miss of the surface's motion. Fluid and structure exchange at the ends of windows; between them the fluid takes the velocity
 // of the surface to change evenly. What that leaves of the surface's place in a window of length dt is dt^3 |d2v/dt2| / 12 (the trapezoidal
-// rule). The window is long enough where that is a small part of the fluid's spacing (docs/THEORY.md, section 3).
+// rule). The window is short enough where that is a small part of the fluid's spacing (docs/THEORY.md, section 3).
 
 #include <cstdint>
 #include <vector>

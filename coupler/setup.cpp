@@ -1,10 +1,7 @@
 #include "coupler/setup.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "coupler/schemes/scheme.hpp"
+#include "scene/estimate.hpp"
 
 namespace tern::coupler {
 namespace {
@@ -39,19 +36,6 @@ bool any_body_is_light(const Case& scene, const SurfaceProperties& properties) {
   return false;
 }
 
-/// A body that moves at the start may vibrate, and nothing has yet been seen of that: the first window is as long as sound takes through
-/// a few of its particles, and windows grow from there.
-double first_window_of(const Case& scene) {
-  constexpr double particles = 10;
-  double longest = std::numeric_limits<double>::infinity();
-  for (const StructureBody& body : scene.structure->bodies) {
-    const bool moves =
-        std::any_of(body.velocity.begin(), body.velocity.end(), [](const Expression& v) { return !v.is_constant() || v(0, 0, 0, 0) != 0; });
-    if (moves) longest = std::min(longest, particles * body.spacing * std::sqrt(body.density / body.young_modulus));
-  }
-  return longest;
-}
-
 Algorithm choose_algorithm(const Case& scene, const SurfaceProperties& properties) {
   for (Algorithm algorithm : algorithms) {
     if (algorithm.name != scene.coupling.algorithm) continue;
@@ -68,7 +52,7 @@ Setup<D>::Setup(const Case& scene, const SurfaceProperties& of_surface)
     : coupling(scene.coupling),
       algorithm(choose_algorithm(scene, of_surface)),
       scheme(scheme_of<D>(scene.coupling.scheme)),
-      first_window(first_window_of(scene)),
+      first_window(tern::first_window(scene)),
       window_share(any_body_is_light(scene, of_surface) ? window_share_of_light : 1),
       density(scene.fluid->density),
       spacing(scene.fluid->spacing),

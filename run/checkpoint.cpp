@@ -95,7 +95,7 @@ void CheckpointStore::clear() const {
   fs::remove(temporary(), ignored);
 }
 
-std::string CheckpointStore::save(std::uint64_t step, const StateWriter& state) const {
+std::string CheckpointStore::write(std::uint64_t step, const StateWriter& state) const {
   std::error_code error;
   fs::create_directories(directory_, error);
   if (error) throw InputOutputError(fmt::format("Cannot create {}: {}.", directory_, error.message()));
@@ -109,7 +109,17 @@ std::string CheckpointStore::save(std::uint64_t step, const StateWriter& state) 
   fs::rename(temporary(), path(step), error);
   if (error || hash.empty())
     throw InputOutputError(fmt::format("Cannot write {}: {}; free space or choose another --out.", path(step), error.message()));
+  return hash;
+}
+
+std::string CheckpointStore::save_kept(const Kept& kept_state) const {
+  return kept_state.on_disk ? hash_of_file(path(kept_state.step)) : write(kept_state.step, kept_state.state);
+}
+
+std::string CheckpointStore::save(std::uint64_t step, const StateWriter& state) const {
+  std::string hash = write(step, state);
   // Those of later steps, of a run that has gone back, count no longer.
+  std::error_code error;
   std::size_t older = 0;
   for (const std::uint64_t other : steps_of(directory_, role_, "h5"))
     if (other > step || (other < step && ++older >= kept)) fs::remove(path(other), error);

@@ -41,6 +41,14 @@ struct Manifest {
 /// Version and commit of this program, as a manifest names them.
 std::string program_name();
 
+/// A state in memory, or the one that the run went on from.
+struct Kept {
+  std::uint64_t step = 0;  ///< 0: none
+  double time_s = 0;
+  StateWriter state;
+  bool on_disk = false;  ///< the file of this step has it, and `state` is empty
+};
+
 class CheckpointStore {
  public:
   CheckpointStore(const std::string& out_dir, std::string role, const Case& scene);
@@ -48,9 +56,12 @@ class CheckpointStore {
   /// Removes what this role has left, and all manifests: a run begins anew.
   void clear() const;
 
-  /// Writes the file of this step. Atomic; the files of older steps but the one before are removed. Returns its hash. Throws
-  /// InputOutputError.
+  /// Writes the file of this step. Atomic; the files of older steps but the one before, and of later ones, are removed. Returns its hash.
+  /// Throws InputOutputError.
   std::string save(std::uint64_t step, const StateWriter& state) const;
+  /// The same after a failure, without removing any other: whether a new set becomes whole is not known yet. The state that the run went
+  /// on from is on the disk already.
+  std::string save_kept(const Kept& kept) const;
 
   /// read(StateReader&) takes the members out of the file of this step. Throws BadInput, InputOutputError.
   template <class Read>
@@ -74,6 +85,7 @@ class CheckpointStore {
  private:
   std::string path(std::uint64_t step) const;
   std::string temporary() const;
+  std::string write(std::uint64_t step, const StateWriter& state) const;
 
   std::string directory_, role_, case_hash_;
   std::map<std::string, std::string> gauge_hashes_;
@@ -93,14 +105,12 @@ class KeptStates {
     Kept& newest = kept_.front();
     newest.step = step;
     newest.time_s = time_s;
+    newest.on_disk = false;
     newest.state.clear();
     write(newest.state);
   }
-  struct Kept {
-    std::uint64_t step = 0;  ///< 0: none
-    double time_s = 0;
-    StateWriter state;
-  };
+  /// The run goes on from the file of this step: the first state to be kept.
+  void begin_from(std::uint64_t step, double time_s) { kept_[0] = {step, time_s, {}, true}; }
   const Kept& newest() const { return kept_[0]; }
   /// The one to go on from after an error: what fails numerically has begun before, so that is one from ten to twenty windows before, if
   /// there is one; else the newest.

@@ -11,14 +11,13 @@ std::vector<std::string> with_time(std::vector<std::string> columns) {
   return columns;
 }
 
-/// The first tick after `now` that is a multiple of the interval [s], as nearly as ticks can be.
+}  // namespace
+
 Ticks next_multiple(double interval, Ticks now) {
   const double index = std::floor(seconds(now) / interval * (1 + 1e-12)) + 1;
   const Ticks next = to_ticks(index * interval);
   return next > now ? next : to_ticks((index + 1) * interval);
 }
-
-}  // namespace
 
 void RowSchedule::written(Ticks now) {
   if (interval_ > 0) next_ = next_multiple(interval_, now);

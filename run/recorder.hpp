@@ -73,6 +73,9 @@ class Recorder {
   RowSchedule rows_;
 };
 
+/// The first tick after `now` that is a multiple of the interval [s], as nearly as ticks can be.
+Ticks next_multiple(double interval, Ticks now);
+
 /// Times at which frames are due: every interval from 0 and the end. One that would be due less than half an interval before the end is
 /// left out: the last window would be cut short between the two.
 class FrameSchedule {

@@ -56,17 +56,16 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report,
       state("recorder", recorder.mark());
     });
   };
-  const auto write_checkpoint = [&](const KeptStates::Kept& own) {
+  const auto complete_set = [&](const Kept& own, const std::string& hash) {
     ScopedTimer timer(output_s);
     recorder.sync();
-    const std::string hash = checkpoints.save(own.step, own.state);
     checkpoints.write_manifest({own.step, own.time_s, {{Side::role, hash}}});
     clock.saved();
   };
   const auto save = [&] {
     KeptStates present;
     keep(present);
-    write_checkpoint(present.newest());
+    complete_set(present.newest(), checkpoints.save(present.newest().step, present.newest().state));
   };
   if (command.resume) {
     const Manifest manifest = checkpoints.choose({{Side::role, checkpoints.files()}});
@@ -77,7 +76,7 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report,
       file("recorder", mark);
       recorder.go_back(mark);
     });
-    if (clock.on()) keep(kept);
+    if (clock.on()) kept.begin_from(manifest.step, manifest.time_s);
     report.set_resumed(manifest.step, manifest.time_s);
     log_info(fmt::format("goes on from the checkpoint of step {}, t = {:.9g} s", manifest.step, manifest.time_s));
   } else {
@@ -99,7 +98,8 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report,
     try {
       now = advance(now, frames.next(now));
     } catch (const Error& error) {
-      if (state_was_sound(error) && kept.newest().step > 0) keep_after_failure([&] { write_checkpoint(kept.before(error)); });
+      if (state_was_sound(error) && kept.newest().step > 0)
+        keep_after_failure([&] { complete_set(kept.before(error), checkpoints.save_kept(kept.before(error))); });
       throw;
     }
     const bool stopping = interrupted();

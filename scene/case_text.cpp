@@ -60,11 +60,11 @@ std::string step_limits(const Case& scene, const Estimate& e) {
                                     : "the free fall over the height of the scene, the initial speed");
     }
   }
+  if (e.light) text += "  light body       half of the least of these: it weighs less than half a layer of fluid particles\n";
   if (std::isfinite(e.motion_step)) {
     text += fmt::format("  motion           {:.3g} s = what leaves 1e-4 dx of the place of a body that vibrates from the start on\n",
                         e.motion_step);
   }
-  if (e.light) text += "  light body       half of the least of these: it weighs less than half a layer of fluid particles\n";
   for (const BodyEstimate& body : e.bodies) {
     text += fmt::format("  {:<16} {:.3g} s = {} dx_s/c_p, c_p = {:.4g} m/s (sub-step)\n", body.name, body.sub_step,
                         scene.structure->numerics.courant, body.wave_speed);

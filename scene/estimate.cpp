@@ -26,10 +26,6 @@ Vector<D> value(const VectorExpression& field, const Vector<D>& x) {
   return result;
 }
 
-bool is_zero(const VectorExpression& field) {
-  return std::all_of(field.begin(), field.end(), [](const Expression& part) { return part.is_constant() && part(0) == 0; });
-}
-
 template <int D>
 BodyEstimate estimate_body(const Case& scene, const StructureBody& body) {
   BodyEstimate result;
@@ -203,12 +199,8 @@ double motion_step(const Case& scene, const std::vector<BodyEstimate>& bodies) {
 }
 
 /// Windows that grow by a tenth from the first one, beyond those that the same time takes at their full length.
-template <int D>
 double windows_of_growth(const Case& scene, const Estimate& result) {
-  double first = result.step;
-  for (std::size_t b = 0; b < result.bodies.size(); ++b)
-    if (!is_zero(scene.structure->bodies[b].velocity))
-      first = std::min(first, 10 * scene.structure->bodies[b].spacing / result.bodies[b].wave_speed);
+  const double first = std::min(result.step, first_window(scene));
   const double windows = std::log(result.step / first) / std::log(1.1);
   return windows - (result.step - first) / (0.1 * result.step);
 }
@@ -235,7 +227,7 @@ Estimate estimate_in(const Case& scene, const Costs& costs) {
     result.sub_steps = std::ceil(result.step / sub_step * (1 - 1e-12));
   }
   result.steps = std::ceil(scene.end_time / result.step);
-  if (scene.fluid && scene.structure) result.steps = std::ceil(result.steps + windows_of_growth<D>(scene, result));
+  if (scene.fluid && scene.structure) result.steps = std::ceil(result.steps + windows_of_growth(scene, result));
   const Integrator integrator = scene.structure ? scene.structure->numerics.integrator : Integrator::explicit_steps;
   const double paid_sub_steps = integrator == Integrator::explicit_steps   ? result.sub_steps
                                 : integrator == Integrator::implicit_steps ? implicit_window
@@ -256,6 +248,14 @@ Estimate estimate_in(const Case& scene, const Costs& costs) {
 }
 
 }  // namespace
+
+double first_window(const Case& scene) {
+  constexpr double particles = 10;
+  double longest = infinity;
+  for (const StructureBody& body : scene.structure->bodies)
+    if (!is_zero(body.velocity)) longest = std::min(longest, particles * body.spacing * std::sqrt(body.density / body.young_modulus));
+  return longest;
+}
 
 double sub_steps_per_window(const Case& scene) {
   bool varies = !scene.structure->loads.empty();

@@ -59,6 +59,10 @@ struct Estimate {
 
 Estimate estimate(const Case& scene, const Costs& costs = {});
 
+/// Length of the first window of fluid and structure at most [s]; infinite where no body moves at the start. A body that does may vibrate,
+/// and nothing has yet been seen of that: ten times as long as sound takes from particle to particle.
+double first_window(const Case& scene);
+
 /// Sub-steps of a structure alone between two looks at interruption, progress and the stable sub-step: a step of its run, unless
 /// an output comes before. Forces and motions that change in time are constant over them, so there are fewer where there are such.
 double sub_steps_per_window(const Case& scene);

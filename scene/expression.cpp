@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <muParser.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -103,5 +104,9 @@ double Expression::operator()(double t, double x, double y, double z) const {
 }
 
 bool Expression::depends_on(char variable) const { return parser_ && parser_->used.find(variable) != std::string::npos; }
+
+bool is_zero(const VectorExpression& field) {
+  return std::all_of(field.begin(), field.end(), [](const Expression& part) { return part.is_constant() && part(0) == 0; });
+}
 
 }  // namespace tern

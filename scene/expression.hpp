@@ -39,4 +39,7 @@ class Expression {
 /// One expression per direction; entries beyond the dimension are 0.
 using VectorExpression = std::array<Expression, 3>;
 
+/// Whether it is so everywhere and always.
+bool is_zero(const VectorExpression& field);
+
 }  // namespace tern

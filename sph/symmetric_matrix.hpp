@@ -10,7 +10,7 @@ namespace tern {
 /// Inverse of the moment matrix of a least-squares fit; empty where its condition number says that the points do not determine the fit.
 Eigen::MatrixXd inverse_of_moments(const Eigen::MatrixXd& moments);
 
-/// Largest eigenvalue of the symmetric tridiagonal matrix with this diagonal and these values beside it (one less, at least).
+/// Largest eigenvalue of the symmetric tridiagonal matrix with this diagonal and these values beside it (n - 1 of n, n > 0).
 double largest_eigenvalue(const std::vector<double>& diagonal, const std::vector<double>& beside);
 
 }  // namespace tern

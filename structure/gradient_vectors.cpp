@@ -32,9 +32,9 @@ std::vector<DerivativeVectors<D>> least_squares(std::span<const Vector<D>> offse
     const auto b = basis<D, Size>(offset, h);
     moments += volume * kernel.value(offset.norm()) * b * b.transpose();
   }
-  const Eigen::MatrixXd solve = inverse_of_moments(moments);
-  if (solve.size() == 0) return {};
-  const Eigen::Matrix<double, Size, Size> inverse = solve;
+  const Eigen::MatrixXd found = inverse_of_moments(moments);
+  if (found.size() == 0) return {};
+  const Eigen::Matrix<double, Size, Size> inverse = found;
   std::vector<DerivativeVectors<D>> derivatives;
   derivatives.reserve(offsets.size());
   for (const Vector<D>& offset : offsets) {

@@ -167,11 +167,10 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
     });
   };
   /// Completes a set of which the participants have written theirs.
-  const auto save_own = [&](const KeptStates::Kept& own, const std::map<wire::Role, std::string>& hashes) {
-    Manifest set{own.step, own.time_s, {}};
+  const auto complete_set = [&](const Kept& own, const std::string& own_hash, const std::map<wire::Role, std::string>& hashes) {
+    Manifest set{own.step, own.time_s, {{"coupler", own_hash}}};
     for (const auto& [role, hash] : hashes) set.hash[proto::name(role)] = hash;
     accounts.recorder().sync();
-    set.hash["coupler"] = checkpoints.save(own.step, own.state);
     checkpoints.write_manifest(std::move(set));
     clock.saved();
   };
@@ -179,14 +178,15 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
     KeptStates present;
     keep(present);
     ScopedTimer timer(output_s);
-    save_own(present.newest(), channel.save());
+    const auto hashes = channel.save();
+    complete_set(present.newest(), checkpoints.save(present.newest().step, present.newest().state), hashes);
   };
   /// After a failure: the state before it, if fluid and structure still have theirs.
   const auto save_before_failure = [&](const Error& error) {
-    const KeptStates::Kept* own = kept.of(channel.kept_step(kept.before(error).step));
+    const Kept* own = kept.of(channel.kept_step(kept.before(error).step));
     if (!own) return;
     const auto hashes = channel.abort_keeping(error, own->step, longest_last_save_s);
-    if (!hashes.empty()) save_own(*own, hashes);
+    if (!hashes.empty()) complete_set(*own, checkpoints.save_kept(*own), hashes);
   };
   const auto restore = [&] {
     checkpoints.load(manifest->step, [&](StateReader& file) {
@@ -231,7 +231,7 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
 
   if (manifest) {
     restore();
-    if (clock.on()) keep(kept);
+    if (clock.on()) kept.begin_from(manifest->step, manifest->time_s);
   } else {
     checkpoints.clear();
     channel.welcome(static_cast<std::uint32_t>(properties.body.size()));

@@ -40,7 +40,7 @@ void remove_escaped(const Reference<D>& reference, const Window& window, State<D
     ++kept;
   }
   if (kept == 0)
-    throw NumericalFailure(
+    throw EndOfModel(
         fmt::format("All fluid has left the domain by t = {:.6g} s; enlarge [domain] or close the walls.", window.begin + window.duration));
   for_each_particle_field(state, [&](const char*, const char*, auto& values) { values.resize(kept); });
 }

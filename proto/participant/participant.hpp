@@ -80,7 +80,8 @@ void keeping_the_state(ParticipantChannel& channel, Solver& solver, Part&& part)
     part();
   } catch (const Error& error) {
     if constexpr (requires { solver.save_after_failure(std::declval<const Error&>(), std::uint64_t{}); }) {
-      if (state_was_sound(error)) solver.save_after_failure(error, channel.wanted_step());
+      const bool wanted = channel.wanted_step() > 0 || !channel.coupler_gone();
+      if (wanted && state_was_sound(error)) solver.save_after_failure(error, channel.wanted_step());
     }
     throw;
   }

@@ -56,8 +56,8 @@ class ParticipantFrame {
   }
 
   void save_after_failure(const Error& error, std::uint64_t wanted) noexcept {
-    if (const KeptStates::Kept* kept = kept_.of(wanted > 0 ? wanted : kept_.before(error).step))
-      keep_after_failure([&] { channel_.set_kept(kept->step, checkpoints_.save(kept->step, kept->state)); });
+    if (const Kept* kept = kept_.of(wanted > 0 ? wanted : kept_.before(error).step))
+      keep_after_failure([&] { channel_.set_kept(kept->step, checkpoints_.save_kept(*kept)); });
   }
 
   void resume(const wire::Welcome& welcome) {
@@ -74,7 +74,7 @@ class ParticipantFrame {
       file("traffic/received", received);
       channel_.resume(welcome.resume_step(), seconds(welcome.resume_ticks()), sent, received);
     });
-    if (scene_.output.checkpoint_interval > 0) keep(welcome.resume_step());
+    if (scene_.output.checkpoint_interval > 0) kept_.begin_from(welcome.resume_step(), seconds(welcome.resume_ticks()));
   }
 
  protected:

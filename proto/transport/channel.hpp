@@ -58,6 +58,8 @@ class ParticipantChannel {
   void abort(const Error& error) noexcept;
   /// The step of which the coupler's Abort wants a checkpoint; 0: of none, or there was no Abort.
   std::uint64_t wanted_step() const;
+  /// Whether the coupler was lost or has said that it stops.
+  bool coupler_gone() const;
   /// A checkpoint has been written after a failure.
   void set_kept(std::uint64_t step, const std::string& hash);
 

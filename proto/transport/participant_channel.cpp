@@ -187,6 +187,8 @@ void ParticipantChannel::abort(const Error& error) noexcept {
   }
 }
 
+bool ParticipantChannel::coupler_gone() const { return state_->coupler_gone; }
+
 std::uint64_t ParticipantChannel::wanted_step() const { return state_->wanted_step; }
 
 void ParticipantChannel::set_kept(std::uint64_t step, const std::string& hash) {

@@ -18,7 +18,7 @@ template <int D>
 struct Alone {
   Alone(const Case& scene, RunReport& report)
       : structure(scene),
-        gauge_times(scene.output.gauge_interval, to_ticks(scene.end_time)),
+        gauge_interval(scene.output.gauge_interval),
         sub_steps(sub_steps_per_window(scene)),
         meetable(scene, structure.surface_properties().body),
         compute_s(report.timing("compute")) {
@@ -26,7 +26,7 @@ struct Alone {
   }
 
   SoloStep advance(Ticks now, Ticks target) {
-    const Ticks left = std::min(target, gauge_times.next(now)) - now;
+    const Ticks left = (gauge_interval > 0 ? std::min(target, next_multiple(gauge_interval, now)) : target) - now;
     const auto windows = static_cast<Ticks>(seconds(left) / (sub_steps * structure.largest_sub_step())) + 1;
     const Ticks duration = std::max<Ticks>(left / windows, 1);
     ScopedTimer timer(compute_s);
@@ -46,7 +46,7 @@ struct Alone {
   }
 
   structure::Structure<D> structure;
-  FrameSchedule gauge_times;
+  double gauge_interval;  ///< [s]
   double sub_steps;
   Meetable meetable;
   MeetingState<D> meeting;

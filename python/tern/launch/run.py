@@ -1,5 +1,6 @@
 """./tern run: validates, starts the processes a case needs, watches them, and leaves one run.json."""
 
+import contextlib
 import json
 import os
 import shlex
@@ -11,7 +12,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from tern import paths
-from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, NUMERICAL_FAILURE, PEER_LOST, STATUS, Error
+from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, PEER_LOST, STATUS, Error
 from tern.launch import build, cases, first_cause, packages, resumption, window_repeat
 from tern.launch.processes import Group, Interrupts
 from tern.launch.record import ROOM, overwrite_json, write_json
@@ -45,6 +46,7 @@ class Request:
     network_options: list = field(default_factory=list)  # --keys and --insecure, in words
     resume: str | None = None    # directory of the run that goes on
     retries: int = 0             # how often a run that lost a process goes on by itself
+    takes_back: bool = True      # windows that have failed
     repeat: window_repeat.Repeat | None = None  # windows that have failed
 
 
@@ -165,18 +167,21 @@ def run(request):
     left = request.retries
     while True:
         try:
+            if cause.interrupted:
+                break
             if cause.exit_code == PEER_LOST and left > 0:
-                following = resumed(out, request)
+                following = replace(resumed(out, request), repeat=window_repeat.again(contents or {}, resumption.manifests(out)))
                 note = f"The run goes on from its newest checkpoint ({left} of {request.retries} retries left)."
                 left -= 1
-            elif contents and (repeat := window_repeat.plan(out, contents, cause, resumption.manifests(out))):
+            elif contents and request.takes_back and (repeat := window_repeat.plan(out, contents, cause, resumption.manifests(out))):
                 following = replace(request, out=str(out), resume=None, force=True) if repeat.anew else resumed(out, request)
                 following = replace(following, repeat=repeat)
                 note = repeat.note
             else:
-                if contents and cause.exit_code == NUMERICAL_FAILURE and contents.get("taken_back"):
+                if contents and window_repeat.may_help(contents, cause) and contents.get("taken_back"):
                     contents["first_cause"] = cause.sentence = cause.sentence + window_repeat.history(contents["taken_back"])
-                    _write_end(out / "run.json", contents)
+                    with contextlib.suppress(OSError):  # a full disk: the cause without the history stays
+                        _write_end(out / "run.json", contents)
                 break
             print(f"tern: {cause.sentence} {note}", file=sys.stderr, flush=True)
             cause, out, contents = _run_once(following)
@@ -283,6 +288,7 @@ def _run_once(request):
             half_written.unlink(missing_ok=True)
         reports = _reports(out, roles)
         cause = first_cause.find(group.processes, reports, interrupts.count > 0)
+        cause.interrupted = interrupts.count > 0
         if before:
             # The process that keeps time has taken an older checkpoint where the newest was not whole.
             contents["resumed"][-1] |= reports[timekeeper].pop("resumed", {})

@@ -27,20 +27,28 @@ class Repeat:
 
 def _longest_window(out, since, last):
     """The longest of those that ended after the time `since` (from steps.csv) and the `last` one, which has failed [s]."""
-    with open(out / "steps.csv", encoding="utf-8") as table:
-        return max([float(row["dt_s"]) for row in csv.DictReader(table) if float(row["t_s"]) > since] + [last])
+    try:
+        with open(out / "steps.csv", encoding="utf-8") as table:
+            return max([float(row["dt_s"]) for row in csv.DictReader(table) if float(row["t_s"]) > since] + [last])
+    except FileNotFoundError:
+        return last
+
+
+def may_help(contents, cause):
+    """Whether the same windows may go well when they are shorter: the process that failed has said so."""
+    return cause.exit_code == NUMERICAL_FAILURE and bool(contents["processes"].get(cause.role, {}).get("shorter_windows_may_help"))
 
 
 def plan(out, contents, cause, checkpoints):
     """The Repeat after the end of the run in `out`, from its run.json, its cause and its checkpoints, newest first; None where there is
     none."""
-    if cause.exit_code != NUMERICAL_FAILURE or not contents["processes"].get(cause.role, {}).get("shorter_windows_may_help"):
-        return None
-    if contents["launch"]["only"] or contents["launch"]["allow_unstable"]:
+    if not may_help(contents, cause) or contents["launch"]["only"] or contents["launch"]["allow_unstable"]:
         return None
     if "coupler" in contents["processes"] and contents["settings"]["coupling"]["algorithm"] in ("explicit", "semi-implicit"):
         return None  # one pass that was asked for by name is to be seen as it is
-    timekeeper = contents["processes"].get("coupler") or contents["processes"].get("fluid") or {}
+    timekeeper = contents["processes"].get("coupler") or contents["processes"].get("fluid")
+    if not timekeeper:
+        return None  # a structure alone: its sub-steps are not the windows' business
     failed_at = max(report.get("time_s") or 0.0 for report in contents["processes"].values())
     before = contents.get("taken_back", [])
     halvings = timekeeper.get("counts", {}).get("window_halvings", 0) + 1
@@ -50,14 +58,24 @@ def plan(out, contents, cause, checkpoints):
     if halvings > MOST_HALVINGS or not (anew or checkpoints):
         return None
     at = {"step": 0, "time_s": 0.0} if anew else checkpoints[0]
-    if halvings > 1:  # those that failed were short already
-        longest = before[-1]["window_s"] * 2.0 ** (before[-1]["halvings"] - halvings)
-    else:
-        longest = _longest_window(out, at["time_s"], timekeeper.get("measures", {}).get("window_s", 0.0)) / 2
-    entry = {**at, "failed_at_s": failed_at, "halvings": halvings, "window_s": longest, "cause": cause.sentence}
-    # What fails again and again is left in peace for twice as long each time.
-    until = failed_at + (failed_at - before[-1]["failed_at_s"] if before else 0.0)
+    longest = _longest_window(out, at["time_s"], timekeeper.get("measures", {}).get("window_s", 0.0)) / 2
+    if halvings > 1 and before:  # those that failed were short already
+        longest = min(longest, before[-1]["window_s"] * 2.0 ** (before[-1]["halvings"] - halvings))
+    if longest == 0:
+        return None  # it has failed before the first window
+    # What fails again later is left in peace for twice as long each time.
+    last = before[-1]["failed_at_s"] if before else failed_at
+    until = max(failed_at, last) + max(failed_at - last, 0.0)
+    entry = {**at, "failed_at_s": failed_at, "until_s": until, "halvings": halvings, "window_s": longest, "cause": cause.sentence}
     return Repeat(anew, halvings, until, longest, [*before, entry])
+
+
+def again(contents, checkpoints):
+    """The last Repeat once more, when the run has lost a process before it had a checkpoint of the repeated windows; else None."""
+    last = contents["taken_back"][-1] if contents.get("taken_back") else None
+    if not last or not checkpoints or checkpoints[0]["step"] != last["step"]:
+        return None
+    return Repeat(False, last["halvings"], last["until_s"], last["window_s"], contents["taken_back"])
 
 
 def history(taken_back):

@@ -37,13 +37,13 @@ def bad_input(sentence):
 
 
 def finite(name, values, step):
-    """The values as a flat list for a message; RunEnded with exit code 3 where one is not finite."""
+    """The values as a flat list for a message; NumericalFailure where one is not finite."""
     array = numpy.asarray(values, dtype=float).ravel()
     bad = ~numpy.isfinite(array)
     if bad.any():
         index = int(numpy.argmax(bad))
-        raise RunEnded(NUMERICAL_FAILURE, f"{name}[{index}] is {array[index]} at step {step}; the computation has diverged: "
-                                          "a smaller step may help; the frames before show where it began.")
+        raise NumericalFailure(f"{name}[{index}] is {array[index]} at step {step}; the computation has diverged: "
+                               "a smaller step may help; the frames before show where it began.")
     return array.tolist()
 
 
