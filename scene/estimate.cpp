@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 #include "scene/mid_surface.hpp"
@@ -24,6 +25,23 @@ Vector<D> value(const VectorExpression& field, const Vector<D>& x) {
   Vector<D> result;
   for (int d = 0; d < D; ++d) result[d] = field[d](0, x[0], x[1], D == 3 ? x[D - 1] : 0);
   return result;
+}
+
+/// At how many ends of its longest free extent a body is clamped.
+template <int D>
+int held_ends(const StructureBody& body) {
+  Vector<D> low = Vector<D>::Constant(infinity), high = -low;
+  std::vector<Vector<D>> held;
+  for (const Vector<D>& x : fill_body<D>(body)) {
+    if (std::any_of(body.clamps.begin(), body.clamps.end(), [&](const Shape& s) { return contains<D>(s, x); }))
+      held.push_back(x);
+    else
+      low = low.cwiseMin(x), high = high.cwiseMax(x);
+  }
+  int along = 0;
+  (high - low).maxCoeff(&along);
+  const auto any = [&](auto beyond) { return std::any_of(held.begin(), held.end(), beyond); };
+  return any([&](const Vector<D>& x) { return x[along] < low[along]; }) + any([&](const Vector<D>& x) { return x[along] > high[along]; });
 }
 
 template <int D>
@@ -50,7 +68,14 @@ BodyEstimate estimate_body(const Case& scene, const StructureBody& body) {
     result.sub_step = shell_sub_step<D>(scene.structure->numerics.courant, body.spacing, surface.thickness, result.wave_speed);
   }
   if (const double length = free_length<D>(body); scene.fluid && length > 4 * result.thickness) {
-    result.added_mass_ratio = scene.fluid->density * length / 1.875104 / (body.density * result.thickness);
+    const auto added_mass_ratio = [&](double wave_number) {
+      return scene.fluid->density / (wave_number * body.density * result.thickness);
+    };
+    result.added_mass_ratio = added_mass_ratio(1.875104 / length);
+    const double wave_number = (held_ends<D>(body) == 1 ? 1.875104 : 4.730041) / length;  // else held or free at both ends
+    const double plate_speed = std::sqrt(body.young_modulus / (body.density * (1 - nu * nu)));
+    result.bending_period = 2 * std::numbers::pi * std::sqrt(12 * (1 + added_mass_ratio(wave_number))) /
+                            (wave_number * wave_number * result.thickness * plate_speed);
   }
   return result;
 }

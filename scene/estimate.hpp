@@ -35,6 +35,7 @@ struct BodyEstimate {
   double wave_speed = 0;        ///< c_p [m/s]
   double sub_step = 0;          ///< [s]
   double added_mass_ratio = 0;  ///< of one wet face, first cantilever mode; 0 = not thin or no fluid
+  double bending_period = 0;    ///< of the first bending with one wet face [s]; 0 = not thin or no fluid
 };
 
 struct Estimate {

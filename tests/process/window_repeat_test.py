@@ -67,9 +67,9 @@ class WindowRepeatTest(unittest.TestCase):
     # One side keeps its states in memory, the other none: the set by the clock has to stay whole. Seen to fail: with tern-fluid writing its
     # state of before although the other has none (exit code 2, no whole checkpoint).
     def test_beside_the_fluid_of_tern(self):
-        code, errors, contents = self.run_case(CASES / "rigid_piston", self.path / "run", "--structure",
-                                               f"/usr/bin/python3 {ROOT}/tests/process/choosy_structure.py --stiffness 2e7 --longest 2.8e-3",
-                                               "--set", "output.checkpoint_interval=0.02", "--until", "0.4")
+        structure = f"/usr/bin/python3 {ROOT}/tests/process/choosy_structure.py --stiffness 2e7 --longest 2.8e-3"
+        code, errors, contents = self.run_case(CASES / "rigid_piston", self.path / "run", "--structure", structure, "--set",
+                                               "output.checkpoint_interval=0.02", "--until", "0.4")
         self.assertEqual(code, 0, errors)
         self.assertTrue([repeat for repeat in contents["taken_back"] if repeat["step"] > 0], contents["taken_back"])
         self.assertNotIn("whole checkpoint", errors)
