@@ -21,7 +21,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 CASE = ROOT / "tests" / "process" / "cases" / "small_plate"
 WINDOWS_PER_FRAME = 10
-FRAME_S = 0.0267  # ten windows
+FRAME_S = 0.0335  # ten windows
 PARTS = 10
 
 
