@@ -26,6 +26,8 @@ hid_t create_file(const std::string& path, hid_t access) {
 }
 
 hid_t open_file(const std::string& path, Hdf5File::Mode mode) {
+  // At exit the library closes what is open and crashes where the disk is full. All files here are closed by their owners.
+  [[maybe_unused]] static const herr_t at_exit = H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // our sentence instead of the library's stack on stderr
   const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   // A viewer that has the file open for reading must not stop the run.

@@ -59,6 +59,7 @@ void RunReport::set_time(double time_s, long steps) {
 
 void RunReport::set_resumed(std::uint64_t step, double time_s) {
   resumed_ = {step, time_s};
+  set_time(time_s, static_cast<long>(step));
   write();
 }
 

@@ -330,13 +330,12 @@ def _resume(arguments):
 def _answer(ended):
     cause, out = ended
     if cause.exit_code in (INTERRUPTED, PEER_LOST, INPUT_OUTPUT) and (kept := resumption.manifests(out)):
-        print(f"tern: ./tern resume {summary.shown(out)} goes on from step {kept[0]['step']}, t = {kept[0]['time_s']:.6g} s",
-              file=sys.stderr)
+        run.tell(f"tern: ./tern resume {summary.shown(out)} goes on from step {kept[0]['step']}, t = {kept[0]['time_s']:.6g} s")
     if cause.exit_code == NUMERICAL_FAILURE and (kept := resumption.manifests(out)):
-        print(f"tern: the state before it is kept: ./tern resume {summary.shown(out)} meets it again after step {kept[0]['step']}, "
-              f"t = {kept[0]['time_s']:.6g} s", file=sys.stderr)
+        run.tell(f"tern: the state before it is kept: ./tern resume {summary.shown(out)} meets it again after step {kept[0]['step']}, "
+                 f"t = {kept[0]['time_s']:.6g} s")
     if cause.exit_code != DONE:
-        print(f"tern: stopped: {cause.sentence} (exit code {cause.exit_code})", file=sys.stderr)
+        run.tell(f"tern: stopped: {cause.sentence} (exit code {cause.exit_code})")
     return cause.exit_code
 
 

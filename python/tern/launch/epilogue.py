@@ -4,7 +4,6 @@
 """
 
 import json
-import os
 import sys
 from pathlib import Path
 
@@ -45,8 +44,16 @@ def close(out):
 
 
 def living():
-    """The process ids of this machine."""
-    return [int(name) for name in os.listdir("/proc") if name.isdigit()]
+    """The ids of the processes of this machine, without those that have ended and that nobody has asked about (zombies)."""
+    return [int(entry.name) for entry in Path("/proc").glob("[0-9]*") if not _has_ended(entry)]
+
+
+def _has_ended(entry):
+    try:
+        state = (entry / "stat").read_text(encoding="utf-8", errors="replace").rpartition(")")[2].split()[0]
+    except (OSError, IndexError):
+        return True
+    return state in ("Z", "X")
 
 
 if __name__ == "__main__":

@@ -10,12 +10,11 @@ SAME_MOMENT_S = 1.0
 
 @dataclass
 class Cause:
-    """What went wrong first: exit code of the launcher, one sentence, the role it happened to; and whether the user has ended the run."""
+    """What went wrong first: exit code of the launcher, one sentence, the role it happened to."""
 
     exit_code: int = DONE
     sentence: str = ""
     role: str = ""
-    interrupted: bool = False
 
 
 def _candidate(process, report):

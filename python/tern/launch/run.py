@@ -1,6 +1,7 @@
 """./tern run: validates, starts the processes a case needs, watches them, and leaves one run.json."""
 
 import contextlib
+import fcntl
 import json
 import os
 import shlex
@@ -12,7 +13,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from tern import paths
-from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, PEER_LOST, STATUS, Error
+from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, INTERRUPTED, PEER_LOST, STATUS, Error
 from tern.launch import build, cases, first_cause, packages, resumption, window_repeat
 from tern.launch.processes import Group, Interrupts
 from tern.launch.record import ROOM, overwrite_json, write_json
@@ -146,7 +147,7 @@ def _merged(run, processes, reports, cause, wall_s):
         "exit_codes": {process.role: process.exit_code for process in processes},
         "wall_s": max([wall_s, *(report.get("wall_s") or 0.0 for report in reports.values() if goes_on)]),
         "cpu_s": sum(report["cpu_s"] for report in reports.values() if "cpu_s" in report),
-        "steps": max((report.get("steps") or 0 for report in reports.values()), default=0),
+        "steps": max((report.get("steps") or 0 for report in reports.values()), default=0) or run.get("resumed", [{}])[-1].get("step", 0),
         "version": any_report.get("version", ""), "git": any_report.get("git", ""),
         "processes": reports,
     }
@@ -160,37 +161,92 @@ def say(text):
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # the interpreter flushes once more at its end
 
 
+def tell(text):
+    """The same on standard error."""
+    try:
+        print(text, file=sys.stderr, flush=True)
+    except OSError:
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")
+
+
+class Work:
+    """What lasts over all parts of a run: the signals that end it, and the hold on its directory."""
+
+    def __init__(self, stack):
+        self._stack, self._held, self._interrupts = stack, None, None
+
+    def interrupts(self):
+        if self._interrupts is None:
+            self._interrupts = self._stack.enter_context(Interrupts())
+        return self._interrupts
+
+    @property
+    def interrupted(self):
+        return self._interrupts is not None and self._interrupts.count > 0
+
+    def hold(self, directory):
+        """Nobody else is to work in this directory meanwhile. Raises Error where somebody does."""
+        directory = directory.resolve()
+        if directory == self._held:
+            return
+        descriptor = os.open(directory, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+        self._stack.callback(os.close, descriptor)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise Error(BAD_INPUT, f"Another ./tern is at work in {summary.shown(directory)}; wait for its end, or give another "
+                                   "--out.") from None
+        except OSError:
+            return  # a file system without locks
+        self._held = directory
+
+
 def run(request):
     """Runs a case. Returns (why it ended: first_cause.Cause, directory of the results). Windows that have failed are taken back and
     repeated at half their length. After a lost process a run with retries goes on from its newest checkpoint."""
-    cause, out, contents = _run_once(request)
+    with contextlib.ExitStack() as stack:
+        return _run(request, Work(stack))
+
+
+def _run(request, work):
+    cause, out, contents = _run_once(request, work)
     left = request.retries
-    while True:
+    while contents:
         try:
-            if cause.interrupted:
-                break
+            repeat = None
             if cause.exit_code == PEER_LOST and left > 0:
-                following = replace(resumed(out, request), repeat=window_repeat.again(contents or {}, resumption.manifests(out)))
+                following = resumed(out, request)
                 note = f"The run goes on from its newest checkpoint ({left} of {request.retries} retries left)."
                 left -= 1
-            elif contents and request.takes_back and (repeat := window_repeat.plan(out, contents, cause, resumption.manifests(out))):
+            elif request.takes_back and (repeat := window_repeat.plan(out, contents, cause, resumption.manifests(out))):
                 following = replace(request, out=str(out), resume=None, force=True) if repeat.anew else resumed(out, request)
                 following = replace(following, repeat=repeat)
                 note = repeat.note
             else:
-                if contents and window_repeat.may_help(contents, cause) and contents.get("taken_back"):
-                    contents["first_cause"] = cause.sentence = cause.sentence + window_repeat.history(contents["taken_back"])
-                    with contextlib.suppress(OSError):  # a full disk: the cause without the history stays
-                        _write_end(out / "run.json", contents)
+                if window_repeat.may_help(contents, cause) and contents.get("taken_back"):
+                    cause.sentence += window_repeat.history(contents["taken_back"])
+                    _amend(out, contents, cause)
                 break
-            print(f"tern: {cause.sentence} {note}", file=sys.stderr, flush=True)
-            cause, out, contents = _run_once(following)
+            if work.interrupted:
+                cause = first_cause.Cause(INTERRUPTED, "The run was interrupted by the user; the results up to there are readable.")
+                _amend(out, contents, cause)
+                break
+            tell(f"tern: {cause.sentence} {note}")
+            cause, out, contents = _run_once(following, work)
         except Error as error:
-            print(f"tern: {error}", file=sys.stderr, flush=True)
+            tell(f"tern: {error}")
             break
     if not request.quiet and contents:
         say(summary.text(contents, out))
     return cause, out
+
+
+def _amend(out, contents, cause):
+    """Another end of the run in its run.json; on a full disk the one before stays."""
+    contents |= {"status": STATUS[cause.exit_code], "exit_code": cause.exit_code, "first_cause": cause.sentence,
+                 "first_cause_role": cause.role}
+    with contextlib.suppress(OSError):
+        _write_end(out / "run.json", contents)
 
 
 def resumed(out, request):
@@ -203,7 +259,7 @@ def resumed(out, request):
     return Request(**{**launch, **contents["commands"], **own})
 
 
-def _run_once(request):
+def _run_once(request, work):
     path = cases.find(request.case)
     directory = build.ensure(request.build)
     case = cases.read(directory, path, request.case_options)
@@ -216,6 +272,8 @@ def _run_once(request):
     if request.resume:
         out = Path(request.resume).resolve()
         before, checkpoint = resumption.newest(out)
+        if not request.only:
+            work.hold(out)
         if changed := resumption.differences(before["settings"], case.get("settings", {})):
             raise Error(BAD_INPUT, f"{path} is not the case of {summary.shown(out)} any more: {'; '.join(changed)}. Undo that, or begin "
                                    f"anew; only {resumption.IN_WORDS}.")
@@ -223,14 +281,21 @@ def _run_once(request):
             raise Error(BAD_INPUT, f"--until {request.until:g} s is before the newest checkpoint of {summary.shown(out)}, t = "
                                    f"{checkpoint['time_s']:.6g} s: a run goes on, not back; give a later time.")
     else:
+        if request.repeat and case["hash"] != request.repeat.case_hash:
+            raise Error(BAD_INPUT, f"{path} has changed since the windows that are to be repeated: begin anew.")
+        asked = Path(request.out) if request.out else Path("runs") / case["name"]
+        if request.force and asked.is_dir() and not request.only:
+            work.hold(asked)  # before anything in it is removed
         out = cases.make_out_directory(case["name"], request.out, request.force)
+        if not request.only:
+            work.hold(out)
     if not request.quiet:
         # Said before the first progress line: where the results appear, and under which name.
         where = f", goes on from step {checkpoint['step']}, t = {checkpoint['time_s']:.6g} s" if before and checkpoint else ""
         say(f"tern: {case['name']} ({', '.join(roles)}){where}, results in {summary.shown(out)}")
 
         for warning in case.get("warnings", []):
-            print(f"tern: warning: {warning}", file=sys.stderr, flush=True)
+            tell(f"tern: warning: {warning}")
 
     contents = {"case": case["name"], "case_path": str(path), "title": case.get("title", ""), "case_hash": case["hash"],
                 "started": datetime.now(timezone.utc).isoformat(timespec="seconds"), "status": "running",
@@ -242,7 +307,9 @@ def _run_once(request):
         now = datetime.now(timezone.utc).isoformat(timespec="seconds")
         contents["started"] = before["started"]
         contents["resumed"] = [*before.get("resumed", []), {"date": now, **(checkpoint or {})}]
-    if taken_back := request.repeat.taken_back if request.repeat else (before or {}).get("taken_back"):
+    # A part that was lost before it had a checkpoint of the repeated windows has to repeat them as well.
+    repeat = request.repeat or (window_repeat.again(before, resumption.manifests(out)) if before else None)
+    if taken_back := repeat.taken_back if repeat else (before or {}).get("taken_back"):
         contents["taken_back"] = taken_back
     options = [*request.case_options, "--out", str(out), *request.network_options]
     if request.until is not None:
@@ -261,7 +328,8 @@ def _run_once(request):
     began = time.monotonic()
     steps = out / "steps.csv"
     touched = _touched(steps)  # the coupler makes it, or cuts it back, when all have joined
-    with Interrupts() as interrupts, Group(out) as group:
+    interrupts = work.interrupts()
+    with Group(out) as group:
         endpoint = request.endpoint or f"ipc://{group.directory}/tern.sock"
         try:
             write_json(out / "run.json", contents, ROOM)
@@ -271,8 +339,8 @@ def _run_once(request):
                     own += ["--endpoint", endpoint]
                 if request.record and role == "coupler":
                     own.append("--record")
-                if request.repeat and role == timekeeper:
-                    own += ["--repeat", str(request.repeat.halvings), repr(request.repeat.until), repr(request.repeat.longest)]
+                if repeat and role == timekeeper:
+                    own += ["--repeat", str(repeat.halvings), repr(repeat.until), repr(repeat.longest)]
                 if request.quiet or (len(roles) > 1 and role != "coupler"):
                     own.append("--quiet")  # one progress line: the coupler's, or that of the process that runs alone
                 if role in commands:
@@ -288,7 +356,6 @@ def _run_once(request):
             half_written.unlink(missing_ok=True)
         reports = _reports(out, roles)
         cause = first_cause.find(group.processes, reports, interrupts.count > 0)
-        cause.interrupted = interrupts.count > 0
         if before:
             # The process that keeps time has taken an older checkpoint where the newest was not whole.
             contents["resumed"][-1] |= reports[timekeeper].pop("resumed", {})

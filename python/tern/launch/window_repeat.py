@@ -18,6 +18,7 @@ class Repeat:
     until: float      # [s]
     longest: float    # window [s]
     taken_back: list  # all that was repeated so far, for run.json
+    case_hash: str    # of the case whose windows they are
 
     @property
     def note(self):
@@ -67,7 +68,7 @@ def plan(out, contents, cause, checkpoints):
     last = before[-1]["failed_at_s"] if before else failed_at
     until = max(failed_at, last) + max(failed_at - last, 0.0)
     entry = {**at, "failed_at_s": failed_at, "until_s": until, "halvings": halvings, "window_s": longest, "cause": cause.sentence}
-    return Repeat(anew, halvings, until, longest, [*before, entry])
+    return Repeat(anew, halvings, until, longest, [*before, entry], contents["case_hash"])
 
 
 def again(contents, checkpoints):
@@ -75,7 +76,7 @@ def again(contents, checkpoints):
     last = contents["taken_back"][-1] if contents.get("taken_back") else None
     if not last or not checkpoints or checkpoints[0]["step"] != last["step"]:
         return None
-    return Repeat(False, last["halvings"], last["until_s"], last["window_s"], contents["taken_back"])
+    return Repeat(False, last["halvings"], last["until_s"], last["window_s"], contents["taken_back"], contents["case_hash"])
 
 
 def history(taken_back):
