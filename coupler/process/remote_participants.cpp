@@ -1,8 +1,12 @@
 #include "coupler/process/remote_participants.hpp"
 
+#include <fmt/format.h>
+
 #include <utility>
 
+#include "base/error.hpp"
 #include "proto/wire/convert.hpp"
+#include "proto/wire/names.hpp"
 
 namespace tern::coupler {
 
@@ -24,12 +28,23 @@ void RemoteParticipants<D>::require(wire::Role from, Kind kind, const std::strin
 }
 
 template <int D>
-Surface<D> RemoteParticipants<D>::predict_surface(Ticks, Ticks duration) {
+void RemoteParticipants<D>::require_of_surface(Kind kind, const std::string& fault) const {
+  if (!fault.empty() && own_structure_)
+    throw NumericalFailure(fmt::format(
+        "The structure has run away in the window from t = {:.6g} s: in its {} {}. Likely cause: a body too soft or too light for "
+        "the load of such a window. Use a smaller fluid.numerics.gravity_courant and courant, or a stiffer or heavier body.",
+        seconds(begin_), proto::name(kind), fault));
+  require(wire::STRUCTURE, kind, fault);
+}
+
+template <int D>
+Surface<D> RemoteParticipants<D>::predict_surface(Ticks begin, Ticks duration) {
   const wire::Message message = channel_.receive(wire::STRUCTURE, {Kind::kSurface});
   energies_ = at_begin_(message.surface().account());
   Surface<D> surface = from_wire<D>(message.surface());
+  begin_ = begin;
   duration_ = duration;
-  require(wire::STRUCTURE, Kind::kSurface, check_.surface(duration, surface));
+  require_of_surface(Kind::kSurface, check_.surface(duration, surface));
   return surface;
 }
 
@@ -71,7 +86,7 @@ std::vector<Vector<D>> RemoteParticipants<D>::respond(const SurfaceLoad<D>& load
   message.mutable_surface_load()->set_trial(true);
   channel_.send(wire::STRUCTURE, std::move(message));
   std::vector<Vector<D>> velocity = from_wire<D>(channel_.receive(wire::STRUCTURE, {Kind::kSurfaceVelocity}).surface_velocity());
-  require(wire::STRUCTURE, Kind::kSurfaceVelocity, check_.answer(load, velocity));
+  require_of_surface(Kind::kSurfaceVelocity, check_.answer(load, velocity));
   return velocity;
 }
 

@@ -17,8 +17,9 @@ class RemoteParticipants final : public Participants<D> {
   /// `at_begin` gets the structure's account of the begin of each window, before anything of the window is computed, and answers with
   /// the energies of both sides.
   using AtBegin = std::function<std::optional<Energies>(const wire::Account&)>;
-  RemoteParticipants(proto::CouplerChannel& channel, SurfaceCheck<D> check, AtBegin at_begin)
-      : channel_(channel), check_(std::move(check)), at_begin_(std::move(at_begin)) {}
+  /// `own_structure`: it is tern's, of this version. What the check finds of it is no fault of its messages, but of the computation.
+  RemoteParticipants(proto::CouplerChannel& channel, SurfaceCheck<D> check, bool own_structure, AtBegin at_begin)
+      : channel_(channel), check_(std::move(check)), own_structure_(own_structure), at_begin_(std::move(at_begin)) {}
 
   void begin_window(Ticks begin, Ticks duration) override;
   Surface<D> predict_surface(Ticks begin, Ticks duration) override;
@@ -42,10 +43,12 @@ class RemoteParticipants final : public Participants<D> {
 
  private:
   void require(wire::Role from, proto::Kind kind, const std::string& fault) const;
+  void require_of_surface(proto::Kind kind, const std::string& fault) const;
 
   proto::CouplerChannel& channel_;
   SurfaceCheck<D> check_;
-  Ticks duration_ = 0;
+  bool own_structure_;
+  Ticks begin_ = 0, duration_ = 0;
   AtBegin at_begin_;
   std::optional<Energies> energies_;
   wire::WindowDone window_done_;

@@ -6,6 +6,7 @@
 #include "base/interrupt.hpp"
 #include "base/log.hpp"
 #include "base/timing.hpp"
+#include "base/version.hpp"
 #include "coupler/process/accounts.hpp"
 #include "coupler/process/remote_participants.hpp"
 #include "proto/participant/participant.hpp"
@@ -150,7 +151,8 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
     accounts.record(now, fluid_account, structure_account, coupler);
     return accounts.energies(now, fluid_account, structure_account, coupler.setup().fluid_weight.pressure > 0);
   };
-  RemoteParticipants<D> participants(channel, SurfaceCheck<D>(scene, properties, !manifest), record);
+  const bool own_structure = hello.at(wire::STRUCTURE).version() == fmt::format("{} {}", program_version, git_hash);
+  RemoteParticipants<D> participants(channel, SurfaceCheck<D>(scene, properties, !manifest), own_structure, record);
   KeptStates kept;
   const auto keep = [&](KeptStates& states) {
     ScopedTimer timer(output_s);
