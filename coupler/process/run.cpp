@@ -279,7 +279,7 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
   }
   report_now();
   progress.finish(interrupted() ? "interrupted" : "done");
-  if (interrupted()) throw Interrupted("The run was interrupted; results up to here are kept.");
+  throw_if_interrupted("between two windows");
 }
 
 template void run<2>(const CommandLine&, const Case&, proto::CouplerChannel&, RunReport&);

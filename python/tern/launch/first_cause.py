@@ -66,4 +66,9 @@ def find(processes, reports, interrupted):
         if (cause.role != first.role and when - first_time < SAME_MOMENT_S and len(cause.sentence) < len(first.sentence)
                 and cause.sentence.rstrip(".") in first.sentence):
             first = cause
+    if first.exit_code == INTERRUPTED and not interrupted:
+        # A signal from elsewhere: who has got it says so, the others only that the run was interrupted.
+        for process, (_, cause) in failed:
+            if cause.exit_code == INTERRUPTED and cause.sentence.startswith("Interrupted by"):
+                return Cause(INTERRUPTED, f"{process.program} was told to end. {cause.sentence}", process.role)
     return first
