@@ -68,7 +68,8 @@ def find(processes, reports, interrupted):
             first = cause
     if first.exit_code == INTERRUPTED and not interrupted:
         # A signal from elsewhere: who has got it says so, the others only that the run was interrupted.
-        for process, (_, cause) in failed:
-            if cause.exit_code == INTERRUPTED and cause.sentence.startswith("Interrupted by"):
-                return Cause(INTERRUPTED, f"{process.program} was told to end. {cause.sentence}", process.role)
+        for process in processes:
+            sentence = reports.get(process.role, {}).get("cause") or ""
+            if sentence.startswith("Interrupted by"):
+                return Cause(INTERRUPTED, f"{process.program} was told to end. {sentence}", process.role)
     return first
