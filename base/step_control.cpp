@@ -9,7 +9,6 @@ namespace {
 constexpr double largest_growth = 1.1;   ///< per step
 constexpr double largest_stretch = 1.1;  ///< of a proposal, to meet a time
 constexpr int steps_ahead = 10;          ///< a time this near is met by equal steps
-constexpr double fastest_shortening = 0.8;
 constexpr int patience = 100;  ///< windows at a share of their length, before it doubles: some times as many as had to be repeated
 
 }  // namespace

@@ -9,6 +9,9 @@ namespace tern {
 
 class StepControl {
  public:
+  /// Of a window, where the next one need not be shorter at once.
+  static constexpr double fastest_shortening = 0.8;
+
   /// Next window length [ticks] for a proposal [s], from `now` towards the next time that must be met.
   Ticks next(double proposed_seconds, Ticks now, Ticks target);
 

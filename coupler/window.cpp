@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/step_control.hpp"
 #include "coupler/acceleration/agreement.hpp"
 #include "coupler/acceleration/coupling_iteration.hpp"
 #include "coupler/acceleration/flat.hpp"
@@ -17,10 +18,9 @@ namespace tern::coupler {
 
 template <int D>
 WindowProposal Coupler<D>::propose(double of_fluid, const std::string& limit) const {
-  constexpr double fastest_shortening = 0.8;  // of a window, where nothing else shortens it: a single short step is none
   const double shared = setup_.window_share * of_fluid, last = state_.observations.duration;
-  const double of_surface =
-      last > 0 ? std::max(longest_window(setup_.spacing, state_.motion, last), fastest_shortening * last) : setup_.first_window;
+  const double of_surface = last > 0 ? std::max(longest_window(setup_.spacing, state_.motion, last), StepControl::fastest_shortening * last)
+                                     : setup_.first_window;
   return of_surface < shared ? WindowProposal{of_surface, "interface"} : WindowProposal{shared, limit};
 }
 

@@ -91,6 +91,8 @@ struct CouplerChannel::State {
     if (arrived.message.body_case() == Kind::kAbort) {
       peer.gone = true;
       if (arrived.message.abort().has_checkpoint()) peer.kept = arrived.message.abort().checkpoint();
+      // It ends as Finish has told it to; the answer of the other one may still be on its way.
+      if (peer.finished && arrived.message.abort().exit_code() == static_cast<int>(ExitCode::interrupted)) return;
       peer.session.check(arrived.message, place, {});
     }
     if (peer.inbox.size() >= max_pending)

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from tern.errors import PEER_LOST, STATUS
+from tern.launch import process_state
 from tern.launch.record import write_json
 
 SENTENCE = "The launcher was killed; its guardian ended the run."
@@ -20,7 +21,9 @@ def close(out):
         run = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return
-    if run.get("status") != "running" or run.get("launcher") in (None, *living()):
+    launcher = run.get("launcher")
+    # A zombie (Z) has ended, and nobody has asked about it yet.
+    if run.get("status") != "running" or launcher is None or process_state.of(launcher) not in (None, "Z", "X"):
         return
     reports = {}
     for report in sorted(out.glob("report.*.json")):
@@ -41,19 +44,6 @@ def close(out):
         "git": next((report.get("git", "") for report in reports.values()), ""), "processes": reports})
     for left in [*out.glob("report.*.json"), *out.glob("*.tmp"), *out.glob("checkpoint/*.tmp")]:
         left.unlink(missing_ok=True)
-
-
-def living():
-    """The ids of the processes of this machine, without those that have ended and that nobody has asked about (zombies)."""
-    return [int(entry.name) for entry in Path("/proc").glob("[0-9]*") if not _has_ended(entry)]
-
-
-def _has_ended(entry):
-    try:
-        state = (entry / "stat").read_text(encoding="utf-8", errors="replace").rpartition(")")[2].split()[0]
-    except (OSError, IndexError):
-        return True
-    return state in ("Z", "X")
 
 
 if __name__ == "__main__":

@@ -34,6 +34,11 @@ def _candidate(process, report):
     return min(when, process.ended_at), Cause(code if code in STATUS and code != DONE else PEER_LOST, sentence, process.role)
 
 
+def by_user():
+    """The cause of a run that the user has ended."""
+    return Cause(INTERRUPTED, "The run was interrupted by the user; the results up to there are readable.")
+
+
 def find(processes, reports, interrupted):
     """The first cause of a run that has ended; an empty one (exit code 0) when every process is done.
 
@@ -54,7 +59,7 @@ def find(processes, reports, interrupted):
               or not any(f"The {entry[0].role} process stopped" in cause.sentence for _, (_, cause) in told)]
     if not failed:
         if interrupted and any(process.exit_code != DONE for process in processes):
-            return Cause(INTERRUPTED, "The run was interrupted by the user; the results up to there are readable.", "")
+            return by_user()
         for process in processes:
             if process.exit_code != DONE:
                 return Cause(PEER_LOST, f"{process.program} did not end after the others had ended, and was ended by "

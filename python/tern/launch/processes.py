@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tern import paths
+from tern.launch import process_state
 
 GRACE_AFTER_FAILURE_S = 5.0    # the others notice a lost peer by themselves: killed < 1 s, frozen < 10 s at the same time
 GRACE_NEVER_JOINED_S = 1.0     # the coupler, if it was it that refused the foreign program, ends with the cause
@@ -40,10 +41,7 @@ class Process:
 
     def stopped(self):
         """Whether the process is frozen by SIGSTOP (state T)."""
-        try:
-            return Path(f"/proc/{self.handle.pid}/stat").read_text().rsplit(")", 1)[1].split()[0] == "T"
-        except OSError:
-            return False
+        return process_state.of(self.handle.pid) == "T"
 
 
 class Interrupts:

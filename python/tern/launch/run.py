@@ -13,7 +13,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from tern import paths
-from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, INTERRUPTED, PEER_LOST, STATUS, Error
+from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, PEER_LOST, STATUS, Error
 from tern.launch import build, cases, first_cause, packages, resumption, window_repeat
 from tern.launch.processes import Group, Interrupts
 from tern.launch.record import ROOM, overwrite_json, write_json
@@ -47,8 +47,8 @@ class Request:
     network_options: list = field(default_factory=list)  # --keys and --insecure, in words
     resume: str | None = None    # directory of the run that goes on
     retries: int = 0             # how often a run that lost a process goes on by itself
-    takes_back: bool = True      # windows that have failed
-    repeat: window_repeat.Repeat | None = None  # windows that have failed
+    takes_back: bool = True      # whether windows that fail are repeated
+    repeat: window_repeat.Repeat | None = None  # which ones are now
 
 
 def roles_of(case, only):
@@ -170,10 +170,11 @@ def tell(text):
 
 
 class Work:
-    """What lasts over all parts of a run: the signals that end it, and the hold on its directory."""
+    """What lasts over all parts of a run: the signals that end it, and the hold on its directory. A run of `one_role` shares that with
+    those of the others."""
 
-    def __init__(self, stack):
-        self._stack, self._held, self._interrupts = stack, None, None
+    def __init__(self, stack, one_role):
+        self._stack, self._one_role, self._held, self._interrupts = stack, one_role, None, None
 
     def interrupts(self):
         if self._interrupts is None:
@@ -187,7 +188,7 @@ class Work:
     def hold(self, directory):
         """Nobody else is to work in this directory meanwhile. Raises Error where somebody does."""
         directory = directory.resolve()
-        if directory == self._held:
+        if self._one_role or directory == self._held:
             return
         descriptor = os.open(directory, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
         self._stack.callback(os.close, descriptor)
@@ -205,7 +206,7 @@ def run(request):
     """Runs a case. Returns (why it ended: first_cause.Cause, directory of the results). Windows that have failed are taken back and
     repeated at half their length. After a lost process a run with retries goes on from its newest checkpoint."""
     with contextlib.ExitStack() as stack:
-        return _run(request, Work(stack))
+        return _run(request, Work(stack, request.only is not None))
 
 
 def _run(request, work):
@@ -213,7 +214,6 @@ def _run(request, work):
     left = request.retries
     while contents:
         try:
-            repeat = None
             if cause.exit_code == PEER_LOST and left > 0:
                 following = resumed(out, request)
                 note = f"The run goes on from its newest checkpoint ({left} of {request.retries} retries left)."
@@ -228,7 +228,7 @@ def _run(request, work):
                     _amend(out, contents, cause)
                 break
             if work.interrupted:
-                cause = first_cause.Cause(INTERRUPTED, "The run was interrupted by the user; the results up to there are readable.")
+                cause = first_cause.by_user()
                 _amend(out, contents, cause)
                 break
             tell(f"tern: {cause.sentence} {note}")
@@ -272,8 +272,7 @@ def _run_once(request, work):
     if request.resume:
         out = Path(request.resume).resolve()
         before, checkpoint = resumption.newest(out)
-        if not request.only:
-            work.hold(out)
+        work.hold(out)
         if changed := resumption.differences(before["settings"], case.get("settings", {})):
             raise Error(BAD_INPUT, f"{path} is not the case of {summary.shown(out)} any more: {'; '.join(changed)}. Undo that, or begin "
                                    f"anew; only {resumption.IN_WORDS}.")
@@ -284,11 +283,10 @@ def _run_once(request, work):
         if request.repeat and case["hash"] != request.repeat.case_hash:
             raise Error(BAD_INPUT, f"{path} has changed since the windows that are to be repeated: begin anew.")
         asked = Path(request.out) if request.out else Path("runs") / case["name"]
-        if request.force and asked.is_dir() and not request.only:
+        if request.force and asked.is_dir():
             work.hold(asked)  # before anything in it is removed
         out = cases.make_out_directory(case["name"], request.out, request.force)
-        if not request.only:
-            work.hold(out)
+        work.hold(out)
     if not request.quiet:
         # Said before the first progress line: where the results appear, and under which name.
         where = f", goes on from step {checkpoint['step']}, t = {checkpoint['time_s']:.6g} s" if before and checkpoint else ""

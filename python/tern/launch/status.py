@@ -6,6 +6,7 @@ import time
 from datetime import datetime
 from pathlib import Path
 
+from tern.launch import process_state
 from tern.results import report as run_report
 from tern.results import summary
 from tern.errors import DONE
@@ -21,8 +22,10 @@ def _process_state(report, directory):
         return "not seen yet"
     try:
         words = Path(f"/proc/{number}/cmdline").read_bytes()
-        state = Path(f"/proc/{number}/stat").read_text().rsplit(")", 1)[1].split()[0]
     except OSError:
+        words = None
+    state = process_state.of(number)
+    if words is None or state is None:
         return "gone, or on another machine"
     if str(directory).encode() not in words and f"tern-{report['role']}".encode() not in words:
         return "gone"  # the number belongs to somebody else by now

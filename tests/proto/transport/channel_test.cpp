@@ -9,6 +9,7 @@
 #include <zmq.h>
 
 #include <fstream>
+#include <future>
 #include <limits>
 
 #include "channel_fixture.hpp"
@@ -279,6 +280,43 @@ TEST(Channel, AnEndpointThatCannotBeUsedIsRefusedWithItsReason) {
   CouplerChannel first(endpoint.address());
   EXPECT_TRUE(bound(endpoint.address()).says("in use by a running coupler"));
   EXPECT_TRUE(std::filesystem::is_socket(endpoint.file()));
+}
+
+// Seen to fail: with that Abort taken for the end of the run ("The fluid process stopped ...: The run was interrupted").
+TEST(Channel, WhoHasAnsweredFinishMayStopBeforeTheOtherHas) {
+  TemporaryEndpoint endpoint;
+  CouplerChannel coupler(endpoint.address(), 10, 10);
+  std::promise<void> stopped;
+  auto fluid = in_thread([&] {
+    ParticipantChannel channel(endpoint.address(), wire::FLUID, 10, 10);
+    join(channel, wire::FLUID);
+    channel.receive({Kind::kFinish});
+    channel.send(samples::make(Kind::kFinished));
+    channel.abort(Interrupted("The run was interrupted; results up to here are kept."));
+    stopped.set_value();
+  });
+  auto structure = in_thread([&] {
+    ParticipantChannel channel(endpoint.address(), wire::STRUCTURE, 10, 10);
+    join(channel, wire::STRUCTURE);
+    channel.receive({Kind::kFinish});
+    stopped.get_future().wait();
+    wire::Message finished;
+    samples::account(finished.mutable_finished()->mutable_account(), 3, 2);
+    channel.send(finished);
+  });
+  const Outcome own = outcome_of([&] {
+    coupler.accept(both, "ab12", 2);
+    coupler.welcome(2);
+    for (const wire::Role role : both) {
+      wire::Message order = samples::make(Kind::kFinish);
+      order.mutable_finish()->set_interrupted(true);
+      coupler.send(role, std::move(order));
+    }
+    for (const wire::Role role : {wire::STRUCTURE, wire::FLUID}) coupler.receive(role, {Kind::kFinished});
+  });
+  EXPECT_EQ(own.sentence, "");
+  EXPECT_EQ(fluid.get().sentence, "");
+  EXPECT_EQ(structure.get().sentence, "");
 }
 
 }  // namespace
