@@ -10,15 +10,24 @@
 
 namespace tern::structure {
 
-/// Velocity of a surface point for the fluid at the end of a window, from its mean velocity in it and that at the begin [m/s].
-/// The motion at the end itself will not do: sub-steps resolve the oscillations of a body that is held by its stiffness, and at
-/// that instant it may move against the load. From its mean velocity it never does, so that the coupling is stable for every
-/// stiffness and mass (tests/coupler/interface_velocity_test.cpp). Twice the mean less the velocity at the begin gives the load
-/// the same work on both sides; a part of it is forgotten, so that motions too fast for the windows die out.
+/// What the fluid is given of the motion of a surface point at the end of a window: the velocity [m/s] it has to follow, and the velocity
+/// of which the mean over the window was made.
 template <class Velocity>
-Velocity interface_velocity(const Velocity& mean, const Velocity& at_begin) {
-  constexpr double kept = 0.8;
-  return (1 + kept) * mean - kept * at_begin;
+struct FollowedVelocity {
+  Velocity given, own;
+};
+
+/// From the mean velocity in the window and what was followed at its begin: the generalised-alpha method for dx/dt = w (Jansen, Whiting,
+/// Hulbert 2000) with the displacement of the structure as its increment. The motion at the end itself will not do: sub-steps resolve the
+/// oscillations of a body that is held by its stiffness, and at that instant it may move against the load. From its mean velocity it never
+/// does, so that the coupling is stable for every stiffness and mass (tests/coupler/interface_velocity_test.cpp). Second order in the
+/// window; of a motion too fast for the windows half is left from one to the next.
+template <class Velocity>
+FollowedVelocity<Velocity> followed_velocity(const Velocity& mean, const FollowedVelocity<Velocity>& at_begin) {
+  constexpr double left = 0.5;
+  constexpr double alpha_m = (3 - left) / (2 + 2 * left), alpha_f = 1 / (1 + left), gamma = 0.5 + alpha_m - alpha_f;
+  const Velocity own = (mean - (1 - gamma) * at_begin.own) / gamma;
+  return {((1 - alpha_m) * at_begin.own + alpha_m * own - (1 - alpha_f) * at_begin.given) / alpha_f, own};
 }
 
 /// A CompleteState and the surface as the fluid knows it.
@@ -26,12 +35,14 @@ template <int D>
 struct CoupledState {
   CompleteState<D> structure;
   Surface<D> surface;
+  std::vector<Vector<D>> own_velocity;
 
   /// The list of the members: visit(name, member of each state) for every one.
   template <class Visit, class... States>
   static void for_each_field(Visit&& visit, States&... state) {
     CompleteState<D>::for_each_field(visit, state.structure...);
     visit("surface", state.surface...);
+    visit("own_velocity", state.own_velocity...);
   }
 };
 
@@ -39,7 +50,7 @@ template <int D>
 class CoupledStructure {
  public:
   CoupledStructure(Structure<D>& structure, CouplingAlgorithm algorithm)
-      : structure_(structure), algorithm_(algorithm), at_begin_(structure.surface()) {}
+      : structure_(structure), algorithm_(algorithm), at_begin_(structure.surface()), own_velocity_(at_begin_.velocity) {}
 
   /// Halfway to the state predicted under the old load, with that state's velocity. Explicit coupling: the present surface moved on for
   /// half a window at its velocity.
@@ -52,7 +63,7 @@ class CoupledStructure {
       return surface;
     }
     Surface<D> trial = structure_.trial(begin, duration);
-    trial.velocity = velocity_at_end(trial.position);
+    for (std::size_t k = 0; k < trial.position.size(); ++k) trial.velocity[k] = at_end(k, trial.position).given;
     for (std::size_t k = 0; k < trial.position.size(); ++k) {
       trial.position[k] = 0.5 * (at_begin_.position[k] + trial.position[k]);
       trial.normal[k] = (at_begin_.normal[k] + trial.normal[k]).normalized();
@@ -64,7 +75,10 @@ class CoupledStructure {
   /// Implicit coupling: velocities of the surface at the end of the window under this load.
   std::vector<Vector<D>> respond(const SurfaceLoad<D>& load) {
     structure_.advance(load);
-    return velocity_at_end(structure_.surface().position);
+    const std::vector<Vector<D>> position = structure_.surface().position;
+    std::vector<Vector<D>> velocity(position.size());
+    for (std::size_t k = 0; k < position.size(); ++k) velocity[k] = at_end(k, position).given;
+    return velocity;
   }
 
   /// Brings the structure to the end of the window under this load.
@@ -72,33 +86,36 @@ class CoupledStructure {
     if (algorithm_ == CouplingAlgorithm::explicit_staggering) structure_.trial(begin_, duration_);
     structure_.advance(load);
     Surface<D> end = structure_.surface();
-    if (algorithm_ != CouplingAlgorithm::explicit_staggering) end.velocity = velocity_at_end(end.position);
+    if (algorithm_ != CouplingAlgorithm::explicit_staggering)
+      for (std::size_t k = 0; k < end.position.size(); ++k) {
+        const FollowedVelocity<Vector<D>> followed = at_end(k, end.position);
+        end.velocity[k] = followed.given;
+        own_velocity_[k] = followed.own;
+      }
     at_begin_ = std::move(end);
   }
 
   /// Between two windows: everything from which another one goes on with the same bits.
-  CoupledState<D> state() const { return {structure_.state(), at_begin_}; }
+  CoupledState<D> state() const { return {structure_.state(), at_begin_, own_velocity_}; }
   void set_state(const CoupledState<D>& given) {
     CoupledState<D> state;
     CoupledState<D>::for_each_field([](const char*, const auto& source, auto& target) { target = source; }, given, state);
     structure_.set_state(state.structure);
     at_begin_ = std::move(state.surface);
+    own_velocity_ = std::move(state.own_velocity);
   }
 
  private:
-  std::vector<Vector<D>> velocity_at_end(const std::vector<Vector<D>>& position) const {
-    std::vector<Vector<D>> velocity(position.size());
-    for (std::size_t k = 0; k < position.size(); ++k) {
-      const Vector<D> mean = (position[k] - at_begin_.position[k]) / seconds(duration_);
-      velocity[k] = interface_velocity<Vector<D>>(mean, at_begin_.velocity[k]);
-    }
-    return velocity;
+  FollowedVelocity<Vector<D>> at_end(std::size_t k, const std::vector<Vector<D>>& position) const {
+    const Vector<D> mean = (position[k] - at_begin_.position[k]) / seconds(duration_);
+    return followed_velocity<Vector<D>>(mean, {at_begin_.velocity[k], own_velocity_[k]});
   }
 
   Structure<D>& structure_;
   CouplingAlgorithm algorithm_;
   Ticks begin_ = 0, duration_ = 0;
   Surface<D> at_begin_;  ///< of the window; velocity: as the fluid was given it
+  std::vector<Vector<D>> own_velocity_;
 };
 
 }  // namespace tern::structure

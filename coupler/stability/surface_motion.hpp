@@ -3,7 +3,7 @@
 // point; positions that jump.
 //
 // Let w_j be the velocity at the end of window j - 1, dt_j the length of window j, x_j the position at its begin. A surface is sound where
-// its mean velocity in a window lies between those at the two ends (all of tern.participant: 5/9 of the later and 4/9 of the earlier).
+// its mean velocity in a window lies between those at the two ends (in steady motion of tern.participant: the mean of both).
 // Then, with the position m_j halfway under the old load, at whose end the velocity is w*_j,
 //     x_j         = m_j - dt_j/4 (w_j + w*_j)      up to  dt_j/4 |w*_j - w_j|
 //     x_j+1 - x_j = dt_j/2 (w_j + w_j+1)           up to  dt_j/2 |w_j+1 - w_j|

@@ -1,10 +1,10 @@
 // Acceleration by the pressure gradient, a_i = -G_i / rho. With B_i = sum_F V_j (p_j - p_i) grad w_ij:
-//   blended:    G = C_i (B_i + H_i) + 2 min(theta max(p_i, 0), rho h^2 / (5.4 dt^2)) sum V grad w
+//   blended:    G = C_i (B_i + H_i) + 2 min(theta (p_i - least p of the neighbours), rho h^2 / (5.4 dt^2)) sum V grad w
 //   symmetric:  G = B_i + H_i + T_i C^F_i B_i + 2 p_i sum V grad w                  = sum V_j (p_j + p_i) grad w_ij
 // A wall mirrors the pressure: along its normal p_w = p_i + rho (g - a_w) . (r_w - r_i), which gives H_i, along its face
 // with the fluid's own gradient, which C_i finds (blended form) or T_i completes (symmetric form). The symmetric form conserves momentum
-// pair by pair and is used at the free surface and at the structure; the blended form is exact for linear fields and used
-// inside.
+// pair by pair and is used at the free surface and at the structure; the blended form is exact for linear fields but for its last term,
+// which keeps particles in order, and used inside. There the level of the pressure means nothing, so that term does not know it.
 
 #include "fluid/pressure/pressure_gradient.hpp"
 
@@ -32,7 +32,7 @@ void apply_pressure_gradient(const Reference<D>& reference, double duration, con
   const bool at_structure = only != nullptr;
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(at_structure ? only->size() : state.size());
   const double theta = with_order ? constants.numerics.blend_theta : 0, scale = -duration / constants.density;
-  // theta p^ of a force whose vibrations the window resolves
+  // theta (p - least) of a force whose vibrations the window resolves
   const double most = constants.density / (2 * stiffest) * std::pow(constants.kernel.smoothing_length() / duration, 2);
   const double* pressure = state.pressure.data();
   reference.period.specialise([&](auto periodic) {
@@ -42,9 +42,11 @@ void apply_pressure_gradient(const Reference<D>& reference, double duration, con
       if (!state.particle_class[i].pressure_unknown() || boundary.sees_structure(i) != at_structure) return;
       const Packed<D> x = motion[i].position;
       const double p = pressure[i];
+      double least = p;
       Packed<D> even = Packed<D>::Zero(), odd = Packed<D>::Zero();
       for_row_in_turns(neighbours, i, even, odd, [&](Packed<D>& sum, int k) {
         const int j = neighbours.column[k];
+        least = std::min(least, pressure[j]);
         sum += neighbours.weight[k] * (pressure[j] - p) * period.between(x, motion[j].position);
       });
       Vector<D> difference;
@@ -60,7 +62,7 @@ void apply_pressure_gradient(const Reference<D>& reference, double duration, con
         gradient = difference + 2 * p * kernel_gradient;
       } else {
         gradient = correction.matrix[i] * difference;
-        gradient += 2 * std::min(theta * std::max(p, 0.0), most) * kernel_gradient;
+        gradient += 2 * std::min(theta * (p - least), most) * kernel_gradient;
       }
       velocity[i] += scale * gradient;
     });

@@ -38,7 +38,7 @@ const Rows<FluidNumerics>& numerics_rows() {
        "Smoothing length over particle spacing, h/dx."},
       {"gradient", one_of(&FluidNumerics::gradient, {{"blend", GradientForm::blend}, {"sum", GradientForm::sum}}), "", "\"blend\"", any,
        "Pressure gradient in the interior: the corrected form blended with the momentum-conserving sum, or the sum alone."},
-      {"blend_theta", &FluidNumerics::blend_theta, "-", "0.5", from_to(0, 1),
+      {"blend_theta", &FluidNumerics::blend_theta, "-", "1", from_to(0, 1),
        "Weight of the self-regularising part of the blended gradient."},
       {"density_relaxation", &FluidNumerics::density_relaxation, "-", "0.02", from_to(0, 1),
        "Share gamma of the density error that the pressure removes per relaxation time; 0 = off."},

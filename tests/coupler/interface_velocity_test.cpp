@@ -1,58 +1,86 @@
 // One mode of a structure, of mass 1 and frequency omega, moves a fluid of mass M. Over a window the load p is constant, the
-// structure moves exactly, and the fluid has to follow the velocity that interface_velocity() makes of its motion.
+// structure moves exactly, and the fluid has to follow the velocity that followed_velocity() makes of its motion.
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <complex>
+#include <numbers>
 
 #include "structure/coupled_structure.hpp"
 
 namespace tern::structure {
 namespace {
 
-/// Largest factor by which a state (displacement, velocity, velocity of the fluid) grows in a window; y = omega dt, dt = 1.
-template <class Velocity>
-double growth(double y, double fluid_mass, Velocity&& interface_velocity_of) {
+using Followed = FollowedVelocity<double>;
+
+/// A state: displacement, velocity, and both velocities that the fluid follows.
+using Mode = Eigen::Vector4d;
+
+/// The map of a window with omega dt = y, dt = 1; `follow(mean, velocity at the end, followed before)`.
+template <class Follow>
+Eigen::Matrix4d window_map(double y, double fluid_mass, Follow&& follow) {
   const double c = std::cos(y), s = std::sin(y);
-  // After the window, without load and with the load 1.
-  const auto displacement = [&](const Eigen::Vector3d& q, double load) { return c * q[0] + s / y * q[1] + (1 - c) / (y * y) * load; };
-  const auto velocity = [&](const Eigen::Vector3d& q, double load) { return -y * s * q[0] + c * q[1] + s / y * load; };
-  const auto seen = [&](const Eigen::Vector3d& q, double load) {
-    return interface_velocity_of(displacement(q, load) - q[0], velocity(q, load), q[2]);
+  // After the window, under a load.
+  const auto after = [&](const Mode& q, double load) {
+    const double displacement = c * q[0] + s / y * q[1] + (1 - c) / (y * y) * load, velocity = -y * s * q[0] + c * q[1] + s / y * load;
+    const Followed followed = follow(displacement - q[0], velocity, Followed{q[2], q[3]});
+    return Mode(displacement, velocity, followed.given, followed.own);
   };
-  Eigen::Matrix3d map;
-  for (int column = 0; column < 3; ++column) {
-    const Eigen::Vector3d q = Eigen::Vector3d::Unit(column);
-    // The fluid takes w' = w - load/M, and w' is the velocity seen: linear in the load.
-    const double at_rest = seen(q, 0), mobility = seen(Eigen::Vector3d::Zero(), 1);
-    const double load = (q[2] - at_rest) / (mobility + 1 / fluid_mass);
-    map.col(column) << displacement(q, load), velocity(q, load), q[2] - load / fluid_mass;
+  Eigen::Matrix4d map;
+  for (int column = 0; column < 4; ++column) {
+    const Mode q = Mode::Unit(column);
+    // The fluid takes w' = w - load/M, and w' is the velocity given: linear in the load.
+    const double at_rest = after(q, 0)[2], mobility = after(Mode::Zero(), 1)[2];
+    map.col(column) = after(q, (q[2] - at_rest) / (mobility + 1 / fluid_mass));
   }
-  return map.eigenvalues().cwiseAbs().maxCoeff();
+  return map;
 }
 
-double largest_growth(auto&& interface_velocity_of) {
+Followed follow_mean(double mean, double, const Followed& before) { return followed_velocity<double>(mean, before); }
+
+/// Largest factor by which a state grows in a window.
+double largest_growth(auto&& follow) {
   double largest = 0;
   for (double fluid_mass : {0.1, 1.0, 10.0, 100.0, 1e4})
-    for (double y = 0.01; y < 50; y *= 1.02) largest = std::max(largest, growth(y, fluid_mass, interface_velocity_of));
+    for (double y = 0.01; y < 50; y *= 1.02)
+      largest = std::max(largest, window_map(y, fluid_mass, follow).eigenvalues().cwiseAbs().maxCoeff());
   return largest;
 }
 
-// Seen to fail: with 1.2 of the velocity before kept; the velocity at the end is the next test.
-TEST(InterfaceVelocity, NeverLetsAModeGrowWhateverItsStiffnessAndMass) {
-  EXPECT_LE(largest_growth([](double moved, double, double before) { return interface_velocity<double>(moved, before); }), 1 + 1e-6);
-}
+// Seen to fail: with 1.2 in place of 0.5 of a motion left; the velocity at the end is the next test.
+TEST(InterfaceVelocity, NeverLetsAModeGrowWhateverItsStiffnessAndMass) { EXPECT_LE(largest_growth(follow_mean), 1 + 1e-6); }
 
 // Why not simply the velocity of the structure at the end of the window.
 TEST(InterfaceVelocity, AtTheEndOfAWindowTheStructureMayMoveAgainstTheLoad) {
-  EXPECT_GT(largest_growth([](double, double at_end, double) { return at_end; }), 10);
+  EXPECT_GT(largest_growth([](double, double at_end, const Followed&) { return Followed{at_end, at_end}; }), 10);
 }
 
-TEST(InterfaceVelocity, OfSteadyAccelerationLagsByAnEighteenthOfAWindow) {
-  double seen = 0;
-  for (int n = 0; n < 200; ++n) seen = interface_velocity<double>(n + 0.5, seen);  // true velocity n + 1 at the end
-  EXPECT_NEAR(200 - seen, 1.0 / 18, 1e-12);
+// Seen to fail: with 1.8 times the mean less 0.8 times the velocity at the begin (1/18 of a window).
+TEST(InterfaceVelocity, OfSteadyAccelerationDoesNotLag) {
+  Followed seen{0, 0};
+  for (int n = 0; n < 200; ++n) seen = followed_velocity<double>(n + 0.5, seen);  // true velocity n + 1 at the end
+  EXPECT_NEAR(seen.given, 200, 1e-11);
+}
+
+// Of a vibration with as much fluid as its own mass: angle and loss a period, with 44 and with 89 windows a period. Seen to fail: with
+// 1.8 times the mean less 0.8 times the velocity at the begin (losses of 8.7e-3 and 4.4e-3, first order).
+TEST(InterfaceVelocity, MakesAnErrorOfSecondOrderAndALossOfThird) {
+  const auto measured = [](double phi) {
+    const double y = phi * std::sqrt(2.0);  // the body alone
+    std::complex<double> root;
+    for (const std::complex<double>& value : window_map(y, 1.0, follow_mean).eigenvalues())
+      if (value.imag() > 0 && std::abs(value) > 0.9) root = value;
+    return std::pair(std::arg(root) / phi - 1, 2 * std::numbers::pi / phi * (1 - std::abs(root)));
+  };
+  const auto [angle, loss] = measured(0.1414);
+  const auto [half_angle, half_loss] = measured(0.0707);
+  std::printf("[ frequency %+.2e, loss a period %.2e; half the window: %+.2e, %.2e ]\n", angle, loss, half_angle, half_loss);
+  EXPECT_NEAR(angle / half_angle, 4, 0.1);
+  EXPECT_NEAR(loss / half_loss, 8, 0.4);
+  EXPECT_LT(std::abs(angle), 1e-3);
+  EXPECT_LT(loss, 5e-4);
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ class Life:
 
     @functools.cached_property
     def share(self):
-        """The share that fits best: 5/9 for who sends 1.8 times the mean less 0.8 times the last, 1/2 for an even acceleration."""
+        """The share that fits best: 1/2 for an even acceleration."""
         shares = numpy.arange(19) / 18
         return shares[numpy.argmin([self.fit(share)[1] for share in shares])]
 

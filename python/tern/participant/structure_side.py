@@ -27,7 +27,7 @@ from tern.participant.schema import wire
 from tern.participant.side import TICKS_PER_SECOND, bad_input, finite, run_participant
 
 _SURFACE = ("position", "velocity", "normal", "area")
-KEPT = 0.8  # of the velocity at the begin, see interface_velocity()
+LEFT = 0.5  # of a motion that windows do not resolve, from one to the next: see followed_velocity()
 
 
 @dataclass
@@ -65,11 +65,15 @@ def cut_box(low, high, spacing, clamps=()):
     return tuple(numpy.array(column) for column in zip(*rows))
 
 
-def interface_velocity(mean, at_begin):
-    """Velocity of the surface for the fluid at the end of a window, from its mean in it and what was sent for its begin. A
-    vibration that the window does not resolve may end it moving against the load; its mean velocity never does, so that the
-    coupling is stable for every stiffness and mass (structure/coupled_structure.hpp, docs/THEORY.md section 3)."""
-    return (1 + KEPT) * mean - KEPT * at_begin
+def followed_velocity(mean, given, own):
+    """Velocity of the surface for the fluid at the end of a window, and the one of which the mean over the next window is made, from the
+    mean in this window and those two at its begin: the generalised-alpha method. A vibration that the window does not resolve may end it
+    moving against the load; its mean velocity never does, so that the coupling is stable for every stiffness and mass
+    (structure/coupled_structure.hpp, docs/THEORY.md section 3)."""
+    alpha_m, alpha_f = (3 - LEFT) / (2 + 2 * LEFT), 1 / (1 + LEFT)
+    gamma = 0.5 + alpha_m - alpha_f
+    new = (mean - (1 - gamma) * own) / gamma
+    return ((1 - alpha_m) * own + alpha_m * new - (1 - alpha_f) * given) / alpha_f, new
 
 
 class _Coupled:
@@ -78,18 +82,19 @@ class _Coupled:
     def __init__(self, solver, explicit):
         self.solver, self._explicit = solver, explicit
         self._begin, self._state = solver.surface(), solver.state
+        self._own_velocity = self._begin.velocity
         self.load = numpy.zeros_like(self._begin.position)
         self.interface_work = 0.0
 
     def save(self):
         begin = {f"begin.{name}": getattr(self._begin, name) for name in _SURFACE}
         own = {f"solver.{name}": values for name, values in self.solver.save().items()}
-        return begin | own | {"load": self.load, "interface_work": self.interface_work}
+        return begin | own | {"own_velocity": self._own_velocity, "load": self.load, "interface_work": self.interface_work}
 
     def restore(self, saved):
         self.solver.restore({name.removeprefix("solver."): values for name, values in saved.items() if name.startswith("solver.")})
         self._begin, self._state = Surface(*(saved[f"begin.{name}"] for name in _SURFACE)), self.solver.state
-        self.load, self.interface_work = saved["load"], float(saved["interface_work"])
+        self._own_velocity, self.load, self.interface_work = saved["own_velocity"], saved["load"], float(saved["interface_work"])
 
     def predict(self, begin_s, duration_s):
         """Halfway to the state under the load of the last window, with the velocity at its end. Explicit: the present surface moved
@@ -100,19 +105,19 @@ class _Coupled:
             return Surface(begin.position + 0.5 * duration_s * begin.velocity, begin.velocity, begin.normal, begin.area)
         end = self._advance(self.load)
         normal = begin.normal + end.normal
-        return Surface(0.5 * (begin.position + end.position), self._velocity(end),
+        return Surface(0.5 * (begin.position + end.position), self._followed(end)[0],
                        normal / numpy.linalg.norm(normal, axis=1)[:, None], 0.5 * (begin.area + end.area))
 
     def respond(self, load):
         """Implicit coupling: velocities at the end of the window under this load."""
-        return self._velocity(self._advance(load))
+        return self._followed(self._advance(load))[0]
 
     def apply(self, load):
         """Brings the solver to the end of the window under this load."""
         end = self._advance(load)
         self.interface_work += float((load * (end.position - self._begin.position)).sum())
         if not self._explicit:
-            end.velocity = self._velocity(end)
+            end.velocity, self._own_velocity = self._followed(end)
         self._begin, self._state, self.load = end, self.solver.state, load
 
     def _advance(self, load):
@@ -120,8 +125,9 @@ class _Coupled:
         self.solver.advance(*self._window, load)
         return self.solver.surface()
 
-    def _velocity(self, end):
-        return interface_velocity((end.position - self._begin.position) / self._window[1], self._begin.velocity)
+    def _followed(self, end):
+        mean = (end.position - self._begin.position) / self._window[1]
+        return followed_velocity(mean, self._begin.velocity, self._own_velocity)
 
 
 def _has_loads(settings):

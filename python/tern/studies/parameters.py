@@ -37,7 +37,7 @@ PARAMETERS = (
     Parameter("fluid.numerics.pressure_tolerance", "fluid", (1e-4, 1e-8, 1e-3, 1e-2), refines=True),
     Parameter("fluid.numerics.smoothing_length_ratio", "fluid", (1.3, 1.8, 1.2)),
     Parameter("fluid.numerics.gradient", "fluid", ("sum",)),
-    Parameter("fluid.numerics.blend_theta", "fluid", (0.0, 1.0)),
+    Parameter("fluid.numerics.blend_theta", "fluid", (0.0, 0.5)),
     Parameter("fluid.numerics.density_relaxation", "fluid", (0.0, 0.05)),
     Parameter("fluid.numerics.shifting", "fluid", (0.0, 1.0)),
     Parameter("fluid.numerics.noise_damping", "fluid", (0.0, 0.4)),
