@@ -79,7 +79,7 @@ Decay taylor_green(int n, double reynolds, double until) {
   return {-0.5 * std::log(fluid.energies().kinetic / start) / until, 1 - after_one / start};
 }
 
-// |u| = U exp(-8 pi^2 t/Re), at three spacings. Seen to fail: with the standard shifting coefficient of 0.5.
+// |u| = U exp(-8 pi^2 t/Re), at three spacings. Seen to fail: with a shifting coefficient of 0.5.
 TEST(TaylorGreen, DecaysAtTheRateOfItsViscosity) {
   const double exact = 8 * pi * pi / 100;
   double before = 0;
