@@ -112,10 +112,6 @@ std::string CheckpointStore::write(std::uint64_t step, const StateWriter& state)
   return hash;
 }
 
-std::string CheckpointStore::save_kept(const Kept& kept_state) const {
-  return kept_state.on_disk ? hash_of_file(path(kept_state.step)) : write(kept_state.step, kept_state.state);
-}
-
 std::string CheckpointStore::save(std::uint64_t step, const StateWriter& state) const {
   std::string hash = write(step, state);
   // Those of later steps, of a run that has gone back, count no longer.

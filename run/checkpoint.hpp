@@ -41,12 +41,19 @@ struct Manifest {
 /// Version and commit of this program, as a manifest names them.
 std::string program_name();
 
-/// A state in memory, or the one that the run went on from.
+/// A state in memory.
 struct Kept {
   std::uint64_t step = 0;  ///< 0: none
   double time_s = 0;
-  StateWriter state;
-  bool on_disk = false;  ///< the file of this step has it, and `state` is empty
+  StateWriter state{};
+
+  /// The list of the members: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("step", all.step...);
+    visit("time_s", all.time_s...);
+    visit("state", all.state...);
+  }
 };
 
 class CheckpointStore {
@@ -59,9 +66,8 @@ class CheckpointStore {
   /// Writes the file of this step. Atomic; the files of older steps but the one before, and of later ones, are removed. Returns its hash.
   /// Throws InputOutputError.
   std::string save(std::uint64_t step, const StateWriter& state) const;
-  /// The same after a failure, without removing any other: whether a new set becomes whole is not known yet. The state that the run went
-  /// on from is on the disk already.
-  std::string save_kept(const Kept& kept) const;
+  /// The same after a failure, without removing any other: whether a new set becomes whole is not known yet.
+  std::string save_kept(const Kept& kept) const { return write(kept.step, kept.state); }
 
   /// read(StateReader&) takes the members out of the file of this step. Throws BadInput, InputOutputError.
   template <class Read>
@@ -105,12 +111,24 @@ class KeptStates {
     Kept& newest = kept_.front();
     newest.step = step;
     newest.time_s = time_s;
-    newest.on_disk = false;
     newest.state.clear();
     write(newest.state);
   }
-  /// The run goes on from the file of this step: the first state to be kept.
-  void begin_from(std::uint64_t step, double time_s) { kept_[0] = {step, time_s, {}, true}; }
+  /// The state of a checkpoint, and those that go with it: what fails soon after it has begun before it.
+  template <class Write>
+  StateWriter with_state(Write&& write) const {
+    StateWriter all;
+    write(all);
+    all("kept", kept_);
+    return all;
+  }
+  /// The run goes on from what with_state() has gathered, or from a state that was itself kept: the first one, then.
+  void go_on_from(StateReader& file, std::uint64_t step, double time_s) {
+    if (file.has("kept"))
+      file("kept", kept_);
+    else
+      kept_[0] = {step, time_s, file.all("/")};
+  }
   const Kept& newest() const { return kept_[0]; }
   /// The one to go on from after an error: what fails numerically has begun before, so that is one from ten to twenty windows before, if
   /// there is one; else the newest.

@@ -128,6 +128,19 @@ void Hdf5File::read_dataset(const std::string& path, hid_t type, void* values) {
   if (H5Dread(dataset.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) fail("read " + path + " of");
 }
 
+bool Hdf5File::has(const std::string& name) { return H5Lexists(file_.id(), name.c_str(), H5P_DEFAULT) > 0; }
+
+std::vector<std::string> Hdf5File::datasets(const std::string& group) {
+  std::vector<std::string> paths;
+  if (!has(group)) return paths;
+  const auto add = [](hid_t, const char* path, const H5O_info_t* object, void* found) {
+    if (object->type == H5O_TYPE_DATASET) static_cast<std::vector<std::string>*>(found)->emplace_back(path);
+    return herr_t{0};
+  };
+  if (H5Ovisit_by_name(file_.id(), group.c_str(), H5_INDEX_NAME, H5_ITER_INC, add, &paths, H5P_DEFAULT) < 0) fail("list " + group + " of");
+  return paths;
+}
+
 namespace {
 
 std::vector<std::string> names_in_order_of_making(hid_t group) {

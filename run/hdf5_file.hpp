@@ -63,6 +63,9 @@ class Hdf5File {
   /// Nothing where there is no dataset of this path whose numbers are of this type.
   std::optional<Shape> shape(const std::string& path, hid_t type);
   void read_dataset(const std::string& path, hid_t type, void* values);
+  bool has(const std::string& name);
+  /// The paths from a group to all datasets in it and in the groups below, in the order of their names; none where there is no such group.
+  std::vector<std::string> datasets(const std::string& group);
 
   /// Copies group `name` of another file here, members in the order of their making, as create_group(), write_... and link() write it.
   void copy_group(Hdf5File& source, const std::string& name);

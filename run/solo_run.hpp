@@ -48,24 +48,24 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report,
     report.update();
   };
   KeptStates kept;
-  const auto keep = [&](KeptStates& states) {
-    ScopedTimer timer(output_s);
-    states.keep(static_cast<std::uint64_t>(output.windows()), seconds(output.time()), [&](StateWriter& state) {
-      solver.save(state);
-      output.save(state);
-      state("recorder", recorder.mark());
-    });
+  const auto step_now = [&] { return static_cast<std::uint64_t>(output.windows()); };
+  const auto gather = [&](StateWriter& state) {
+    solver.save(state);
+    output.save(state);
+    state("recorder", recorder.mark());
   };
-  const auto complete_set = [&](const Kept& own, const std::string& hash) {
+  const auto complete_set = [&](std::uint64_t step, double time_s, const std::string& hash) {
     ScopedTimer timer(output_s);
     recorder.sync();
-    checkpoints.write_manifest({own.step, own.time_s, {{Side::role, hash}}});
+    checkpoints.write_manifest({step, time_s, {{Side::role, hash}}});
     clock.saved();
   };
   const auto save = [&] {
-    KeptStates present;
-    keep(present);
-    complete_set(present.newest(), checkpoints.save(present.newest().step, present.newest().state));
+    ScopedTimer timer(output_s);
+    complete_set(step_now(), seconds(output.time()), checkpoints.save(step_now(), kept.with_state(gather)));
+  };
+  const auto save_before_failure = [&](const Error& error) {
+    if (const Kept& own = kept.before(error); own.step > 0) complete_set(own.step, own.time_s, checkpoints.save_kept(own));
   };
   if (command.resume) {
     const Manifest manifest = checkpoints.choose({{Side::role, checkpoints.files()}});
@@ -75,8 +75,8 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report,
       Recorder::Mark mark;
       file("recorder", mark);
       recorder.go_back(mark);
+      if (clock.on()) kept.go_on_from(file, manifest.step, manifest.time_s);
     });
-    if (clock.on()) kept.begin_from(manifest.step, manifest.time_s);
     report.set_resumed(manifest.step, manifest.time_s);
     log_info(fmt::format("goes on from the checkpoint of step {}, t = {:.9g} s", manifest.step, manifest.time_s));
   } else {
@@ -91,15 +91,17 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report,
     recorder.step(now, step.duration, step.limit, step.iterations, watch.seconds());
     progress.step(seconds(now), output.windows(), seconds(step.duration), step.limit, step.iterations);
     write(now == target);
-    if (clock.on() && KeptStates::due(static_cast<std::uint64_t>(output.windows()))) keep(kept);
+    if (clock.on() && KeptStates::due(step_now())) {
+      ScopedTimer timer(output_s);
+      kept.keep(step_now(), seconds(now), gather);
+    }
     return now;
   };
   for (Ticks now = output.time(); now < end;) {
     try {
       now = advance(now, frames.next(now));
     } catch (const Error& error) {
-      if (state_was_sound(error) && kept.newest().step > 0)
-        keep_after_failure([&] { complete_set(kept.before(error), checkpoints.save_kept(kept.before(error))); });
+      if (state_was_sound(error)) keep_after_failure([&] { save_before_failure(error); });
       throw;
     }
     const bool stopping = interrupted();

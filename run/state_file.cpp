@@ -24,7 +24,10 @@ hid_t memory_type(StoredAs type) {
   return H5T_NATIVE_DOUBLE;
 }
 
-std::size_t size_of(StoredAs type) {
+constexpr StoredAs every_type[] = {StoredAs::unsigned8, StoredAs::signed32,   StoredAs::unsigned32,
+                                   StoredAs::signed64,  StoredAs::unsigned64, StoredAs::real64};
+
+std::size_t bytes_of(StoredAs type) {
   switch (type) {
     case StoredAs::unsigned8: return 1;
     case StoredAs::signed32:
@@ -38,7 +41,7 @@ std::size_t size_of(StoredAs type) {
 void StateWriter::write(const std::string& name, StoredAs type, const void* values, std::size_t rows, std::size_t columns) {
   entries_.push_back({name, type, rows, columns, bytes_.size()});
   const auto* begin = static_cast<const std::byte*>(values);
-  bytes_.insert(bytes_.end(), begin, begin + rows * std::max<std::size_t>(columns, 1) * size_of(type));
+  bytes_.insert(bytes_.end(), begin, begin + rows * std::max<std::size_t>(columns, 1) * bytes_of(type));
 }
 
 void StateWriter::to_file(const std::string& path) const {
@@ -71,6 +74,25 @@ std::size_t StateReader::rows(const std::string& name, StoredAs type, std::size_
         fmt::format("{} has no {} as this program knows it: it was written by another version of tern; continue the run with that.",
                     file_->path, name));
   return shape->rows;
+}
+
+bool StateReader::has(const std::string& name) { return file_->hdf5.has(name); }
+
+StateWriter StateReader::all(const std::string& name) {
+  StateWriter found;
+  std::vector<std::byte> values;
+  for (const std::string& member : file_->hdf5.datasets(name)) {
+    const std::string path = name + "/" + member;
+    for (const StoredAs type : every_type) {
+      const auto shape = file_->hdf5.shape(path, memory_type(type));
+      if (!shape) continue;
+      values.resize(shape->rows * std::max<std::size_t>(shape->columns, 1) * bytes_of(type));
+      read(path, type, values.data());
+      found.write(member, type, values.data(), shape->rows, shape->columns);
+      break;
+    }
+  }
+  return found;
 }
 
 void StateReader::read(const std::string& name, StoredAs type, void* values) { file_->hdf5.read_dataset(name, memory_type(type), values); }

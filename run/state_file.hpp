@@ -83,6 +83,9 @@ class StateWriter {
   void operator()(const std::string& name, const T& value) {
     if constexpr (HasFields<T>) {
       T::for_each_field([&](const char* member, const auto& own) { (*this)(name + "/" + member, own); }, value);
+    } else if constexpr (std::is_same_v<T, StateWriter>) {
+      for (const Entry& entry : value.entries_)
+        write(name + "/" + entry.name, entry.type, value.bytes_.data() + entry.begin, entry.rows, entry.columns);
     } else if constexpr (std::is_same_v<T, std::string>) {
       write(name, StoredAs::unsigned8, value.data(), value.size(), 0);
     } else if constexpr (DynamicVector<T>) {
@@ -108,6 +111,7 @@ class StateWriter {
   void to_file(const std::string& path) const;
 
  private:
+  friend class StateReader;
   struct Entry {
     std::string name;
     StoredAs type;
@@ -145,6 +149,8 @@ class StateReader {
   void operator()(const std::string& name, T& value) {
     if constexpr (HasFields<T>) {
       T::for_each_field([&](const char* member, auto& own) { (*this)(name + "/" + member, own); }, value);
+    } else if constexpr (std::is_same_v<T, StateWriter>) {
+      value = all(name);
     } else if constexpr (std::is_same_v<T, std::string> || DynamicVector<T>) {
       using Index = std::conditional_t<DynamicVector<T>, Eigen::Index, std::size_t>;
       constexpr StoredAs type = DynamicVector<T> ? StoredAs::real64 : StoredAs::unsigned8;
@@ -167,6 +173,10 @@ class StateReader {
       read_items(name, value);
     }
   }
+
+  bool has(const std::string& name);
+  /// All members whose names go through `name`, by what follows in them.
+  StateWriter all(const std::string& name);
 
  private:
   template <class Items>

@@ -154,41 +154,40 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
   const bool own_structure = hello.at(wire::STRUCTURE).version() == fmt::format("{} {}", program_version, git_hash);
   RemoteParticipants<D> participants(channel, SurfaceCheck<D>(scene, properties, !manifest), own_structure, record);
   KeptStates kept;
-  const auto keep = [&](KeptStates& states) {
-    ScopedTimer timer(output_s);
-    states.keep(static_cast<std::uint64_t>(totals.windows), seconds(now), [&](StateWriter& state) {
-      state("coupler", coupler.state());
-      state("control", control);
-      state("now", now);
-      state("window_done", done.SerializeAsString());
-      accounts.save(state);
-      state("traffic/sent", channel.bytes_sent());
-      state("traffic/received", channel.bytes_received());
-      state("record", channel.record_mark());
-      state("report", report.gathered());
-    });
+  const auto step_now = [&] { return static_cast<std::uint64_t>(totals.windows); };
+  const auto gather = [&](StateWriter& state) {
+    state("coupler", coupler.state());
+    state("control", control);
+    state("now", now);
+    state("window_done", done.SerializeAsString());
+    state("gauges", scene.gauge_hashes);
+    accounts.save(state);
+    state("traffic/sent", channel.bytes_sent());
+    state("traffic/received", channel.bytes_received());
+    state("record", channel.record_mark());
+    state("report", report.gathered());
   };
   /// Completes a set of which the participants have written theirs.
-  const auto complete_set = [&](const Kept& own, const std::string& own_hash, const std::map<wire::Role, std::string>& hashes) {
-    Manifest set{own.step, own.time_s, {{"coupler", own_hash}}};
+  const auto complete_set = [&](std::uint64_t step, double time_s, const std::string& own_hash,
+                                const std::map<wire::Role, std::string>& hashes) {
+    Manifest set{step, time_s, {{"coupler", own_hash}}};
     for (const auto& [role, hash] : hashes) set.hash[proto::name(role)] = hash;
     accounts.recorder().sync();
     checkpoints.write_manifest(std::move(set));
     clock.saved();
   };
   const auto save = [&] {
-    KeptStates present;
-    keep(present);
     ScopedTimer timer(output_s);
+    const StateWriter state = kept.with_state(gather);
     const auto hashes = channel.save();
-    complete_set(present.newest(), checkpoints.save(present.newest().step, present.newest().state), hashes);
+    complete_set(step_now(), seconds(now), checkpoints.save(step_now(), state), hashes);
   };
   /// After a failure: the state before it, if fluid and structure still have theirs.
   const auto save_before_failure = [&](const Error& error) {
     const Kept* own = kept.of(channel.kept_step(kept.before(error).step));
     if (!own) return;
     const auto hashes = channel.abort_keeping(error, own->step, longest_last_save_s);
-    if (!hashes.empty()) complete_set(*own, checkpoints.save_kept(*own), hashes);
+    if (!hashes.empty()) complete_set(own->step, own->time_s, checkpoints.save_kept(*own), hashes);
   };
   const auto restore = [&] {
     checkpoints.load(manifest->step, [&](StateReader& file) {
@@ -214,8 +213,11 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
       welcome.set_extent(done.has_extent());
       channel.welcome(static_cast<std::uint32_t>(properties.body.size()), std::move(welcome));
       channel.resume(manifest->step, seconds(now), sent, received, record_bytes);
+      std::map<std::string, std::string> gauges;
+      file("gauges", gauges);
+      *done.mutable_account() = with_added_gauges(done.account(), scene, gauges);
+      if (clock.on()) kept.go_on_from(file, manifest->step, manifest->time_s);
     });
-    *done.mutable_account() = with_added_gauges(done.account(), scene, manifest->gauge);
     participants.set_window_done(done);
     fluid_account = done.account();
     proposed = done.proposed_step_s();
@@ -233,7 +235,6 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
 
   if (manifest) {
     restore();
-    if (clock.on()) kept.begin_from(manifest->step, manifest->time_s);
   } else {
     checkpoints.clear();
     channel.welcome(static_cast<std::uint32_t>(properties.body.size()));
@@ -266,7 +267,10 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
     proposed = done.proposed_step_s();
     limit = done.limit();
     report_now();
-    if (clock.on() && KeptStates::due(static_cast<std::uint64_t>(totals.windows))) keep(kept);
+    if (clock.on() && KeptStates::due(step_now())) {
+      ScopedTimer timer(output_s);
+      kept.keep(step_now(), seconds(now), gather);
+    }
     if (clock.due() || (clock.on() && (interrupted() || now >= end))) save();
   };
   try {

@@ -40,7 +40,8 @@ class ParticipantFrame {
     report_now();
     report_.update();
     const auto step = static_cast<std::uint64_t>(output_.windows());
-    if (scene_.output.checkpoint_interval > 0 && KeptStates::due(step)) keep(step);
+    if (scene_.output.checkpoint_interval > 0 && KeptStates::due(step))
+      kept_.keep(step, seconds(output_.time()), [&](StateWriter& state) { gather(state); });
   }
 
   void finish() {
@@ -50,9 +51,7 @@ class ParticipantFrame {
 
   std::string save(std::uint64_t step) {
     ScopedTimer timer(output_s_);
-    StateWriter state;
-    gather(state);
-    return checkpoints_.save(step, state);
+    return checkpoints_.save(step, kept_.with_state([&](StateWriter& state) { gather(state); }));
   }
 
   void save_after_failure(const Error& error, std::uint64_t wanted) noexcept {
@@ -73,8 +72,8 @@ class ParticipantFrame {
       file("traffic/sent", sent);
       file("traffic/received", received);
       channel_.resume(welcome.resume_step(), seconds(welcome.resume_ticks()), sent, received);
+      if (scene_.output.checkpoint_interval > 0) kept_.go_on_from(file, welcome.resume_step(), seconds(welcome.resume_ticks()));
     });
-    if (scene_.output.checkpoint_interval > 0) kept_.begin_from(welcome.resume_step(), seconds(welcome.resume_ticks()));
   }
 
  protected:
@@ -110,9 +109,6 @@ class ParticipantFrame {
     output_.save(state);
     state("traffic/sent", channel_.bytes_sent());
     state("traffic/received", channel_.bytes_received());
-  }
-  void keep(std::uint64_t step) {
-    kept_.keep(step, seconds(output_.time()), [&](StateWriter& state) { gather(state); });
   }
   void report_now() {
     output_.report();

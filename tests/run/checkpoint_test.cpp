@@ -142,5 +142,42 @@ TEST(KeptStates, AfterANumericalFailureTheOneBeforeTheNewestIsTaken) {
   EXPECT_EQ(kept.of(0), nullptr);
 }
 
+// Seen to fail: with a checkpoint that is itself the only state after it (before() names step 23).
+TEST(KeptStates, GoWithACheckpoint) {
+  const ScratchDirectory dir;
+  const CheckpointStore store(dir.path(), "fluid", scene_of());
+  const std::vector<double> values{1.5, 2.5};
+  const auto write = [&](StateWriter& state) {
+    state("time", 0.25);
+    state("fluid/values", values);
+    state("fluid/name", std::string("water"));
+    state("fluid/none", std::vector<double>());
+  };
+  KeptStates before, after, once_more;
+  for (const std::uint64_t step : {10u, 20u}) before.keep(step, 0.1 * static_cast<double>(step), write);
+  store.save(23, before.with_state(write));
+  store.load(23, [&](StateReader& file) { after.go_on_from(file, 23, 2.3); });
+  const Kept& kept = after.before(NumericalFailure("It diverged."));
+  EXPECT_EQ(kept.step, 10u);
+  EXPECT_EQ(kept.time_s, 1.0);
+  EXPECT_EQ(after.newest().step, 20u);
+
+  // Written after a failure it is a checkpoint as any other, and what the run then goes on from.
+  store.save_kept(kept);
+  store.load(10, [&](StateReader& file) {
+    once_more.go_on_from(file, 10, 1.0);
+    std::vector<double> read, none{1};
+    std::string name;
+    file("fluid/values", read);
+    file("fluid/name", name);
+    file("fluid/none", none);
+    EXPECT_EQ(read, values);
+    EXPECT_EQ(name, "water");
+    EXPECT_TRUE(none.empty());
+  });
+  EXPECT_EQ(once_more.newest().step, 10u);
+  EXPECT_EQ(once_more.before(NumericalFailure("It diverged.")).step, 10u);
+}
+
 }  // namespace
 }  // namespace tern

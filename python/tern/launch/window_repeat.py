@@ -55,7 +55,7 @@ def plan(out, contents, cause, checkpoints):
     halvings = timekeeper.get("counts", {}).get("window_halvings", 0) + 1
     if before and failed_at <= before[-1]["failed_at_s"]:
         halvings = max(halvings, before[-1]["halvings"] + 1)
-    anew = "resumed" not in contents and contents["steps"] < FIRST_WINDOWS
+    anew = contents["steps"] < FIRST_WINDOWS and not any(repeat["step"] for repeat in before)
     if halvings > MOST_HALVINGS or not (anew or checkpoints):
         return None
     at = {"step": 0, "time_s": 0.0} if anew else checkpoints[0]
