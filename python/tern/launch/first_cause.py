@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from tern.errors import DONE, INPUT_OUTPUT, INTERRUPTED, PEER_LOST, STATUS
 
 SAME_MOMENT_S = 1.0
+ASKS_TO_END = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # what interrupts the launcher
 
 
 @dataclass
@@ -44,7 +45,8 @@ def find(processes, reports, interrupted):
 
     Order: time. Two kinds of echo are passed over: a lost peer (code 4) when another process was killed or failed by
     itself, and a sentence that only repeats another one with the name of who said it. What the launcher ended itself is
-    no cause, unless nothing else is (`interrupted`: the user ended the run).
+    no cause, unless nothing else is (`interrupted`: the user ended the run). Neither is the end of a process that a
+    signal to all has reached before it could answer.
     """
     for process in processes:
         if process.frozen:
@@ -52,7 +54,8 @@ def find(processes, reports, interrupted):
                          process.role)
     failed = [(process, _candidate(process, reports.get(process.role, {})))
               for process in processes
-              if (process.exit_code != DONE or process.never_joined) and not process.ended_by_launcher]
+              if (process.exit_code != DONE or process.never_joined) and not process.ended_by_launcher
+              and not (interrupted and -process.exit_code in ASKS_TO_END)]
     # Who could not write a report (the disk is full) has told the others.
     told = [entry for entry in failed if reports.get(entry[0].role, {}).get("cause")]
     failed = [entry for entry in failed if entry in told

@@ -1,5 +1,6 @@
 """The processes of one run: started in groups of their own, reaped in the order of their end, never left behind."""
 
+import contextlib
 import os
 import select
 import shutil
@@ -93,7 +94,8 @@ class Group:
             process.handle.wait()
         shutil.rmtree(self.directory, ignore_errors=True)
         self._tell("finished")
-        self._guardian.stdin.close()
+        with contextlib.suppress(BrokenPipeError):  # what _tell() could not
+            self._guardian.stdin.close()
         self._guardian.wait()
 
     def start(self, role, command, program=None, environment=None):
