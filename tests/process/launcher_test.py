@@ -169,6 +169,19 @@ class LauncherTest(unittest.TestCase):
         self.assertEqual(first_cause.find(ended, {}, interrupted=True), first_cause.by_user())
         self.assertEqual(first_cause.find(ended, {}, interrupted=False).exit_code, 4)
 
+    def test_ctrl_c_while_a_foreign_program_imports_modules_prints_no_traceback(self):
+        # Seen to fail: with SIGINT for it as well (a KeyboardInterrupt of time.sleep, and of the modules of a participant).
+        begun = self.fake.path / "begun"
+        process = self.fake.start("--structure", f"/usr/bin/python3 -c 'import time; open(\"{begun}\", \"w\"); time.sleep(20)'",
+                                  fluid="wait", coupler="wait")
+        for path in (begun, *(self.fake.path / f"runs/pond/pid.{role}" for role in ("fluid", "coupler"))):
+            self.assertTrue(wait_until(path.exists, 10), path)
+        time.sleep(0.2)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=10)
+        self.assertEqual((process.returncode, self.contents()["status"]), (130, "interrupted"), errors)
+        self.assertNotIn("Traceback", errors)
+
     def test_a_guardian_that_was_killed_is_not_missed(self):
         # Seen to fail: with a bare close() of its pipe (exit code 5, Broken pipe).
         process = self.fake.start(fluid="sleep 0.5 exit 0", structure="exit 0", coupler="exit 0")

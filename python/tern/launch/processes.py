@@ -40,6 +40,10 @@ class Process:
     frozen: bool = False                # stopped for so long that the launcher ended the run
     never_joined: bool = False    # a foreign program that ended before the run began
 
+    @property
+    def foreign(self):
+        return self.program != f"tern-{self.role}"
+
     def stopped(self):
         """Whether the process is frozen by SIGSTOP (state T)."""
         return process_state.of(self.handle.pid) == "T"
@@ -117,13 +121,16 @@ class Group:
         seen_interrupts = 0
         while self.running():
             for process in self._reap(interrupts, min(terminate_at, kill_at, interrupt_others_at)):
-                process.never_joined = (process.program != f"tern-{process.role}" and not process.ended_by_launcher
-                                        and not has_begun())
+                process.never_joined = process.foreign and not process.ended_by_launcher and not has_begun()
             now = time.monotonic()
             if interrupts.count > seen_interrupts:
                 if seen_interrupts == 0:
-                    leaders = [process for process in self.running() if process.role == "coupler"] if has_begun() else []
-                    self._signal_all(signal.SIGINT, leaders or None)
+                    begun, running = has_begun(), self.running()
+                    leaders = [process for process in running if begun and process.role == "coupler"]
+                    # An interpreter that still imports modules has a traceback for SIGINT.
+                    importing = [process for process in running if not begun and process.foreign]
+                    self._signal_all(signal.SIGTERM, importing)
+                    self._signal_all(signal.SIGINT, leaders or [process for process in running if process not in importing])
                     self._signal_all(signal.SIGCONT)
                     terminate_at, kill_at = float("inf"), now + GRACE_AFTER_INTERRUPT_S
                     interrupt_others_at = now + GRACE_OF_COUPLER_S if leaders else float("inf")
