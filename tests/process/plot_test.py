@@ -303,9 +303,20 @@ shape = { box = { min = [0, 0], max = [0.2, 0.2] } }
             '[[quantity]]\nkind = "max_difference"\ncolumn = "P.ux_m"\ncsv = "r.csv"\ncsv_column = "u_m"\nsource = "S, x"\n')
         (self.run_directory / "r.csv").write_text("# source\nt_s,u_m\n0,0\n1,9\n")
         (self.run_directory / "run.json").write_text(json.dumps({"case_path": str(self.run_directory / "case.toml")}))
-        figure = curves.gauges([tern.Run(self.run_directory)])
+        figure, = curves.gauges([tern.Run(self.run_directory)])
         self.addCleanup(plt.close, figure)
         self.assertIn([0, 9], [list(line.get_ydata()) for axis in figure.axes for line in axis.lines])
+
+    def test_many_gauges_are_drawn_on_several_pages(self):
+        # Seen to fail: with all of them on one figure (one picture; with twice as many a traceback, for it has more than 2^16 pixels).
+        self.write(fluid=False, structure=False)
+        names = [f"P{number}.ux_m" for number in range(160)]
+        rows = [",".join([str(time), *(str(time * number) for number in range(160))]) for time in (0, 0.1)]
+        (self.run_directory / "gauges.csv").write_text("\n".join([",".join(["t_s", *names]), *rows, ""]))
+        code, drawn, errors = self.plot()
+        self.assertEqual((code, errors), (0, ""))
+        self.assertTrue({"gauges.png", "gauges-2.png", "gauges-7.png"} <= drawn, drawn)
+        self.assertNotIn("gauges-8.png", drawn)
 
     def test_a_folder_that_is_no_run_is_refused_with_2(self):
         # Seen to fail: without the check in Run.__init__().

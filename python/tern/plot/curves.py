@@ -6,6 +6,7 @@ import numpy as np
 from tern.plot import references, style
 from tern.results import tables
 
+PANELS_OF_A_PAGE = 24
 QUANTITIES = {"ux": "displacement x", "uy": "displacement y", "uz": "displacement z", "Fx": "force x", "Fy": "force y",
               "Fz": "force z", "Mx": "moment x", "My": "moment y", "Mz": "moment z", "Q": "flux", "p": "pressure",
               "eta": "surface elevation", "x": "position x"}
@@ -52,10 +53,14 @@ def _draw_panel(axis, runs, gauge, quantity, unit, curves):
 
 
 def gauges(runs):
-    """Figure of all gauges of one run with their references, or of the gauges of several runs over each other; None without any."""
+    """Figures of all gauges of one run with their references, or of the gauges of several runs over each other, so many quantities on
+    each that it can be read."""
     panels = _panels(runs)
-    if not panels:
-        return None
+    for begin in range(0, len(panels), PANELS_OF_A_PAGE):
+        yield _page(runs, panels[begin:begin + PANELS_OF_A_PAGE])
+
+
+def _page(runs, panels):
     columns = 2 if len(panels) > 3 else 1
     rows = -(-len(panels) // columns)
     figure, axes = plt.subplots(rows, columns, figsize=(7.5 * columns, 2.9 * rows), squeeze=False, sharex=True,

@@ -16,9 +16,14 @@ def of_run(run, times, look=None):
     for time in chosen:
         exact, figure = scenes.figure(run, time, look)
         pictures.append(style.save(figure, run, f"field_{exact:.{digits}f}s{scenes.name_of(look)}"))
-    for name, figure in (("gauges", curves.gauges([run])), ("energies", curves.energies(run)), ("steps", curves.steps(run))):
+    pictures += _save_pages(curves.gauges([run]), run, "gauges")
+    for name, figure in (("energies", curves.energies(run)), ("steps", curves.steps(run))):
         pictures.append(save(figure, run, name))
     return pictures
+
+
+def _save_pages(figures, run, name):
+    return [style.save(figure, run, name if page == 1 else f"{name}-{page}") for page, figure in enumerate(figures, 1)]
 
 
 def plot(directories, times, look=None):
@@ -28,5 +33,5 @@ def plot(directories, times, look=None):
     runs = [Run(directory) for directory in directories]
     pictures = [picture for run in runs for picture in of_run(run, times, look)]
     if len(runs) > 1:
-        pictures.append(save(curves.gauges(runs), runs[0], "comparison"))
+        pictures += _save_pages(curves.gauges(runs), runs[0], "comparison")
     return [picture for picture in pictures if picture is not None]
