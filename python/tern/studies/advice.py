@@ -4,7 +4,7 @@ from pathlib import Path
 
 from tern import paths
 from tern.errors import Error
-from tern.studies import front, parameters, report, rows
+from tern.studies import front, parameters, report, rows, sweep
 
 QUICKER = 1.25       # speed-up from which a parameter is worth a line
 UNNOTICED = 0.0005   # error added that is not worth a word
@@ -36,6 +36,12 @@ def _added(row, table):
     if row.distance_to_finest is not None and standard.distance_to_finest is not None:
         return row.distance_to_finest - standard.distance_to_finest
     return None
+
+
+def _where_it_stands(tables, parameter, settings):
+    """The tables of scenes in which the parameter has the value that it has here: what a change brings depends on what is changed."""
+    own = sweep.effective_cells(settings, [parameter])
+    return {name: table for name, table in tables.items() if own.items() <= front.find(table, "standard").settings.items()}
 
 
 def _effects(tables, point):
@@ -72,9 +78,11 @@ def text(case):
               if row.options and row.parameter not in ("preset", "spacing", "fluid.spacing", "structure.body.spacing")}
     known = {parameter.key: parameter for parameter in parameters.PARAMETERS}
     for point, row in points.items():
-        effects = _effects(tables, point)
         parameter = known.get(row.parameter)
-        if not effects or parameter is None or parameter.with_ or not parameters.applies(parameter, case["settings"]):
+        if parameter is None or parameter.with_ or not parameters.applies(parameter, case["settings"]):
+            continue
+        effects = _effects(_where_it_stands(tables, parameter, case["settings"]), point)
+        if not effects:
             continue
         quicker = min(speed for speed, _ in effects) >= QUICKER and max(added for _, added in effects) <= UNNOTICED
         better = max(added for _, added in effects) <= -NOTICED
