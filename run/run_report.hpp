@@ -53,17 +53,15 @@ class RunReport {
   /// Writes if the last write is 2 s old; cheap enough for every step.
   void update();
 
-  /// What it has gathered, by the parts of a run before this one as well.
+  /// What it has gathered, by the parts of a run before this one as well. Wall and CPU time are of this part: the launcher adds them up,
+  /// with what was computed in vain.
   struct Gathered {
-    double wall = 0, cpu = 0;  ///< [s]
     std::map<std::string, double> timing, measures;
     std::map<std::string, long> counts, evaluations;
 
     /// The list of the members: visit(name, member of each) for every one.
     template <class Visit, class... Same>
     static void for_each_field(Visit&& visit, Same&... all) {
-      visit("wall", all.wall...);
-      visit("cpu", all.cpu...);
       visit("timing", all.timing...);
       visit("measures", all.measures...);
       visit("counts", all.counts...);

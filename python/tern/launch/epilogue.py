@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from tern.errors import PEER_LOST, STATUS
-from tern.launch import process_state
+from tern.launch import process_state, spent
 from tern.launch.record import write_json
 
 SENTENCE = "The launcher was killed; its guardian ended the run."
@@ -25,20 +25,16 @@ def close(out):
     # A zombie (Z) has ended, and nobody has asked about it yet.
     if run.get("status") != "running" or launcher is None or process_state.of(launcher) not in (None, "Z", "X"):
         return
-    reports = {}
-    for report in sorted(out.glob("report.*.json")):
-        try:
-            reports[report.name.split(".")[1]] = json.loads(report.read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            continue
-    for report in reports.values():
+    reports = spent.reports_in(out)
+    taken = spent.by_reports(run.pop("spent", {}), reports)
+    for role, report in reports.items():
+        report |= taken[role]
         if report.get("status") == "running":
             report["status"] = "killed"
     write_json(path, run | {
         "status": STATUS[PEER_LOST], "exit_code": PEER_LOST, "first_cause": SENTENCE, "first_cause_role": "launcher",
         "exit_codes": {role: report.get("exit_code") for role, report in reports.items()},
-        "wall_s": max((report.get("wall_s") or 0.0 for report in reports.values()), default=0.0),
-        "cpu_s": sum(report.get("cpu_s") or 0.0 for report in reports.values()),
+        "wall_s": taken[spent.RUN]["wall_s"], "cpu_s": sum(report["cpu_s"] for report in reports.values()),
         "steps": max((report.get("steps") or 0 for report in reports.values()), default=0),
         "version": next((report.get("version", "") for report in reports.values()), ""),
         "git": next((report.get("git", "") for report in reports.values()), ""), "processes": reports})

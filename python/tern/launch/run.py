@@ -14,7 +14,7 @@ from pathlib import Path
 
 from tern import paths
 from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, PEER_LOST, STATUS, Error
-from tern.launch import build, cases, first_cause, packages, resumption, window_repeat
+from tern.launch import build, cases, first_cause, packages, resumption, spent, window_repeat
 from tern.launch.processes import Group, Interrupts
 from tern.launch.record import ROOM, overwrite_json, write_json
 from tern.results import summary
@@ -131,22 +131,23 @@ def _write_end(path, contents):
 
 
 def _merged(run, processes, reports, cause, wall_s):
-    """The contents of run.json after the end. Of a run that went on from a checkpoint the reports count all its parts."""
-    goes_on = "resumed" in run
+    """The contents of run.json after the end. Of a run that went on from a checkpoint they count all its parts."""
     any_report = next((report for report in reports.values() if report), {})
     for process in processes:
         report = reports.setdefault(process.role, {})
         report["program"] = process.program
         report["exit_code"] = process.exit_code
-        report["cpu_s"] = max(report.get("cpu_s") or 0.0, process.cpu_s) if goes_on else process.cpu_s
+        report["cpu_s"] = process.cpu_s
         if report.get("status") in (None, "running"):
             report["status"] = "killed" if process.exit_code < 0 else "failed" if process.exit_code or process.never_joined else "done"
+    taken = spent.together(run.pop("spent"), reports | {spent.RUN: {"wall_s": wall_s}})
+    for process in processes:
+        reports[process.role] |= taken[process.role]
     return run | {
         "status": STATUS[cause.exit_code], "exit_code": cause.exit_code, "first_cause": cause.sentence,
         "first_cause_role": cause.role,
         "exit_codes": {process.role: process.exit_code for process in processes},
-        "wall_s": max([wall_s, *(report.get("wall_s") or 0.0 for report in reports.values() if goes_on)]),
-        "cpu_s": sum(report["cpu_s"] for report in reports.values() if "cpu_s" in report),
+        "wall_s": taken[spent.RUN]["wall_s"], "cpu_s": sum(report["cpu_s"] for report in reports.values() if "cpu_s" in report),
         "steps": max((report.get("steps") or 0 for report in reports.values()), default=0) or run.get("resumed", [{}])[-1].get("step", 0),
         "version": any_report.get("version", ""), "git": any_report.get("git", ""),
         "processes": reports,
@@ -175,6 +176,7 @@ class Work:
 
     def __init__(self, stack, one_role):
         self._stack, self._one_role, self._held, self._interrupts = stack, one_role, None, None
+        self.spent = {}  # by what was begun anew
 
     def interrupts(self):
         if self._interrupts is None:
@@ -213,6 +215,7 @@ def _run(request, work):
     cause, out, contents = _run_once(request, work)
     left = request.retries
     while contents:
+        work.spent = spent.until_now(contents, out)
         try:
             if cause.exit_code == PEER_LOST and left > 0:
                 following = resumed(out, request)
@@ -300,7 +303,8 @@ def _run_once(request, work):
                 "launcher": os.getpid(), "settings": case.get("settings", {}), "gauge_places": case.get("gauge_places", []),
                 "options": request.case_options,
                 "commands": {role: shlex.join(command) for role, command in commands.items()},
-                "launch": {name: getattr(request, name) for name in IN_LAUNCH}}
+                "launch": {name: getattr(request, name) for name in IN_LAUNCH},
+                "spent": spent.until_now(before, out) if before else work.spent}
     if before:
         now = datetime.now(timezone.utc).isoformat(timespec="seconds")
         contents["started"] = before["started"]

@@ -76,8 +76,9 @@ def text(directory):
     lead = max((report for report, _ in reports.values()), key=lambda report: report.get("time_s") or 0, default={})
     head = f"{summary.shown(directory)}: running since {datetime.fromisoformat(run['started']).astimezone():%Y-%m-%d %H:%M:%S}"
     reached, end = lead.get("time_s") or 0, lead.get("end_time_s") or 0
-    if reached and end:
-        left = lead["wall_s"] * (end - reached) / reached
+    begun = lead.get("resumed", {}).get("time_s", 0)  # wall_s is of this part
+    if reached > begun and end:
+        left = lead["wall_s"] * (end - reached) / (reached - begun)
         head += f", t = {reached:.4g} s of {end:g} s ({100 * reached / end:.0f} %), step {lead['steps']}, about {left:.0f} s to go"
     lines = [head]
     living = 0
