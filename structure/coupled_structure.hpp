@@ -21,10 +21,10 @@ struct FollowedVelocity {
 /// Hulbert 2000) with the displacement of the structure as its increment. The motion at the end itself will not do: sub-steps resolve the
 /// oscillations of a body that is held by its stiffness, and at that instant it may move against the load. From its mean velocity it never
 /// does, so that the coupling is stable for every stiffness and mass (tests/coupler/interface_velocity_test.cpp). Second order in the
-/// window; of a motion too fast for the windows half is left from one to the next.
+/// window; of a motion too fast for the windows a fifth is left from one to the next.
 template <class Velocity>
 FollowedVelocity<Velocity> followed_velocity(const Velocity& mean, const FollowedVelocity<Velocity>& at_begin) {
-  constexpr double left = 0.5;
+  constexpr double left = 0.2;
   constexpr double alpha_m = (3 - left) / (2 + 2 * left), alpha_f = 1 / (1 + left), gamma = 0.5 + alpha_m - alpha_f;
   const Velocity own = (mean - (1 - gamma) * at_begin.own) / gamma;
   return {((1 - alpha_m) * at_begin.own + alpha_m * own - (1 - alpha_f) * at_begin.given) / alpha_f, own};

@@ -49,7 +49,7 @@ double largest_growth(auto&& follow) {
   return largest;
 }
 
-// Seen to fail: with 1.2 in place of 0.5 of a motion left; the velocity at the end is the next test.
+// Seen to fail: with 1.2 in place of 0.2 of a motion left; the velocity at the end is the next test.
 TEST(InterfaceVelocity, NeverLetsAModeGrowWhateverItsStiffnessAndMass) { EXPECT_LE(largest_growth(follow_mean), 1 + 1e-6); }
 
 // Why not simply the velocity of the structure at the end of the window.

@@ -27,7 +27,7 @@ from tern.participant.schema import wire
 from tern.participant.side import TICKS_PER_SECOND, bad_input, finite, run_participant
 
 _SURFACE = ("position", "velocity", "normal", "area")
-LEFT = 0.5  # of a motion that windows do not resolve, from one to the next: see followed_velocity()
+LEFT = 0.2  # of a motion that windows do not resolve, from one to the next: see followed_velocity()
 
 
 @dataclass
