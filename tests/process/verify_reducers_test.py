@@ -54,6 +54,12 @@ class ReducerTest(unittest.TestCase):
         self.both(right, lambda t: right(t - 0.1), kind="time_of_maximum", band=[0.49, 0.51])
         self.both(right, lambda t: right(t - 0.1), kind="time_of_minimum", band=[1.49, 1.51])
 
+    def test_loss_per_period_is_that_of_the_swing(self):
+        def swing(t, loss):
+            return 3 + (1 - loss) ** (t / 0.4) * math.cos(2 * math.pi * t / 0.4)
+        value = self.both(lambda t: swing(t, 0.1), lambda t: swing(t, 0.12), kind="loss_per_period", about=3.0, band=[0.09, 0.11])
+        self.assertAlmostEqual(value, 0.1, 2)
+
     def test_largest_magnitude_bounds_both_signs(self):
         self.both(lambda t: -0.9 * t, lambda t: -1.1 * t, kind="largest_magnitude", at_most=2.0)
 

@@ -105,6 +105,21 @@ def frequency(series, quantity):
     return 1.0 / period(series, quantity)
 
 
+def loss_per_period(series, quantity):
+    """The share of the swing about `about` that is lost per period: of an exponential through the half swings between the zero crossings of
+    the window, by least squares of their logarithms."""
+    times = _zero_crossings(series, quantity)
+    if len(times) < 4:
+        raise ReductionError(f"a loss per period needs four zero crossings, there are {len(times)}")
+    about = quantity.get("about", 0.0)
+    part = _part(series, quantity)
+    swings = [math.log(max(abs(v - about) for t, v in part if begin <= t <= end)) for begin, end in zip(times, times[1:])]
+    middle, mean = (len(swings) - 1) / 2, sum(swings) / len(swings)
+    slope = (sum((n - middle) * (swing - mean) for n, swing in enumerate(swings))
+             / sum((n - middle) ** 2 for n in range(len(swings))))
+    return 1.0 - math.exp(2.0 * slope)
+
+
 def zero_crossing(series, quantity):
     """The time of zero crossing number `number` (1 = the first) in the window."""
     times = _zero_crossings(series, quantity)
@@ -168,6 +183,7 @@ KINDS = {
     "crossing": (crossing, {"threshold"}, _WINDOW),
     "period": (period, set(), _WINDOW | {"about"}),
     "frequency": (frequency, set(), _WINDOW | {"about"}),
+    "loss_per_period": (loss_per_period, set(), _WINDOW | {"about"}),
     "zero_crossing": (zero_crossing, set(), _WINDOW | {"about", "number"}),
     "non_monotone": (non_monotone, {"direction"}, _WINDOW),
     "largest_rise": (largest_rise, set(), _WINDOW),
