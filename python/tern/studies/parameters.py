@@ -39,7 +39,7 @@ PARAMETERS = (
     Parameter("fluid.numerics.gradient", "fluid", ("sum",)),
     Parameter("fluid.numerics.blend_theta", "fluid", (0.0, 0.5)),
     Parameter("fluid.numerics.density_relaxation", "fluid", (0.0, 0.05)),
-    Parameter("fluid.numerics.shifting", "fluid", (0.0, 1.0)),
+    Parameter("fluid.numerics.shifting", "fluid", (0.0, 2.0)),
     Parameter("fluid.numerics.noise_damping", "fluid", (0.0, 0.4)),
     Parameter("fluid.numerics.contact_distance", "fluid", (0.0, 0.4)),
     Parameter("structure.numerics.integrator", "structure", ("explicit", "implicit")),
