@@ -169,6 +169,13 @@ class LauncherTest(unittest.TestCase):
         self.assertEqual(first_cause.find(ended, {}, interrupted=True), first_cause.by_user())
         self.assertEqual(first_cause.find(ended, {}, interrupted=False).exit_code, 4)
 
+    # Seen to fail: with the processes in the order in which they were started (tern-fluid).
+    def test_who_was_told_to_end_by_somebody_else_is_named_before_whom_the_launcher_has_ended(self):
+        reports = {role: {"cause": "Interrupted by SIGTERM while waiting.", "cause_time": 1.0} for role in ("fluid", "structure")}
+        ended = [Process(role, f"tern-{role}", None, -1, exit_code=130, ended_by_launcher=role == "fluid", ended_at=2.0)
+                 for role in reports]
+        self.assertEqual(first_cause.find(ended, reports, interrupted=False).role, "structure")
+
     def test_ctrl_c_while_a_foreign_program_imports_modules_prints_no_traceback(self):
         # Seen to fail: with SIGINT for it as well (a KeyboardInterrupt of time.sleep, and of the modules of a participant).
         begun = self.fake.path / "begun"

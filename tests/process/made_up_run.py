@@ -64,7 +64,7 @@ def write_case(directory, **more):
     (directory / "run.json").write_text(json.dumps({
         "case": "made_up", "case_path": str(directory / "case.toml"), "title": "A made-up run", "status": "done", "first_cause": "",
         "wall_s": 3.0, "cpu_s": 2.5, "steps": 2, "settings": {
-            "dimension": 2, "end_time": 0.2, "fluid": {"spacing": 0.01, "numerics": {"courant": 0.1, "shifting": 0.5}},
+            "dimension": 2, "end_time": 0.2, "fluid": {"spacing": 0.01, "numerics": {"courant": 0.1, "shifting": 1.0}},
             "wall": [{"name": "tank", "container": {"box": {"min": [0, 0], "max": [0.4, 0.2]}}, "open": ["y_max"]}]},
         "processes": {"fluid": {"status": "done", "exit_code": 0, "cpu_s": 2.0, "wall_s": 3.0, "time_s": 0.2,
                                 "timing_s": {"compute": 2.0, "compute.boundary": 0.5, "wait": 0.7, "exchange": 0.2, "output": 0.1},

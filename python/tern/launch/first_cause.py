@@ -75,8 +75,8 @@ def find(processes, reports, interrupted):
                 and cause.sentence.rstrip(".") in first.sentence):
             first = cause
     if first.exit_code == INTERRUPTED and not interrupted:
-        # A signal from elsewhere: who has got it says so, the others only that the run was interrupted.
-        for process in processes:
+        # A signal from elsewhere: who has got it says so, the others only that the run was interrupted, or that the launcher's has come.
+        for process in sorted(processes, key=lambda process: process.ended_by_launcher):
             sentence = reports.get(process.role, {}).get("cause") or ""
             if sentence.startswith("Interrupted by"):
                 return Cause(INTERRUPTED, f"{process.program} was told to end. {sentence}", process.role)
