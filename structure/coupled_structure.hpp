@@ -63,7 +63,7 @@ class CoupledStructure {
       return surface;
     }
     Surface<D> trial = structure_.trial(begin, duration);
-    for (std::size_t k = 0; k < trial.position.size(); ++k) trial.velocity[k] = at_end(k, trial.position).given;
+    trial.velocity = velocity_at_end(trial.position);
     for (std::size_t k = 0; k < trial.position.size(); ++k) {
       trial.position[k] = 0.5 * (at_begin_.position[k] + trial.position[k]);
       trial.normal[k] = (at_begin_.normal[k] + trial.normal[k]).normalized();
@@ -75,10 +75,7 @@ class CoupledStructure {
   /// Implicit coupling: velocities of the surface at the end of the window under this load.
   std::vector<Vector<D>> respond(const SurfaceLoad<D>& load) {
     structure_.advance(load);
-    const std::vector<Vector<D>> position = structure_.surface().position;
-    std::vector<Vector<D>> velocity(position.size());
-    for (std::size_t k = 0; k < position.size(); ++k) velocity[k] = at_end(k, position).given;
-    return velocity;
+    return velocity_at_end(structure_.surface().position);
   }
 
   /// Brings the structure to the end of the window under this load.
@@ -106,6 +103,12 @@ class CoupledStructure {
   }
 
  private:
+  std::vector<Vector<D>> velocity_at_end(const std::vector<Vector<D>>& position) const {
+    std::vector<Vector<D>> velocity(position.size());
+    for (std::size_t k = 0; k < position.size(); ++k) velocity[k] = at_end(k, position).given;
+    return velocity;
+  }
+
   FollowedVelocity<Vector<D>> at_end(std::size_t k, const std::vector<Vector<D>>& position) const {
     const Vector<D> mean = (position[k] - at_begin_.position[k]) / seconds(duration_);
     return followed_velocity<Vector<D>>(mean, {at_begin_.velocity[k], own_velocity_[k]});
@@ -114,8 +117,8 @@ class CoupledStructure {
   Structure<D>& structure_;
   CouplingAlgorithm algorithm_;
   Ticks begin_ = 0, duration_ = 0;
-  Surface<D> at_begin_;  ///< of the window; velocity: as the fluid was given it
-  std::vector<Vector<D>> own_velocity_;
+  Surface<D> at_begin_;                  ///< of the window; velocity: as the fluid was given it
+  std::vector<Vector<D>> own_velocity_;  ///< FollowedVelocity::own of each point, at the begin of the window
 };
 
 }  // namespace tern::structure

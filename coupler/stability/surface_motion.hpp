@@ -9,7 +9,7 @@
 //     x_j+1 - x_j = dt_j/2 (w_j + w_j+1)           up to  dt_j/2 |w_j+1 - w_j|
 // The sums of both sides over several windows are compared. w_j+1 is known where the last load was tried (SurfaceVelocity). Where it was
 // not, it is that of the last trial up to D = 4 dt/m |change of pressure|: a mean velocity changes by dt/2 p/m, a velocity at the end by
-// (1 + beta) <= 2 times that, and a stiff bar that is loaded at its end moves there four times as fast as its whole mass would.
+// less than twice that, and a stiff bar that is loaded at its end moves there four times as fast as its whole mass would.
 // On top, half the sum of both sides is granted: only what is wrong by a factor above 3, or by more than 60 degrees, is refused.
 
 #include <optional>

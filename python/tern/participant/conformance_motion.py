@@ -51,7 +51,7 @@ class Life:
     @functools.cached_property
     def share(self):
         """The share that fits best: 1/2 for an even acceleration."""
-        shares = numpy.arange(19) / 18
+        shares = numpy.arange(181) / 180
         return shares[numpy.argmin([self.fit(share)[1] for share in shares])]
 
     def fit(self, share):
