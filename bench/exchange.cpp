@@ -80,7 +80,8 @@ struct Content {
     std::shuffle(labels.begin(), labels.end(), std::mt19937(1));
     particles = {labels, vectors, vectors, scalars, scalars, scalars, {}, {}, {}};
     load.force = vectors;
-    load.reference_pressure = load.robin_mass = scalars;
+    load.reference_pressure = load.response.share = load.response.mass = scalars;
+    load.response.lump.assign(scalars.size(), 0);
     pressure = {scalars, vectors};
   }
 };

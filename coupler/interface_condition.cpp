@@ -1,6 +1,7 @@
 #include "coupler/interface_condition.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tern::coupler {
 namespace {
@@ -8,57 +9,60 @@ namespace {
 /// Of the half space before a point. At the end of the kernel, where w~ may be negative, particles and point feel nothing of each other.
 constexpr double least_share = 1e-3;
 
-}  // namespace
-
+/// Mass per area behind a point that a pressure moves within the window [kg/m^2].
 template <int D>
-std::vector<double> stretch_of(const Surface<D>& surface, std::vector<double>& area_at_start) {
-  if (area_at_start.empty()) area_at_start = surface.area;
-  std::vector<double> stretch(surface.area.size());
-  for (std::size_t k = 0; k < stretch.size(); ++k) stretch[k] = surface.area[k] / area_at_start[k];
-  return stretch;
-}
-
-template <int D>
-double responding_mass(const Setup<D>& setup, const Workspace<D>& window, std::size_t k) {
+double responding_mass(const Setup<D>& setup, double duration, double stretch, std::size_t k) {
   // Over a window a pressure accelerates the section behind the point. While an elastic wave is on its way through the section, the
   // face moves at the constant p/(rho c). The fluid takes the mean velocity for half of that at the end; for it the answer is that
   // of half the layer that the wave reaches. At least one particle moves. These masses are per area at the start; where the body has
   // been stretched since, less mass is behind the same area.
   const SurfaceProperties& of = setup.properties;
-  return std::max(std::min(of.section_mass[k], 0.5 * of.impedance[k] * window.duration), of.least_mass[k]) / window.stretch[k];
+  return std::max(std::min(of.section_mass[k], 0.5 * of.impedance[k] * duration), of.least_mass[k]) / stretch;
 }
 
+}  // namespace
+
 template <int D>
-std::vector<double> robin_mass(const Setup<D>& setup, const Workspace<D>& window, const LearntMass& learnt) {
-  std::vector<double> mass(window.stretch.size());
-  for (std::size_t k = 0; k < mass.size(); ++k) {
-    const double guess = responding_mass(setup, window, k);
-    mass[k] = std::max(setup.robin_mass_factor * (setup.algorithm.tests ? learnt.at(k, guess) : guess), setup.least_robin_mass);
+void find_answer(const Setup<D>& setup, const Surface<D>& surface, State<D>& state, Workspace<D>& window) {
+  const std::size_t points = surface.position.size();
+  if (state.start.area.empty()) state.start = {surface.position, surface.normal, surface.area};
+  window.stretch.resize(points);
+  window.responding_mass.resize(points);
+  for (std::size_t k = 0; k < points; ++k) {
+    window.stretch[k] = surface.area[k] / state.start.area[k];
+    window.responding_mass[k] = responding_mass(setup, window.duration, window.stretch[k], k);
   }
-  return mass;
-}
-
-template <int D>
-double largest_gain(const Setup<D>& setup, const Workspace<D>& window) {
-  double largest = 1;
-  for (std::size_t k = 0; k < setup.properties.body.size(); ++k)
-    largest = std::max(largest, window.robin_mass[k] / responding_mass(setup, window, k));
-  return largest;
+  if (setup.algorithm.tests) {
+    state.response.prepare(setup, state.start);
+    window.answer = state.response.answer(setup, window.responding_mass, surface.area);
+    for (double& mass : window.answer.mass) mass *= setup.robin_mass_factor;
+    return;
+  }
+  window.answer = {lumps_of_points(points), {}, 1};
+  for (std::size_t k = 0; k < points; ++k) {
+    const double mass = std::max(setup.robin_mass_factor * window.responding_mass[k], setup.least_robin_mass);
+    window.answer.mass.push_back(mass * surface.area[k]);
+    window.answer.gain = std::max(window.answer.gain, mass / window.responding_mass[k]);
+  }
 }
 
 template <int D>
 void set_robin_condition(const Setup<D>& setup, Workspace<D>& window) {
   const Surface<D>& surface = window.surface;
-  const std::size_t points = surface.position.size();
+  const std::size_t points = surface.position.size(), per_point = window.answer.lumps.per_point;
+  SurfaceResponse& response = window.condition.response;
   window.condition.reference_pressure.assign(points, 0);
-  window.condition.robin_mass.assign(points, 0);  // 0: the fluid takes the surface as a wall that moves as given
+  response = {};  // the fluid takes the surface as a wall that moves as given
   if (!setup.algorithm.yields) return;
+  response = {window.answer.lumps.lump, window.answer.lumps.share, window.answer.mass};
   for (std::size_t k = 0; k < points; ++k) {
-    // A pressure p loads the point with s p A, s being the share of its half space that particles fill: some per cent off 1 where they
-    // are on no lattice, less at a free surface. So it answers p with the mass m/s, and its load is that of the pressure L/(s A). With s
-    // left out, a body that rests under p is taken to give way by dt (1 - s) p/m in every window: where s > 1 that makes energy.
+    // A pressure p loads the point with s p A: s is some per cent off 1 where particles are on no lattice, and less at a free surface. So
+    // its load is that of the pressure L/(s A). With s left out, a body that rests under p is taken to give way by dt (1 - s) p/m in every
+    // window: where s > 1 that makes energy. In the equation of the fluid, which has neither images nor schemes, the same pressure pushes
+    // with b p A; s/b is made up for, half by the force on the lumps and half by their motion, so that the equation stays symmetric.
     const double share = window.share[k] > least_share ? window.share[k] : 1;
-    window.condition.robin_mass[k] = window.robin_mass[k] / share;
+    if (const double seen = window.seen_share[k]; window.share[k] > least_share && seen > least_share)
+      for (std::size_t c = k * per_point; c < (k + 1) * per_point; ++c) response.share[c] *= std::sqrt(share / seen);
     // What the assumed load carries, less what is known of the answer; contacts are not the pressure's. A pressure in excess of this moves
     // the surface on from where it was predicted.
     const Vector<D> carried = window.assumed_load.force[k] - window.load.force[k] - window.assumed_contact.force[k];
@@ -66,14 +70,8 @@ void set_robin_condition(const Setup<D>& setup, Workspace<D>& window) {
   }
 }
 
-template std::vector<double> stretch_of<2>(const Surface<2>&, std::vector<double>&);
-template std::vector<double> stretch_of<3>(const Surface<3>&, std::vector<double>&);
-template double responding_mass<2>(const Setup<2>&, const Workspace<2>&, std::size_t);
-template double responding_mass<3>(const Setup<3>&, const Workspace<3>&, std::size_t);
-template std::vector<double> robin_mass<2>(const Setup<2>&, const Workspace<2>&, const LearntMass&);
-template std::vector<double> robin_mass<3>(const Setup<3>&, const Workspace<3>&, const LearntMass&);
-template double largest_gain<2>(const Setup<2>&, const Workspace<2>&);
-template double largest_gain<3>(const Setup<3>&, const Workspace<3>&);
+template void find_answer<2>(const Setup<2>&, const Surface<2>&, State<2>&, Workspace<2>&);
+template void find_answer<3>(const Setup<3>&, const Surface<3>&, State<3>&, Workspace<3>&);
 template void set_robin_condition<2>(const Setup<2>&, Workspace<2>&);
 template void set_robin_condition<3>(const Setup<3>&, Workspace<3>&);
 

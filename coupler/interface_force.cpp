@@ -43,6 +43,9 @@ void settle_contacts(const Setup<D>& setup, const InterfacePressure<D>& pressure
   std::vector<Vector<D>>& on_particles = window.particle_force.force;
   if (iterates) window.contact.force.assign(window.load.force.size(), Vector<D>::Zero());
   if (setup.contact_distance == 0) return;
+  LumpMotion<D> answered(window.answer.lumps, window.answer.mass, window.duration);  // to what exceeds the assumed load
+  if (iterates)
+    for (std::size_t k = 0; k < surface.position.size(); ++k) answered.push(k, window.load.force[k] - window.assumed_load.force[k]);
   for (const auto& pair : window.pairs.pairs()) {
     const int i = pair.particle, k = pair.point;
     const Vector<D>& n = surface.normal[k];
@@ -52,18 +55,21 @@ void settle_contacts(const Setup<D>& setup, const InterfacePressure<D>& pressure
         permitted_approach((particles.position[i] - surface.position[k]).dot(n), setup.contact_distance, window.duration);
     const double approach = (surface.velocity[k] - velocity).dot(n) - permitted;
     // In one pass the face gives way as the mass does that lies behind the particle.
-    double behind = responding_mass(setup, window, k) * std::pow(particles.volume[i], (D - 1.0) / D), expected = approach;
+    double behind = window.responding_mass[k] * std::pow(particles.volume[i], (D - 1.0) / D), expected = approach;
     if (iterates) {
       // As the pressure equation has it, to what exceeds the assumed load. When both sides agree nothing does, and the
       // particle has the velocity of the face, be that held by its stiffness or free.
-      behind = window.robin_mass[k] * surface.area[k];
-      expected += window.duration / behind * (window.load.force[k] - window.assumed_load.force[k]).dot(n);
+      behind = answered.mass(k);
+      expected += answered.velocity(k).dot(n);
     }
     if (expected <= 0) continue;
     const double mass = particles.mass[i] * behind / (particles.mass[i] + behind);
     const Vector<D> force = -(mass * expected / window.duration) * n;
     add_pair_force(pair, force, window.load, on_particles);
-    if (iterates) window.contact.force[k] += force;
+    if (iterates) {
+      window.contact.force[k] += force;
+      answered.push(k, force);
+    }
     window.audit.contact_dissipation += 0.5 * mass * expected * (approach + 2 * permitted);
     ++window.audit.contacts;
   }

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "coupler/acceleration/fixed_point.hpp"
-#include "coupler/acceleration/learnt_mass.hpp"
+#include "coupler/acceleration/learnt_response.hpp"
 #include "coupler/motion_error.hpp"
 #include "coupler/setup.hpp"
 #include "coupler/stability/observations.hpp"
@@ -39,8 +39,8 @@ struct State {
   SurfaceLoad<D> contact;                   ///< the contacts in it; empty where windows are not repeated
   std::vector<Vector<D>> surface_velocity;  ///< at the end of the last window [m/s]; empty before the first
   MotionError<D> motion;                    ///< how that has changed
-  LearntMass mass;                          ///< with which the surface has answered
-  std::vector<double> area_at_start;        ///< of every surface point [m^(D-1)]
+  LearntResponse<D> response;               ///< how the surface has answered
+  SurfaceAtStart<D> start;                  ///< of the run; empty before
   FixedPoint fixed_point;                   ///< what the iterations of the last windows have shown of the answer to a load
   Observations observations;                ///< what has been seen by those who watch for divergence
   MeetingState<D> meeting;                  ///< of bodies with each other and with walls
@@ -54,8 +54,8 @@ struct State {
     visit("contact", all.contact.force...);
     visit("surface_velocity", all.surface_velocity...);
     visit("motion", all.motion...);
-    visit("mass", all.mass...);
-    visit("area_at_start", all.area_at_start...);
+    visit("response", all.response...);
+    visit("start", all.start...);
     visit("fixed_point", all.fixed_point...);
     visit("observations", all.observations...);
     visit("meeting", all.meeting...);

@@ -66,8 +66,7 @@ void Coupler<D>::pass_window(double begin, double duration, const Surface<D>& su
   window_.begin = begin;
   window_.duration = duration;
   window_.audit = {};
-  window_.stretch = stretch_of(surface, state_.area_at_start);
-  window_.robin_mass = robin_mass(setup_, window_, state_.mass);
+  find_answer(setup_, surface, state_, window_);
   begin_iterations(setup_, window_, state_);
   window_.load.force.assign(surface.position.size(), Vector<D>::Zero());
   state_.load = window_.load;
@@ -112,16 +111,16 @@ const InterfaceCondition<D>& Coupler<D>::first_exchange(double begin, double dur
   window_.duration = duration;
   window_.surface = surface;
   window_.particles = std::move(particles);
-  window_.stretch = stretch_of(surface, state_.area_at_start);
   window_.pairs.find(window_.particles, surface);
   window_.share = uniform_load<D>(setup_.scheme, window_.pairs.all_pairs(), surface);
+  window_.seen_share = window_.pairs.seen_share(surface);
 
   // The structure makes its first iteration under the load of the last window.
   window_.assumed_load = state_.load;
   window_.assumed_load.force.resize(surface.position.size(), Vector<D>::Zero());
   window_.assumed_contact = state_.contact;
   window_.assumed_contact.force.resize(surface.position.size(), Vector<D>::Zero());
-  window_.robin_mass = robin_mass(setup_, window_, state_.mass);
+  find_answer(setup_, surface, state_, window_);
   begin_iterations(setup_, window_, state_);
   window_.velocity_at_end = surface.velocity;
 
@@ -154,7 +153,7 @@ template <int D>
 bool Coupler<D>::accepts(const std::vector<Vector<D>>& velocity) {
   window_.velocity_at_end = velocity;
   if (!setup_.algorithm.tests || window_.iterations > 1) return false;
-  learn_mass(window_, velocity, state_.mass);
+  state_.response.learn(setup_, window_, velocity);
   window_.agreed = disagreement(setup_, state_, window_, window_.answered_load, velocity).agrees();
   if (window_.agreed) return true;
   state_.fixed_point.add(parts(window_.assumed_load, window_.assumed_contact), parts(window_.answered_load, window_.contact));

@@ -6,6 +6,7 @@
 #include "coupler/audit.hpp"
 #include "coupler/schemes/interface_pairs.hpp"
 #include "coupler/setup.hpp"
+#include "coupler/surface_lumps.hpp"
 #include "proto/interface.hpp"
 
 namespace tern::coupler {
@@ -19,8 +20,10 @@ struct Workspace {
   InterfaceParticles<D> particles;         ///< at their predicted positions
   InterfacePairs<D> pairs;                 ///< who sees whom
   std::vector<double> stretch;             ///< of every surface point: its area over that at the start
-  std::vector<double> robin_mass;          ///< with which each point is taken to answer a pressure [kg/m^2]
+  std::vector<double> responding_mass;     ///< with which each point answers a pressure, as a formula guesses it [kg/m^2]
+  SurfaceAnswer answer;                    ///< how the surface is taken to answer the fluid
   std::vector<double> share;               ///< load of each point under a uniform pressure p, over p A
+  std::vector<double> seen_share;          ///< the same of the pressures on it in the equation of the fluid
   SurfaceLoad<D> assumed_load;             ///< under which the structure has made the present iteration
   SurfaceLoad<D> assumed_contact;          ///< the contacts in it
   InterfaceCondition<D> condition;         ///< what the fluid is told before its pressure solve

@@ -107,19 +107,20 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
     const bool pushed = push(load.force);  // u* += dt a_dissipative
     if (pushed || !first) compute_divergence();
     if (first) {
-      complete_pressure_matrix(constants, load, neighbours_, boundary_, correction_, at_structure_, state_, system_);
+      complete_pressure_matrix(constants, load, neighbours_, boundary_, correction_, prediction_, at_structure_, state_, system_);
       // Where no surface lets a region change its volume, its own mean density is the one to keep.
       if (system_.body_tied.any()) system_.body_tied.subtract_means(divergence_target_);
     }
-    assemble_pressure_source(constants, window_.duration, load, state_, prediction_, boundary_, divergence_, divergence_target_, system_);
+    assemble_pressure_source(constants, window_.duration, load, state_, prediction_, boundary_, at_structure_, divergence_,
+                             divergence_target_, system_);
   }
   {
     ScopedTimer timer(timing_.pressure_solve);
     if (first) {
-      prepare_pressure_solve(constants, neighbours_, state_.particle_class, prediction_.position, system_);
+      prepare_pressure_solve(constants, neighbours_, state_.particle_class, prediction_.position, at_structure_, system_);
       if (system_.sealed.any()) account_for_enclosed_fluid(reference_, window_, boundary_, system_.source, system_.sealed, state_);
     }
-    solve_pressure_poisson(constants, window_, prediction_.position, state_, system_);
+    solve_pressure_poisson(constants, window_, prediction_.position, at_structure_, state_, system_);
   }
   if (first) drive_out_what_is_left();
   ScopedTimer timer(timing_.correction);
@@ -151,7 +152,7 @@ void Fluid<D>::drive_out_what_is_left() {
   find_left(system_.left_behind);
   {
     ScopedTimer timer(timing_.pressure_solve);
-    solve_for_correction(reference_.constants, window_, prediction_.position, state_, system_);
+    solve_for_correction(reference_.constants, window_, prediction_.position, at_structure_, state_, system_);
     add_correction(system_, state_);
   }
   find_left(system_.still_left);

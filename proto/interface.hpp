@@ -58,12 +58,22 @@ struct InterfaceParticles {
   std::vector<std::uint32_t> covered;
 };
 
+/// How the surface yields to a pressure (Robin condition). The bodies answer in lumps, parts that are pushed and move as a whole: under
+/// forces f on its points, point k moves faster by sum_a share_ka (dt/m_a) sum_l share_la f_l at the end of the window.
+struct SurfaceResponse {
+  std::vector<std::uint32_t> lump;  ///< the same number of lumps for every point, point by point; empty: the surface does not yield
+  std::vector<double> share;        ///< of the point in each of these lumps
+  std::vector<double> mass;         ///< of every lump [kg/m^(3-D)]
+
+  std::size_t lumps_per_point(std::size_t points) const { return points == 0 ? 0 : lump.size() / points; }
+};
+
 /// What the fluid is told before its pressure solve: the explicit forces on its interface particles and the Robin condition of the surface.
 template <int D>
 struct InterfaceCondition {
   std::vector<Vector<D>> force;            ///< on each interface particle [N/m^(3-D)]
   std::vector<double> reference_pressure;  ///< p-hat on each surface point [Pa], under which the trial state already moves
-  std::vector<double> robin_mass;          ///< m_p on each surface point [kg/m^2]; 0: it does not yield
+  SurfaceResponse response;                ///< to what a pressure exceeds that; the same in all coupling iterations of a window
   /// Velocity of each surface point under the load that is tried now [m/s]; empty: as in Surface.
   std::vector<Vector<D>> surface_velocity;
   bool repeats = false;  ///< the same window may be asked for once more

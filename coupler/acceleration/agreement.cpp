@@ -16,12 +16,13 @@ template <int D>
 Disagreement disagreement(const Setup<D>& setup, const State<D>& state, const Workspace<D>& window, const SurfaceLoad<D>& answer,
                           const std::vector<Vector<D>>& velocity) {
   const Surface<D>& surface = window.surface;
+  LumpMotion<D> answered(window.answer.lumps, window.answer.mass, window.duration);
+  for (std::size_t k = 0; k < surface.position.size(); ++k) answered.push(k, answer.force[k] - window.assumed_load.force[k]);
   double size = 0, change = 0, fastest = 0, area = 0;
   for (std::size_t k = 0; k < surface.position.size(); ++k) {
     if (window.share[k] == 0) continue;  // dry
     const Vector<D>& n = surface.normal[k];
-    const double a = surface.area[k], answered = (answer.force[k] - window.assumed_load.force[k]).dot(n);
-    const double told = surface.velocity[k].dot(n) + window.duration / (window.robin_mass[k] * a) * answered;
+    const double a = surface.area[k], told = (surface.velocity[k] + answered.velocity(k)).dot(n);
     const double before = state.surface_velocity.empty() ? 0 : state.surface_velocity[k].dot(n);
     size += a * std::pow(told - velocity[k].dot(n), 2);
     change += a * std::pow(told - before, 2);
@@ -32,24 +33,9 @@ Disagreement disagreement(const Setup<D>& setup, const State<D>& state, const Wo
   return {std::sqrt(size), accepted_share * std::max(std::sqrt(change), floor * std::sqrt(area))};
 }
 
-template <int D>
-void learn_mass(const Workspace<D>& window, const std::vector<Vector<D>>& velocity, LearntMass& mass) {
-  const Surface<D>& surface = window.surface;
-  std::vector<double> load(velocity.size(), 0), acceleration(velocity.size(), 0);
-  for (std::size_t k = 0; k < velocity.size(); ++k) {
-    if (window.share[k] == 0) continue;  // dry
-    const Vector<D>& n = surface.normal[k];
-    load[k] = (window.answered_load.force[k] - window.assumed_load.force[k]).dot(n) / surface.area[k];
-    acceleration[k] = (velocity[k] - surface.velocity[k]).dot(n) / window.duration;
-  }
-  mass.add(load, acceleration);
-}
-
 template Disagreement disagreement<2>(const Setup<2>&, const State<2>&, const Workspace<2>&, const SurfaceLoad<2>&,
                                       const std::vector<Vector<2>>&);
 template Disagreement disagreement<3>(const Setup<3>&, const State<3>&, const Workspace<3>&, const SurfaceLoad<3>&,
                                       const std::vector<Vector<3>>&);
-template void learn_mass<2>(const Workspace<2>&, const std::vector<Vector<2>>&, LearntMass&);
-template void learn_mass<3>(const Workspace<3>&, const std::vector<Vector<3>>&, LearntMass&);
 
 }  // namespace tern::coupler

@@ -18,13 +18,9 @@ struct Disagreement {
   bool agrees() const { return size <= accepted; }
 };
 
-/// What the fluid takes the surface to have, u* + dt/(m_p A) (f - x) . n, against `velocity`; f answers the assumed load x.
+/// What the fluid takes the surface to have, u* and the answer of the lumps to f - x, against `velocity`; f answers the assumed load x.
 template <int D>
 Disagreement disagreement(const Setup<D>& setup, const State<D>& state, const Workspace<D>& window, const SurfaceLoad<D>& answer,
                           const std::vector<Vector<D>>& velocity);
-
-/// Learns from the first pass: the surface has moved as window.surface says under the assumed load, and with `velocity` under the answer.
-template <int D>
-void learn_mass(const Workspace<D>& window, const std::vector<Vector<D>>& velocity, LearntMass& mass);
 
 }  // namespace tern::coupler

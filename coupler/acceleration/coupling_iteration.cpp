@@ -1,7 +1,6 @@
 #include "coupler/acceleration/coupling_iteration.hpp"
 
 #include "coupler/acceleration/flat.hpp"
-#include "coupler/interface_condition.hpp"
 
 namespace tern::coupler {
 
@@ -9,7 +8,7 @@ template <int D>
 void begin_iterations(const Setup<D>& setup, Workspace<D>& window, State<D>& state) {
   window.iterations = 0;
   window.agreed = true;
-  if (setup.algorithm.iterates) state.fixed_point.begin_window(largest_gain(setup, window), window.begin);
+  if (setup.algorithm.iterates) state.fixed_point.begin_window(window.answer.gain, window.begin);
 }
 
 template <int D>

@@ -6,7 +6,7 @@
 
 namespace tern::coupler {
 
-/// Forgets the iterations of the window before; their changes stay. `window.stretch`, duration and Robin masses are known.
+/// Forgets the iterations of the window before; their changes stay. `window.answer` is known.
 template <int D>
 void begin_iterations(const Setup<D>& setup, Workspace<D>& window, State<D>& state);
 

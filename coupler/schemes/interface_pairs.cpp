@@ -50,6 +50,15 @@ void InterfacePairs<D>::find(const InterfaceParticles<D>& particles, const Surfa
   }
 }
 
+template <int D>
+std::vector<double> InterfacePairs<D>::seen_share(const Surface<D>& surface) const {
+  std::vector<double> share(surface.position.size(), 0);
+  for (const auto& pair : pairs()) share[pair.point] -= pair.b.dot(surface.normal[pair.point]) / surface.area[pair.point];
+  for (std::size_t k = 0; k < share.size(); ++k)
+    if (share[k] != 0) share[k] /= borne_share_[k];
+  return share;
+}
+
 template class InterfacePairs<2>;
 template class InterfacePairs<3>;
 

@@ -38,6 +38,9 @@ class InterfacePairs {
   std::span<const InterfacePair<D>> back_facing_pairs() const { return {pairs_.data() + particle_pairs_, back_facing_pairs_}; }
   /// Of their images behind walls: `particle` is the one that is mirrored, everything else is that of the image.
   std::span<const InterfacePair<D>> image_pairs() const { return std::span(pairs_).subspan(particle_pairs_ + back_facing_pairs_); }
+  /// Part of the half space before each point that the particles that it sees fill, as the fluid's own sums have it.
+  std::vector<double> seen_share(const Surface<D>& surface) const;
+
   /// Those of the particles, the back-facing ones, then those of the images.
   std::span<const InterfacePair<D>> all_pairs() const { return pairs_; }
 

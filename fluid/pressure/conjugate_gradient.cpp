@@ -6,8 +6,8 @@
 
 namespace tern::fluid {
 
-SolveResult conjugate_gradient(const EdgeMatrix& matrix, const Apply& precondition, const std::vector<double>& b, double tolerance,
-                               int limit, std::vector<double>& p, ConjugateGradientWork& work) {
+SolveResult conjugate_gradient(const EdgeMatrix& matrix, const Apply& add, const Apply& precondition, const std::vector<double>& b,
+                               double tolerance, int limit, std::vector<double>& p, ConjugateGradientWork& work) {
   const std::ptrdiff_t n = matrix.rows();
   for (auto* v : {&work.residual, &work.preconditioned, &work.direction, &work.product}) v->assign(matrix.padded_rows(), 0);
   auto& [r, z, d, q] = work;
@@ -23,6 +23,7 @@ SolveResult conjugate_gradient(const EdgeMatrix& matrix, const Apply& preconditi
     return result;
   }
   matrix.multiply(p, q);
+  add(p, q);
   parallel_for(n, [&](std::ptrdiff_t i) { r[i] = b[i] - q[i]; });
   result.residual = std::sqrt(dot(r, r)) / norm_b;
   double rho = 0;
@@ -35,6 +36,7 @@ SolveResult conjugate_gradient(const EdgeMatrix& matrix, const Apply& preconditi
     rho = rho_next;
     parallel_for(n, [&](std::ptrdiff_t i) { d[i] = z[i] + beta * d[i]; });
     matrix.multiply(d, q);
+    add(d, q);
     const double curvature = dot(d, q);
     if (!(curvature > 0)) return result;
     const double alpha = rho / curvature;

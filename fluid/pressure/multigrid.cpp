@@ -29,7 +29,8 @@ int cells_of_period(double length, double width) {
 
 template <int D>
 void Multigrid<D>::build(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position, const std::vector<ParticleClass>& particle_class,
-                         const std::vector<int>& beside_body, double spacing, double gradient_scale) {
+                         const std::vector<int>& beside_body, double spacing, double gradient_scale, const YieldingSurface<D>& yielding,
+                         const std::vector<int>& at_structure) {
   matrix_ = &matrix;
   if (levels_.empty()) levels_.resize(1);
   build_finest(matrix, position, particle_class, beside_body, spacing, gradient_scale);
@@ -50,6 +51,7 @@ void Multigrid<D>::build(const EdgeMatrix& matrix, const std::vector<Vector<D>>&
     for (int s = 0; s < stencil; ++s)
       if (last.row[a][s] != 0) dense(a, last.neighbour[a][s]) += last.row[a][s];
   for (const Entry& entry : last.further_entries) dense(entry.row, entry.column) += entry.value;
+  build_yielding(yielding, at_structure);
   Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> in_place(dense);
   coarsest_solution_.resize(last.nodes());
   find_parts();

@@ -26,6 +26,7 @@
 #include "fluid/pressure/connected_parts.hpp"
 #include "fluid/pressure/edge_matrix.hpp"
 #include "fluid/pressure/grid_stencil.hpp"
+#include "fluid/pressure/yielding_surface.hpp"
 
 namespace tern::fluid {
 
@@ -36,9 +37,10 @@ class Multigrid {
 
   /// Rebuilds the hierarchy for the matrix A of particles at x; unknowns are those that `particle_class` says.
   /// `beside_body`: particles near bodies that may part the fluid. `gradient_scale`: V times the ratio of A to a Laplacian of
-  /// unit coefficient. Matrix and arrays must outlive use.
+  /// unit coefficient. `yielding`: what the matrix has a bound of, on the particles `at_structure`. Matrix and arrays must outlive use.
   void build(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position, const std::vector<ParticleClass>& particle_class,
-             const std::vector<int>& beside_body, double spacing, double gradient_scale);
+             const std::vector<int>& beside_body, double spacing, double gradient_scale, const YieldingSurface<D>& yielding,
+             const std::vector<int>& at_structure);
 
   /// z = B r, symmetric positive definite: one V(1,1) cycle from zero. Both of padded length.
   void apply(const std::vector<double>& r, std::vector<double>& z);
@@ -60,6 +62,14 @@ class Multigrid {
     float value;
   };
 
+  /// How the structure yields, on a level (multigrid_yielding.cpp).
+  struct Beside {
+    std::vector<int> begin, node;            ///< nodes from which each particle beside the structure takes its value
+    std::vector<float> weight;               ///< and their weights
+    std::vector<int> lump_begin, lump_node;  ///< nodes whose pressures push each lump
+    std::vector<Vector<D>> lump_vector;      ///< and how
+  };
+
   struct Level {
     std::array<int, D> size{};                   ///< places per direction of the index map
     std::array<bool, D> periodic{};              ///< directions in which the place after the last is the first
@@ -77,6 +87,7 @@ class Multigrid {
     std::vector<std::array<int, corners>> parent;  ///< of this level's nodes in the next; -1 where none
     std::vector<std::array<float, corners>> parent_weight;
     std::vector<float> x, b, residual;
+    Beside beside;
     std::size_t nodes() const { return coordinate.size(); }
   };
 
@@ -120,6 +131,10 @@ class Multigrid {
   void split_places(const std::array<int, D>& cells);
   int add_further_nodes(Level& level, int first);
   void split_coarse_places(Level& fine, Level& coarse, const std::array<bool, D>& halved);
+  // multigrid_yielding.cpp
+  void build_yielding(const YieldingSurface<D>& yielding, const std::vector<int>& at_structure);
+  /// y += (kappa - R) x
+  void add_difference(const Level& level, const std::vector<float>& x, std::vector<float>& y) const;
   // multigrid_cycle.cpp
   void cycle(std::size_t level);
   void smooth(Level& level, bool forward);
@@ -129,6 +144,8 @@ class Multigrid {
 
   Period<D> period_;
   const EdgeMatrix* matrix_ = nullptr;
+  const YieldingSurface<D>* yielding_ = nullptr;  ///< null: nothing yields
+  const std::vector<int>* at_structure_ = nullptr;
   std::vector<Level> levels_;
   std::vector<double> coarsest_, coarsest_solution_;  ///< Cholesky factor of the last level, column by column
   // Particles by grid cell, so that restriction gathers in a fixed order.
@@ -146,7 +163,8 @@ class Multigrid {
   std::vector<int> home_of_further_cell_, suspect_cells_;  ///< cells of the grid, both in ascending order
   std::vector<std::array<float, corners * corners>> element_;
   ConnectedParts parts_;  ///< in the end those of the coarsest grid
-  std::vector<int> around_, corner_of_;
+  std::vector<int> around_, corner_of_, row_of_particle_, place_;
+  std::vector<std::pair<int, int>> corner_of_row_;  ///< cell, and entry in it, of each particle beside the structure
   std::vector<int> part_of_particle_, part_of_node_, part_of_finer_node_;
 };
 

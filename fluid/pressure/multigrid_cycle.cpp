@@ -48,6 +48,7 @@ void Multigrid<D>::compute_residual(Level& level) {
   });
   for (const auto& rows : level.further_rows)
     for (const auto& [row, first, last] : rows) level.residual[row] -= further_product(level, first, last);
+  add_difference(level, level.x, level.residual);
 }
 
 template <int D>
@@ -75,6 +76,7 @@ void Multigrid<D>::cycle(std::size_t l) {
   for (std::size_t node = 0; node < level.nodes(); ++node)
     for (int corner = 0; corner < corners; ++corner)
       if (level.parent[node][corner] >= 0) level.x[node] += level.parent_weight[node][corner] * coarse.x[level.parent[node][corner]];
+  add_difference(level, level.x, level.b);  // so that the last smoothing starts from the residual with R
   smooth(level, false);
 }
 
@@ -85,11 +87,15 @@ void Multigrid<D>::apply(const std::vector<double>& r, std::vector<double>& z) {
   if (!(largest > 0)) largest = 1;
   const double inverse_largest = 1 / largest;
   const auto& diagonal = matrix_->diagonal();
+  const auto multiply = [&] {
+    matrix_->multiply(z_, az_);
+    if (yielding_) yielding_->add_difference(*at_structure_, z_, az_);
+  };
   parallel_for(n, [&](std::ptrdiff_t i) {
     r_[i] = static_cast<float>(r[i] * inverse_largest);
     z_[i] = jacobi_weight * r_[i] / diagonal[i];
   });
-  matrix_->multiply(z_, az_);
+  multiply();
 
   Level& finest = levels_[0];
   const std::ptrdiff_t cells = static_cast<std::ptrdiff_t>(cell_node_.size());
@@ -118,7 +124,7 @@ void Multigrid<D>::apply(const std::vector<double>& r, std::vector<double>& z) {
       z_[cell_particle_[entry]] += sum;
     }
   });
-  matrix_->multiply(z_, az_);
+  multiply();
   parallel_for(n, [&](std::ptrdiff_t i) { z[i] = largest * (double(z_[i]) + double(jacobi_weight) * (r_[i] - az_[i]) / diagonal[i]); });
 }
 

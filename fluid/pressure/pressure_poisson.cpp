@@ -1,7 +1,7 @@
 // Pressure Poisson equation (seed paper eq. 2 with the sign a projection needs), rows scaled by V_i:
-//   sum_j a_ij (p_i - p_j) + c_i p_i = -(rho/dt) V_i (div_i(u*) - q_i) + sum_k kappa_ik (p^_k - rho g.(x_k - x_i))
+//   sum_j a_ij (p_i - p_j) + c_i p_i + sum_j R_ij p_j = -(rho/dt) V_i (div_i(u*) - q_i) + what R has on this side
 //   a_ij  = V_i V_j K_ij,  K = 2 |w'|/r                        (Cummins & Rudman 1999)
-//   c_i   = V_i f_i K_full + sum_k kappa_ik + sum_spray a_ij
+//   c_i   = V_i f_i K_full + sum_spray a_ij
 // Free surface: the missing part f_i = 1 - tr M_i / D of a support acts as neighbours at p = 0. Unlike p = 0 on marked
 // particles this never switches a particle between two kinds of row, and the matrix keeps one size. Fluid that fills its
 // enclosure has no surface (enclosed_regions.hpp).
@@ -10,8 +10,8 @@
 //   c_i += 4 V_i E_i^2,   E_i = sum V grad w over fluid and faces.
 // Without it the pressure answers that motion one window late, and both swing and grow.
 // What this operator leaves of the divergence, because it is not the divergence of the pressure gradient: left_behind.hpp.
-// Walls and structure are no unknowns: their flux is in div(u*). The structure yields to an increment of pressure,
-// du_k = -dt (p + rho g.(x_k - x_i) - p^_k)/m_k n_k, which inserted in div(u^{n+1}) gives kappa_ik = 2 rho V_i A_k w~_ik / m_k.
+// Walls and structure are no unknowns: their flux is in div(u*). The structure yields to an increment of pressure: R, of which the matrix
+// has the diagonal bound kappa_i in c_i (yielding_surface.hpp).
 
 #include "fluid/pressure/pressure_poisson.hpp"
 
@@ -31,14 +31,9 @@ double missing_support(const State<D>& state, const Corrections<D>& correction, 
   return deficit > least_deficit ? deficit : 0;
 }
 
-/// kappa_ik of face k that the particle sees with this weight A_k w~_ik [m^(D-2)].
+/// `yields`: kappa_i.
 template <int D>
-double yielding(const Constants<D>& constants, const InterfaceCondition<D>& load, int k, double weight) {
-  return load.robin_mass[k] > 0 ? 2 * constants.density * constants.volume * weight / load.robin_mass[k] : 0;
-}
-
-template <int D>
-void assemble_row(const Constants<D>& constants, const InterfaceCondition<D>& load, const State<D>& state, const Neighbours<D>& neighbours,
+void assemble_row(const Constants<D>& constants, double yields, const State<D>& state, const Neighbours<D>& neighbours,
                   const Boundary<D>& boundary, const Corrections<D>& correction, int i, EdgeMatrix& matrix) {
   if (!state.particle_class[i].pressure_unknown()) {
     matrix.set_row(i, 0, 1, [](int) { return std::pair<int, float>{0, 0.0f}; });
@@ -47,14 +42,12 @@ void assemble_row(const Constants<D>& constants, const InterfaceCondition<D>& lo
   const double volume = constants.volume;
   const double full = constants.lattice.laplacian_weight / constants.lattice.gradient_moment;
   const int first = neighbours.begin[i], count = neighbours.count[i];
-  double constant = volume * missing_support(state, correction, i) * full;
+  double constant = volume * missing_support(state, correction, i) * full + yields;
   if (state.particle_class[i].has(ParticleClass::yields_to_level))
     constant += 4 * volume *
                 (neighbours.kernel_gradient[i] + boundary.sums.wall_gradient[i] + boundary.sums.surface_gradient[i] +
                  boundary.sums.back_facing_gradient[i])
                     .squaredNorm();
-  for (int entry = boundary.surface_rows.begin[i]; entry < boundary.surface_rows.begin[i] + boundary.surface_rows.count[i]; ++entry)
-    constant += yielding(constants, load, boundary.surface_rows.face[entry], boundary.surface_rows.weight[entry]);
   const int* column = neighbours.column.data() + first;
   const double* weight = neighbours.weight.data() + first;
   const auto edge = [&](int k) { return static_cast<float>(2 * volume * weight[k]); };
@@ -72,15 +65,12 @@ void assemble_row(const Constants<D>& constants, const InterfaceCondition<D>& lo
 
 /// Finds which enclosed regions bodies tie, and marks their particles with the symmetric gradient.
 template <int D>
-void tie_to_bodies(const Constants<D>& constants, const InterfaceCondition<D>& load, const Boundary<D>& boundary,
-                   const std::vector<int>& at_structure, State<D>& state, PressureSystem<D>& system) {
+void tie_to_bodies(const std::vector<int>& at_structure, State<D>& state, PressureSystem<D>& system) {
   std::vector<std::uint8_t>& yields = system.enclosed.tied;
   yields.assign(system.enclosed.size.size(), 0);
-  for (int i : at_structure) {
-    if (!system.enclosed.any() || system.enclosed.region[i] < 0) continue;
-    for (int entry = boundary.surface_rows.begin[i]; entry < boundary.surface_rows.begin[i] + boundary.surface_rows.count[i]; ++entry)
-      if (yielding(constants, load, boundary.surface_rows.face[entry], boundary.surface_rows.weight[entry]) > 0)
-        yields[system.enclosed.region[i]] = 1;
+  for (std::size_t m = 0; m < at_structure.size(); ++m) {
+    if (!system.enclosed.any() || system.enclosed.region[at_structure[m]] < 0) continue;
+    if (system.yielding.moved_by(m)) yields[system.enclosed.region[at_structure[m]]] = 1;
   }
   select_regions(system.enclosed, yields, false, system.sealed);
   select_regions(system.enclosed, yields, true, system.body_tied);
@@ -112,32 +102,33 @@ void assemble_pressure_matrix(const Constants<D>& constants, const State<D>& sta
                               const Boundary<D>& boundary, const Corrections<D>& correction, EdgeMatrix& matrix) {
   const int n = static_cast<int>(state.size());
   matrix.reset(n, [&](int i) { return state.particle_class[i].pressure_unknown() ? neighbours.count[i] : 0; });
-  const InterfaceCondition<D> none;
   parallel_for(n, [&](int i) {
-    if (!boundary.sees_structure(i)) assemble_row(constants, none, state, neighbours, boundary, correction, i, matrix);
+    if (!boundary.sees_structure(i)) assemble_row(constants, 0, state, neighbours, boundary, correction, i, matrix);
   });
   matrix.pad();
 }
 
 template <int D>
 void complete_pressure_matrix(const Constants<D>& constants, const InterfaceCondition<D>& load, const Neighbours<D>& neighbours,
-                              const Boundary<D>& boundary, const Corrections<D>& correction, const std::vector<int>& at_structure,
-                              State<D>& state, PressureSystem<D>& system) {
+                              const Boundary<D>& boundary, const Corrections<D>& correction, const Prediction<D>& prediction,
+                              const std::vector<int>& at_structure, State<D>& state, PressureSystem<D>& system) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(at_structure.size()), all = static_cast<std::ptrdiff_t>(state.size());
-  tie_to_bodies(constants, load, boundary, at_structure, state, system);
-  parallel_for(
-      n, [&](std::ptrdiff_t m) { assemble_row(constants, load, state, neighbours, boundary, correction, at_structure[m], system.matrix); });
+  system.yielding.assemble(constants, load.response, boundary, state.particle_class, prediction, at_structure);
+  tie_to_bodies(at_structure, state, system);
+  parallel_for(n, [&](std::ptrdiff_t m) {
+    assemble_row(constants, system.yielding.bound(m), state, neighbours, boundary, correction, at_structure[m], system.matrix);
+  });
   if (!system.body_tied.any()) return;
   parallel_for(all, [&](std::ptrdiff_t i) {
     if (!boundary.sees_structure(i) && state.particle_class[i].has(ParticleClass::yields_to_level))
-      assemble_row(constants, load, state, neighbours, boundary, correction, static_cast<int>(i), system.matrix);
+      assemble_row(constants, 0, state, neighbours, boundary, correction, static_cast<int>(i), system.matrix);
   });
 }
 
 template <int D>
 void assemble_pressure_source(const Constants<D>& constants, double duration, const InterfaceCondition<D>& load, const State<D>& state,
-                              const Prediction<D>& prediction, const Boundary<D>& boundary, const std::vector<double>& divergence,
-                              const std::vector<double>& target, PressureSystem<D>& system) {
+                              const Prediction<D>& prediction, const Boundary<D>& boundary, const std::vector<int>& at_structure,
+                              const std::vector<double>& divergence, const std::vector<double>& target, PressureSystem<D>& system) {
   const int n = static_cast<int>(state.size());
   const double density = constants.density, scale = -density / duration * constants.volume;
   system.source.assign(system.matrix.padded_rows(), 0);
@@ -146,25 +137,21 @@ void assemble_pressure_source(const Constants<D>& constants, double duration, co
     double b = scale * (divergence[i] - target[i]);
     // Past a corner the pressure behind the face goes on along the face as before it, by the weight of the fluid.
     b += 2 * density * constants.volume * prediction.gravity[i].dot(boundary.sums.back_facing_gradient[i]);
-    for (int entry = boundary.surface_rows.begin[i]; entry < boundary.surface_rows.begin[i] + boundary.surface_rows.count[i]; ++entry) {
-      // The face answers the pressure at the face: that of the particle and the weight of the fluid between.
-      const int k = boundary.surface_rows.face[entry];
-      const double between = density * prediction.gravity[i].dot(boundary.surface.position[k] - prediction.position[i]);
-      b += yielding(constants, load, k, boundary.surface_rows.weight[entry]) * (load.reference_pressure[k] - between);
-    }
     if (!system.left_behind.empty()) b += system.left_behind[i];
     system.source[i] = b;
   });
+  system.yielding.add_source(load.reference_pressure, boundary, at_structure, system.source);
 }
 
-#define TERN_INSTANTIATE(D)                                                                                                              \
-  template void find_enclosed_fluid<D>(const Neighbours<D>&, const Corrections<D>&, State<D>&, PressureSystem<D>&);                      \
-  template void assemble_pressure_matrix<D>(const Constants<D>&, const State<D>&, const Neighbours<D>&, const Boundary<D>&,              \
-                                            const Corrections<D>&, EdgeMatrix&);                                                         \
-  template void complete_pressure_matrix<D>(const Constants<D>&, const InterfaceCondition<D>&, const Neighbours<D>&, const Boundary<D>&, \
-                                            const Corrections<D>&, const std::vector<int>&, State<D>&, PressureSystem<D>&);              \
-  template void assemble_pressure_source<D>(const Constants<D>&, double, const InterfaceCondition<D>&, const State<D>&,                  \
-                                            const Prediction<D>&, const Boundary<D>&, const std::vector<double>&,                        \
+#define TERN_INSTANTIATE(D)                                                                                                                \
+  template void find_enclosed_fluid<D>(const Neighbours<D>&, const Corrections<D>&, State<D>&, PressureSystem<D>&);                        \
+  template void assemble_pressure_matrix<D>(const Constants<D>&, const State<D>&, const Neighbours<D>&, const Boundary<D>&,                \
+                                            const Corrections<D>&, EdgeMatrix&);                                                           \
+  template void complete_pressure_matrix<D>(const Constants<D>&, const InterfaceCondition<D>&, const Neighbours<D>&, const Boundary<D>&,   \
+                                            const Corrections<D>&, const Prediction<D>&, const std::vector<int>&, State<D>&,               \
+                                            PressureSystem<D>&);                                                                           \
+  template void assemble_pressure_source<D>(const Constants<D>&, double, const InterfaceCondition<D>&, const State<D>&,                    \
+                                            const Prediction<D>&, const Boundary<D>&, const std::vector<int>&, const std::vector<double>&, \
                                             const std::vector<double>&, PressureSystem<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

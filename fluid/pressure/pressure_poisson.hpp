@@ -20,17 +20,17 @@ template <int D>
 void assemble_pressure_matrix(const Constants<D>& constants, const State<D>& state, const Neighbours<D>& neighbours,
                               const Boundary<D>& boundary, const Corrections<D>& correction, EdgeMatrix& matrix);
 
-/// The rows of the particles `at_structure`, whose faces yield as the load says; and, where an enclosed region deforms a body, those of
+/// system.yielding and the rows of the particles `at_structure`, whose faces yield as the load says; and, where an enclosed region deforms a body, those of
 /// the particles it pushes by its level. Marks these in the state; system.sealed and system.body_tied.
 template <int D>
 void complete_pressure_matrix(const Constants<D>& constants, const InterfaceCondition<D>& load, const Neighbours<D>& neighbours,
-                              const Boundary<D>& boundary, const Corrections<D>& correction, const std::vector<int>& at_structure,
-                              State<D>& state, PressureSystem<D>& system);
+                              const Boundary<D>& boundary, const Corrections<D>& correction, const Prediction<D>& prediction,
+                              const std::vector<int>& at_structure, State<D>& state, PressureSystem<D>& system);
 
 /// system.source from div u*, the target q of the divergence and, once it is known, system.left_behind.
 template <int D>
 void assemble_pressure_source(const Constants<D>& constants, double duration, const InterfaceCondition<D>& load, const State<D>& state,
-                              const Prediction<D>& prediction, const Boundary<D>& boundary, const std::vector<double>& divergence,
-                              const std::vector<double>& target, PressureSystem<D>& system);
+                              const Prediction<D>& prediction, const Boundary<D>& boundary, const std::vector<int>& at_structure,
+                              const std::vector<double>& divergence, const std::vector<double>& target, PressureSystem<D>& system);
 
 }  // namespace tern::fluid

@@ -19,18 +19,19 @@ constexpr double correction_tolerance = 0.1, correction_tolerance_by_that_of_pre
 
 /// `solution`, from what it is, of the matrix and this source.
 template <int D>
-void solve(const Window& window, const std::vector<Vector<D>>& position, double tolerance, std::vector<double>& source,
-           std::vector<double>& solution, State<D>& state, PressureSystem<D>& system) {
+void solve(const Window& window, const std::vector<Vector<D>>& position, const std::vector<int>& at_structure, double tolerance,
+           std::vector<double>& source, std::vector<double>& solution, State<D>& state, PressureSystem<D>& system) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
   // Sealed fluid can obey the source but for its mean.
   if (system.sealed.any()) system.sealed.subtract_means(source);
 
   const int before = system.result.iterations;  // of the coupling iterations before
+  const auto yielding = [&](const std::vector<double>& x, std::vector<double>& y) { system.yielding.add_difference(at_structure, x, y); };
   const auto multigrid = [&](const std::vector<double>& r, std::vector<double>& z) {
     system.multigrid.apply(r, z);
     if (system.sealed.any()) system.sealed.subtract_means(z);
   };
-  system.result = conjugate_gradient(system.matrix, multigrid, source, tolerance, multigrid_limit, solution, system.work);
+  system.result = conjugate_gradient(system.matrix, yielding, multigrid, source, tolerance, multigrid_limit, solution, system.work);
   if (!system.result.converged) {
     ++state.fallback_solves;
     spdlog::warn(
@@ -43,7 +44,7 @@ void solve(const Window& window, const std::vector<Vector<D>>& position, double 
       for (std::ptrdiff_t i = 0; i < n; ++i) z[i] = r[i] / system.matrix.diagonal()[i];
       if (system.sealed.any()) system.sealed.subtract_means(z);
     };
-    system.result = conjugate_gradient(system.matrix, jacobi, source, tolerance, jacobi_limit, solution, system.work);
+    system.result = conjugate_gradient(system.matrix, yielding, jacobi, source, tolerance, jacobi_limit, solution, system.work);
     system.result.iterations += wasted;
   }
   system.result.iterations += before;
@@ -67,40 +68,45 @@ void solve(const Window& window, const std::vector<Vector<D>>& position, double 
 template <int D>
 void prepare_pressure_solve(const Constants<D>& constants, const Neighbours<D>& neighbours,
                             const std::vector<ParticleClass>& particle_class, const std::vector<Vector<D>>& position,
-                            PressureSystem<D>& system) {
+                            const std::vector<int>& at_structure, PressureSystem<D>& system) {
   system.result = {};
-  system.multigrid.build(system.matrix, position, particle_class, neighbours.beside_body, constants.spacing, constants.volume);
+  system.multigrid.build(system.matrix, position, particle_class, neighbours.beside_body, constants.spacing, constants.volume,
+                         system.yielding, at_structure);
 }
 
 template <int D>
-void solve_pressure_poisson(const Constants<D>& constants, const Window& window, const std::vector<Vector<D>>& position, State<D>& state,
-                            PressureSystem<D>& system) {
+void solve_pressure_poisson(const Constants<D>& constants, const Window& window, const std::vector<Vector<D>>& position,
+                            const std::vector<int>& at_structure, State<D>& state, PressureSystem<D>& system) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
   system.solution.assign(system.matrix.padded_rows(), 0);
   parallel_for(n, [&](std::ptrdiff_t i) { system.solution[i] = state.particle_class[i].pressure_unknown() ? state.pressure[i] : 0; });
 
-  solve(window, position, constants.numerics.pressure_tolerance, system.source, system.solution, state, system);
+  solve(window, position, at_structure, constants.numerics.pressure_tolerance, system.source, system.solution, state, system);
   parallel_for(n, [&](std::ptrdiff_t i) { state.pressure[i] = system.solution[i]; });
   state.has_pressure = true;
 }
 
 template <int D>
-void solve_for_correction(const Constants<D>& constants, const Window& window, const std::vector<Vector<D>>& position, State<D>& state,
-                          PressureSystem<D>& system) {
+void solve_for_correction(const Constants<D>& constants, const Window& window, const std::vector<Vector<D>>& position,
+                          const std::vector<int>& at_structure, State<D>& state, PressureSystem<D>& system) {
   const SolveResult of_the_equation = system.result;
   system.correction.assign(system.matrix.padded_rows(), 0);
   const double tolerance = std::min(correction_tolerance, correction_tolerance_by_that_of_pressure * constants.numerics.pressure_tolerance);
-  solve(window, position, tolerance, system.left_behind, system.correction, state, system);
+  solve(window, position, at_structure, tolerance, system.left_behind, system.correction, state, system);
   system.result = of_the_equation;
 }
 
 template void prepare_pressure_solve<2>(const Constants<2>&, const Neighbours<2>&, const std::vector<ParticleClass>&,
-                                        const std::vector<Vector<2>>&, PressureSystem<2>&);
+                                        const std::vector<Vector<2>>&, const std::vector<int>&, PressureSystem<2>&);
 template void prepare_pressure_solve<3>(const Constants<3>&, const Neighbours<3>&, const std::vector<ParticleClass>&,
-                                        const std::vector<Vector<3>>&, PressureSystem<3>&);
-template void solve_pressure_poisson<2>(const Constants<2>&, const Window&, const std::vector<Vector<2>>&, State<2>&, PressureSystem<2>&);
-template void solve_pressure_poisson<3>(const Constants<3>&, const Window&, const std::vector<Vector<3>>&, State<3>&, PressureSystem<3>&);
-template void solve_for_correction<2>(const Constants<2>&, const Window&, const std::vector<Vector<2>>&, State<2>&, PressureSystem<2>&);
-template void solve_for_correction<3>(const Constants<3>&, const Window&, const std::vector<Vector<3>>&, State<3>&, PressureSystem<3>&);
+                                        const std::vector<Vector<3>>&, const std::vector<int>&, PressureSystem<3>&);
+template void solve_pressure_poisson<2>(const Constants<2>&, const Window&, const std::vector<Vector<2>>&, const std::vector<int>&,
+                                        State<2>&, PressureSystem<2>&);
+template void solve_pressure_poisson<3>(const Constants<3>&, const Window&, const std::vector<Vector<3>>&, const std::vector<int>&,
+                                        State<3>&, PressureSystem<3>&);
+template void solve_for_correction<2>(const Constants<2>&, const Window&, const std::vector<Vector<2>>&, const std::vector<int>&, State<2>&,
+                                      PressureSystem<2>&);
+template void solve_for_correction<3>(const Constants<3>&, const Window&, const std::vector<Vector<3>>&, const std::vector<int>&, State<3>&,
+                                      PressureSystem<3>&);
 
 }  // namespace tern::fluid

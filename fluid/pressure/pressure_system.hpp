@@ -8,6 +8,7 @@
 #include "fluid/pressure/edge_matrix.hpp"
 #include "fluid/pressure/enclosed_regions.hpp"
 #include "fluid/pressure/multigrid.hpp"
+#include "fluid/pressure/yielding_surface.hpp"
 
 namespace tern::fluid {
 
@@ -15,7 +16,8 @@ template <int D>
 struct PressureSystem {
   explicit PressureSystem(const Period<D>& period) : multigrid(period) {}
 
-  EdgeMatrix matrix;
+  EdgeMatrix matrix;                            ///< with a bound in place of how the structure yields
+  YieldingSurface<D> yielding;                  ///< how it does
   std::vector<double> source, solution;         ///< of the padded length of the matrix
   std::vector<double> left_behind, still_left;  ///< by the first solve of this window and by its correction, as sources; empty before
   std::vector<double> correction;               ///< of the pressure

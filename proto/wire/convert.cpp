@@ -96,7 +96,9 @@ wire::InterfaceCondition to_wire(const InterfaceCondition<D>& load) {
   wire::InterfaceCondition message;
   put<D>(message.mutable_force(), load.force);
   put(message.mutable_reference_pressure(), load.reference_pressure);
-  put(message.mutable_robin_mass(), load.robin_mass);
+  message.mutable_lump()->Assign(load.response.lump.begin(), load.response.lump.end());
+  put(message.mutable_share(), load.response.share);
+  put(message.mutable_lump_mass(), load.response.mass);
   put<D>(message.mutable_surface_velocity(), load.surface_velocity);
   message.set_repeats(load.repeats);
   return message;
@@ -104,8 +106,11 @@ wire::InterfaceCondition to_wire(const InterfaceCondition<D>& load) {
 
 template <int D>
 InterfaceCondition<D> from_wire(const wire::InterfaceCondition& message) {
-  return {get_vectors<D>(message.force()), get(message.reference_pressure()), get(message.robin_mass()),
-          get_vectors<D>(message.surface_velocity()), message.repeats()};
+  return {get_vectors<D>(message.force()),
+          get(message.reference_pressure()),
+          {get(message.lump()), get(message.share()), get(message.lump_mass())},
+          get_vectors<D>(message.surface_velocity()),
+          message.repeats()};
 }
 
 template <int D>

@@ -223,18 +223,30 @@ void check_extent(Check& check, const wire::Extent& extent, const Agreement& agr
       check.fault = fmt::format("extent.{} is {}; it must be finite and 0 or more", field, value);
 }
 
+/// Points and lumps: as many lumps for every point, each of which there is.
+void check_response(Check& check, const wire::InterfaceCondition& load, std::size_t points) {
+  const auto entries = static_cast<std::size_t>(load.lump_size()), lumps = static_cast<std::size_t>(load.lump_mass_size());
+  if (!check.require(points > 0 ? entries % points == 0 : entries == 0))
+    check.fault = fmt::format("lump has {} entries; it must have as many for each of the {} surface points", entries, points);
+  check.length("share", load.share_size(), entries, "one per entry of lump");
+  if (!check.require(lumps <= entries)) check.fault = fmt::format("lump_mass has {} entries; lump names at most {}", lumps, entries);
+  for (int m = 0; check.fault.empty() && m < load.lump_size(); ++m)
+    if (load.lump(m) >= lumps) check.fault = fmt::format("lump[{}] is {}, but {} masses of lumps were sent", m, load.lump(m), lumps);
+  check.each(
+      "share", load.share(), [](double v) { return v >= 0; }, "finite and 0 or more");
+  check.positive("lump_mass", load.lump_mass());
+}
+
 void check_interface_condition(Check& check, const wire::InterfaceCondition& load, const Agreement& agreement) {
   const auto D = static_cast<std::size_t>(agreement.dimension);
   check.length("force", load.force_size(), D * agreement.interface_particles.value_or(0), "dimension times interface particles");
   check.length("reference_pressure", load.reference_pressure_size(), agreement.surface_points.value_or(0), "one per surface point");
-  check.length("robin_mass", load.robin_mass_size(), agreement.surface_points.value_or(0), "one per surface point");
+  check_response(check, load, agreement.surface_points.value_or(0));
   check.length("surface_velocity", load.surface_velocity_size(), agreement.projected ? D * agreement.surface_points.value_or(0) : 0,
                agreement.projected ? "dimension times surface points" : "none in the first of a window");
   check.finite("force", load.force());
   check.finite("surface_velocity", load.surface_velocity());
   check.finite("reference_pressure", load.reference_pressure());
-  check.each(
-      "robin_mass", load.robin_mass(), [](double v) { return v >= 0; }, "finite and 0 or more");
 }
 
 void check_interface_pressure(Check& check, const wire::InterfacePressure& sent, const Agreement& agreement) {

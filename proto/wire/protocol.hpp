@@ -7,7 +7,7 @@
 
 namespace tern::proto {
 
-inline constexpr std::uint32_t protocol_version = 5;
+inline constexpr std::uint32_t protocol_version = 6;
 
 using Kind = wire::Message::BodyCase;
 

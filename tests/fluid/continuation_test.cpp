@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <functional>
+#include <numeric>
 
 #include "fixtures/fluid_scenes.hpp"
 
@@ -50,7 +51,10 @@ void advance(Fluid<D>& fluid, bool with_surface) {
   InterfaceCondition<D> load;
   load.force.assign(seen, Vector<D>::Zero());
   load.reference_pressure.assign(points, 200);
-  load.robin_mass.assign(points, 20);
+  load.response.share.assign(points, 1);
+  load.response.lump.resize(points);
+  std::iota(load.response.lump.begin(), load.response.lump.end(), 0u);
+  load.response.mass.assign(points, 0.2);
   const auto pressure = fluid.solve_pressure(load);
   InterfaceForce<D> force;
   for (std::size_t m = 0; m < seen; ++m) force.force.push_back(Vector<D>::Unit(0) * 1e-4 * pressure.pressure[m]);

@@ -20,7 +20,7 @@ from tern.participant.message_check import MAX_MESSAGE_BYTES, BadMessage, check_
 from tern.participant.schema import wire
 from tern.participant.security import EVENTS, CannotConnect, Handshake
 
-PROTOCOL_VERSION = 5
+PROTOCOL_VERSION = 6
 HEARTBEAT_INTERVAL_MS = 1000
 HEARTBEAT_TIMEOUT_MS = 5000
 LINGER_MS = 500

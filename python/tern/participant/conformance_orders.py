@@ -81,7 +81,8 @@ class FluidOrders:
     def solve(self, velocity=None, repeats=True):
         points, dimension = len(self.rest.area), self.session.dimension
         load = wire.InterfaceCondition(force=[0.0] * (dimension * self.session.interface_particles), reference_pressure=[0.0] * points,
-                                    robin_mass=self.mass, repeats=repeats)
+                                       lump=range(points), share=[1.0] * points, lump_mass=self.mass * numpy.array(self.rest.area),
+                                       repeats=repeats)
         if velocity is not None:
             load.surface_velocity.extend(velocity * numpy.array(self.rest.normal))
         self.session.send(interface_condition=load)

@@ -27,6 +27,21 @@ def _positive(field, values):
     _numbers(field, values, lambda v: v > 0, "finite and above 0")
 
 
+def _response(body, surface_points):
+    """Lumps of an InterfaceCondition: as many for every point, each of which there is."""
+    entries, lumps = len(body.lump), len(body.lump_mass)
+    if entries % surface_points if surface_points else entries:
+        raise BadMessage(f"lump has {entries} entries; it must have as many for each of the {surface_points} surface points")
+    _length("share", body.share, entries)
+    if lumps > entries:
+        raise BadMessage(f"lump_mass has {lumps} entries; lump names at most {entries}")
+    for entry, lump in enumerate(body.lump):
+        if lump >= lumps:
+            raise BadMessage(f"lump[{entry}] is {lump}, but {lumps} masses of lumps were sent")
+    _numbers("share", body.share, lambda v: v >= 0, "finite and 0 or more")
+    _positive("lump_mass", body.lump_mass)
+
+
 def _surface(body, dimension, surface_points):
     for field in ("position", "velocity", "normal"):
         _length(field, getattr(body, field), dimension * surface_points)
@@ -137,12 +152,11 @@ def check_body(message, dimension, surface_points, interface_particles, projecte
     elif kind == "interface_condition":
         _length("force", body.force, dimension * interface_particles)
         _length("reference_pressure", body.reference_pressure, surface_points)
-        _length("robin_mass", body.robin_mass, surface_points)
+        _response(body, surface_points)
         _length("surface_velocity", body.surface_velocity, dimension * surface_points if projected else 0)
         _numbers("surface_velocity", body.surface_velocity)
         _numbers("force", body.force)
         _numbers("reference_pressure", body.reference_pressure)
-        _numbers("robin_mass", body.robin_mass, lambda v: v >= 0, "finite and 0 or more")
     elif kind == "interface_force":
         _length("force", body.force, dimension * interface_particles)
         _numbers("force", body.force)

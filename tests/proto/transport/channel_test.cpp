@@ -223,7 +223,7 @@ TEST(Channel, ABadMessageEndsTheRunWithItsReason) {
       {{particles_bytes([](auto& m) { m.set_sequence(9); })}, "sequence is 9; it must be 2"},
       {{particles_bytes([](auto& m) { m.set_step(3); })}, "step is 3; it must be 1"},
       {{particles_bytes([](auto& m) { m.set_sender(wire::STRUCTURE); })}, "sender is structure; it must be fluid"},
-      {{particles_bytes([](auto& m) { m.set_protocol_version(7); })}, "protocol_version is 7"},
+      {{particles_bytes([](auto& m) { m.set_protocol_version(8); })}, "protocol_version is 8"},
       {{particles_bytes([](auto& m) { m.mutable_interface_force(); })}, "body is InterfaceForce; it must be InterfaceParticles now"},
       {{particles_bytes([](auto& m) { m.mutable_interface_particles()->set_mass(0, -1); })},
        "mass[0] is -1; it must be finite and above 0"},

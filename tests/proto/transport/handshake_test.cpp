@@ -84,8 +84,8 @@ Refusal raw_refusal(const std::function<void(wire::Message&)>& change) {
 }
 
 TEST(Handshake, AnotherProtocolVersionIsRefused) {
-  expect_both_say(raw_refusal([](wire::Message& m) { m.set_protocol_version(7); }),
-                  "The structure process speaks protocol version 7, the coupler version 5");
+  expect_both_say(raw_refusal([](wire::Message& m) { m.set_protocol_version(8); }),
+                  "The structure process speaks protocol version 8, the coupler version 6");
 }
 
 TEST(Handshake, InconsistentCountsAreRefused) {

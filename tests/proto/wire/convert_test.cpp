@@ -88,11 +88,14 @@ void round_trip(std::size_t n) {
   expect_same_bits<D>(particles.image_position, back.image_position);
   EXPECT_EQ(particles.covered, back.covered);
 
-  const InterfaceCondition<D> load{vectors<D>(random, n), scalars(random, n + 1), scalars(random, n + 1), vectors<D>(random, n + 1), true};
+  const InterfaceCondition<D> load{
+      vectors<D>(random, n), scalars(random, n + 1), {{2, 0, 1}, scalars(random, 3), scalars(random, n)}, vectors<D>(random, n + 1), true};
   const auto load2 = from_wire<D>(through_bytes(to_wire(load)));
   expect_same_bits<D>(load.force, load2.force);
   expect_same_bits(load.reference_pressure, load2.reference_pressure);
-  expect_same_bits(load.robin_mass, load2.robin_mass);
+  EXPECT_EQ(load.response.lump, load2.response.lump);
+  expect_same_bits(load.response.share, load2.response.share);
+  expect_same_bits(load.response.mass, load2.response.mass);
   expect_same_bits<D>(load.surface_velocity, load2.surface_velocity);
   EXPECT_EQ(load.repeats, load2.repeats);
 

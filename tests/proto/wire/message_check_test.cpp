@@ -165,14 +165,26 @@ const BodyFault body_faults[] = {
      [](auto& m) { m.mutable_interface_condition()->add_force(1); }, "force has 7 entries; it must have 6"},
     {"InterfaceCondition pressure length", Kind::kInterfaceCondition, wire::COUPLER,
      [](auto& m) { m.mutable_interface_condition()->add_reference_pressure(1); }, "reference_pressure has 3"},
-    {"InterfaceCondition mass length", Kind::kInterfaceCondition, wire::COUPLER,
-     [](auto& m) { m.mutable_interface_condition()->clear_robin_mass(); }, "robin_mass has 0 entries"},
+    {"InterfaceCondition lumps of no whole number for each point", Kind::kInterfaceCondition, wire::COUPLER,
+     [](auto& m) { m.mutable_interface_condition()->add_lump(0); },
+     "lump has 5 entries; it must have as many for each of the 2 surface points"},
+    {"InterfaceCondition share length", Kind::kInterfaceCondition, wire::COUPLER,
+     [](auto& m) { m.mutable_interface_condition()->add_share(0); }, "share has 5 entries; it must have 4"},
+    {"InterfaceCondition more masses than lumps", Kind::kInterfaceCondition, wire::COUPLER,
+     [](auto& m) {
+       samples::fill(m.mutable_interface_condition()->mutable_lump_mass(), {1, 1, 1, 1, 1});
+     },
+     "lump_mass has 5 entries; lump names at most 4"},
+    {"InterfaceCondition lump there is not", Kind::kInterfaceCondition, wire::COUPLER,
+     [](auto& m) { m.mutable_interface_condition()->set_lump(2, 2); }, "lump[2] is 2, but 2 masses of lumps were sent"},
+    {"InterfaceCondition share negative", Kind::kInterfaceCondition, wire::COUPLER,
+     [](auto& m) { m.mutable_interface_condition()->set_share(1, -1); }, "share[1] is -1"},
     {"InterfaceCondition force not finite", Kind::kInterfaceCondition, wire::COUPLER,
      [](auto& m) { m.mutable_interface_condition()->set_force(1, nan); }, "force[1] is nan"},
     {"InterfaceCondition pressure not finite", Kind::kInterfaceCondition, wire::COUPLER,
      [](auto& m) { m.mutable_interface_condition()->set_reference_pressure(1, nan); }, "reference_pressure[1] is nan"},
     {"InterfaceCondition mass negative", Kind::kInterfaceCondition, wire::COUPLER,
-     [](auto& m) { m.mutable_interface_condition()->set_robin_mass(0, -1); }, "robin_mass[0] is -1"},
+     [](auto& m) { m.mutable_interface_condition()->set_lump_mass(0, -1); }, "lump_mass[0] is -1"},
     {"InterfaceCondition velocity in the first of a window", Kind::kInterfaceCondition, wire::COUPLER,
      [](auto& m) {
        samples::fill(m.mutable_interface_condition()->mutable_surface_velocity(), {0, 0, 0, 0});
@@ -343,19 +355,19 @@ TEST(MessageCheck, EveryEnvelopeFaultIsFoundAndNamed) {
     return find_envelope_fault(message, envelope, {Kind::kInterfaceParticles, Kind::kInterfacePressure});
   };
   EXPECT_EQ(fault([](auto&) {}), "");
-  EXPECT_EQ(fault([](auto& m) { m.set_protocol_version(7); }), "protocol_version is 7; this program speaks version 5");
+  EXPECT_EQ(fault([](auto& m) { m.set_protocol_version(8); }), "protocol_version is 8; this program speaks version 6");
   EXPECT_EQ(fault([](auto& m) { m.set_sender(wire::STRUCTURE); }), "sender is structure; it must be fluid");
   EXPECT_EQ(fault([](auto& m) { m.set_sender(static_cast<wire::Role>(9)); }), "sender is role 9; it must be fluid");
   EXPECT_NE(fault([](auto& m) { m.set_sequence(4); }).find("sequence is 4; it must be 5"), std::string::npos);
   EXPECT_NE(fault([](auto& m) { m.set_sequence(6); }).find("sequence is 6; it must be 5"), std::string::npos);
   EXPECT_EQ(fault([](auto& m) { m.set_step(16); }), "step is 16; it must be 17");
   EXPECT_EQ(fault([](auto& m) { m.mutable_finish(); }), "body is Finish; it must be InterfaceParticles or InterfacePressure now");
-  EXPECT_EQ(fault([](auto& m) { m.clear_body(); }), "body is of no kind that protocol version 5 knows");
+  EXPECT_EQ(fault([](auto& m) { m.clear_body(); }), "body is of no kind that protocol version 6 knows");
   EXPECT_EQ(fault([](auto& m) { m.mutable_begin_window(); }), "step is 17; it must be 18");  // always the next window
   EXPECT_EQ(fault([](auto& m) {
               m.mutable_abort();
               m.set_step(3);
-              m.set_protocol_version(7);
+              m.set_protocol_version(8);
             }),
             "");
 }

@@ -48,7 +48,7 @@ class ColumnFluid:
 
     def see_surface(self, surface):
         self.wet = surface.normal[:, 1] > 0.5
-        self.area, self.trial = surface.area[self.wet], surface.velocity[self.wet]
+        self.area, self.trial, self.normal = surface.area[self.wet], surface.velocity[self.wet], surface.normal[self.wet]
         self.position = surface.position[self.wet] + self.spacing / 2 * surface.normal[self.wet]
         volume = 4 * self.area * self.spacing
         return InterfaceParticles(np.arange(len(volume)), self.position, self.trial, self.density * volume, volume, np.zeros(len(volume)))
@@ -58,12 +58,24 @@ class ColumnFluid:
             self.trial = np.array(load.surface_velocity).reshape(-1, 2)[self.wet]
         self.dissipative = np.array(load.force).reshape(-1, 2)
         mean = lambda values: float((self.area * np.array(values)).sum() / self.area.sum())  # noqa: E731
-        yielding = mean([1 / m if m > 0 else 0 for m in np.array(load.robin_mass)[self.wet]])
+        yielding = mean(self.faster_by(load, np.ones(len(self.area))))
         carried = mean(np.array(load.reference_pressure)[self.wet])
         mass = self.density * self.height
         self.pressure = mass * (self.gravity + (mean(self.trial[:, 1]) - self.velocity) / self.duration + yielding * carried)
         self.pressure /= 1 + mass * yielding
         return np.full(len(self.area), self.pressure - self.density * self.gravity * self.spacing / 2), self.trial
+
+    def faster_by(self, load, pressure):
+        """Into the body, along the normals of the wet faces, under these pressures for one second (THEORY, section 3) [m/s]."""
+        if not load.lump:
+            return np.zeros(len(pressure))
+        lump = np.array(load.lump, int).reshape(len(self.wet), -1)[self.wet]
+        share = np.array(load.share).reshape(len(self.wet), -1)[self.wet]
+        motion = np.zeros((len(load.lump_mass), 2))
+        force = (self.area * pressure)[:, None] * self.normal
+        np.add.at(motion, lump, share[:, :, None] * force[:, None, :])
+        motion /= np.array(load.lump_mass)[:, None]
+        return ((share[:, :, None] * motion[lump]).sum(1) * self.normal).sum(1)
 
     def end_window(self, force):
         # The column takes the force it is given, so that no momentum is lost between the two sides.

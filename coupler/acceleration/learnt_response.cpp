@@ -1,0 +1,124 @@
+#include "coupler/acceleration/learnt_response.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tern::coupler {
+namespace {
+
+constexpr double kept = 0.8;                     ///< of what is known, per window
+constexpr double least_change = 1e-4;            ///< of a lump's square, over the mean of all, that shows something
+constexpr double lightest = 0.05, heaviest = 4;  ///< over the guess
+/// Widths on trial, in spacings of the fluid; 0: every point by itself. A wider lump than the last one no longer fits in the kernel.
+constexpr double widths[] = {0, 2.0 / 3, 1, 1.5, 2.25, 3.375};
+
+}  // namespace
+
+template <int D>
+void LearntResponse<D>::prepare(const Setup<D>& setup, const SurfaceAtStart<D>& start) {
+  if (!lumps_.empty()) return;
+  const SurfaceProperties& of = setup.properties;
+  std::vector<double> depth(of.body.size());
+  for (std::size_t k = 0; k < depth.size(); ++k)
+    depth[k] = of.section_mass[k] < held_mass ? of.section_mass[k] / setup.body_density[of.body[k]] : 0;
+  for (const double width : widths) {
+    lumps_.push_back(width == 0 ? lumps_of_points(of.body.size()) : lumps_of_width<D>(width * setup.spacing, start, of.body, depth));
+    if (answer_.size() >= lumps_.size()) continue;  // known from a checkpoint
+    answer_.emplace_back(lumps_.back().count, 0);
+    square_.emplace_back(lumps_.back().count, 0);
+    error_.emplace_back(setup.body_density.size(), 0);
+  }
+}
+
+template <int D>
+double LearntResponse<D>::quickness(std::size_t width, std::size_t lump) const {
+  if (square_[width][lump] == 0) return 1;
+  return std::clamp(answer_[width][lump] / square_[width][lump], 1 / heaviest, 1 / lightest);
+}
+
+template <int D>
+SurfaceAnswer LearntResponse<D>::answer(const Setup<D>& setup, const std::vector<double>& guess, const std::vector<double>& area) const {
+  const std::vector<std::uint32_t>& body = setup.properties.body;
+  std::vector<std::size_t> chosen(setup.body_density.size(), 0);
+  for (std::size_t b = 0; b < chosen.size(); ++b)
+    for (std::size_t width = 1; width < lumps_.size(); ++width)
+      if (error_[width][b] < error_[chosen[b]][b]) chosen[b] = width;
+
+  SurfaceAnswer made;
+  for (const std::size_t width : chosen) made.lumps.per_point = std::max(made.lumps.per_point, lumps_[width].per_point);
+  std::vector<std::vector<double>> mass(lumps_.size());
+  std::vector<std::vector<std::uint32_t>> number(lumps_.size());
+  constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+  for (const std::size_t width : chosen) {
+    if (!mass[width].empty()) continue;
+    mass[width] = lump_masses(lumps_[width], guess, area);
+    number[width].assign(lumps_[width].count, none);
+  }
+  for (std::size_t k = 0; k < body.size(); ++k) {
+    const std::size_t width = chosen[body[k]];
+    const SurfaceLumps& from = lumps_[width];
+    for (std::size_t c = 0; c < made.lumps.per_point; ++c) {
+      const double share = c < from.per_point ? from.share[k * from.per_point + c] : 0;
+      if (share == 0) {
+        made.lumps.lump.push_back(0);
+        made.lumps.share.push_back(0);
+        continue;
+      }
+      const std::uint32_t a = from.lump[k * from.per_point + c];
+      if (number[width][a] == none) {
+        number[width][a] = static_cast<std::uint32_t>(made.lumps.count++);
+        made.mass.push_back(mass[width][a] / quickness(width, a));
+        made.gain = std::max(made.gain, 1 / quickness(width, a));
+      }
+      made.lumps.lump.push_back(number[width][a]);
+      made.lumps.share.push_back(share);
+    }
+  }
+  return made;
+}
+
+template <int D>
+void LearntResponse<D>::learn(const Setup<D>& setup, const Workspace<D>& window, const std::vector<Vector<D>>& velocity) {
+  const Surface<D>& surface = window.surface;
+  const std::size_t points = velocity.size();
+  std::vector<double> changed(points);
+  for (std::size_t k = 0; k < points; ++k) changed[k] = (velocity[k] - surface.velocity[k]).dot(surface.normal[k]);
+  for (std::size_t width = 0; width < lumps_.size(); ++width) {
+    const SurfaceLumps& lumps = lumps_[width];
+    const std::vector<double> guessed = lump_masses(lumps, window.responding_mass, surface.area);
+    std::vector<double> learnt = guessed;
+    for (std::size_t a = 0; a < lumps.count; ++a) learnt[a] /= quickness(width, a);
+    LumpMotion<D> of_guess(lumps, guessed, window.duration), of_learnt(lumps, learnt, window.duration);
+    for (std::size_t k = 0; k < points; ++k) {
+      const Vector<D> push = window.answered_load.force[k] - window.assumed_load.force[k];
+      of_guess.push(k, push);
+      of_learnt.push(k, push);
+    }
+    std::vector<double> answer(lumps.count, 0), square(lumps.count, 0), error(setup.body_density.size(), 0);
+    double sum = 0;
+    for (std::size_t k = 0; k < points; ++k) {
+      if (window.share[k] == 0) continue;  // dry
+      const double by_guess = of_guess.velocity(k).dot(surface.normal[k]), foretold = of_learnt.velocity(k).dot(surface.normal[k]);
+      error[setup.properties.body[k]] += surface.area[k] * std::pow(foretold - changed[k], 2);
+      for (std::size_t s = k * lumps.per_point; s < (k + 1) * lumps.per_point; ++s) {
+        const double weight = lumps.share[s] * surface.area[k];
+        answer[lumps.lump[s]] += weight * changed[k] * by_guess;
+        square[lumps.lump[s]] += weight * by_guess * by_guess;
+        sum += weight * by_guess * by_guess;
+      }
+    }
+    const double least = least_change * sum / static_cast<double>(lumps.count);
+    for (std::size_t a = 0; a < lumps.count; ++a) {
+      if (!(square[a] > least)) continue;
+      answer_[width][a] = kept * answer_[width][a] + answer[a];
+      square_[width][a] = kept * square_[width][a] + square[a];
+    }
+    for (std::size_t b = 0; b < error.size(); ++b) error_[width][b] = kept * error_[width][b] + error[b];
+  }
+}
+
+template class LearntResponse<2>;
+template class LearntResponse<3>;
+
+}  // namespace tern::coupler

@@ -1,0 +1,154 @@
+#include "fluid/pressure/yielding_surface.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "base/parallel.hpp"
+
+namespace tern::fluid {
+
+template <int D>
+void YieldingSurface<D>::clear() {
+  response_.lump.clear();
+  response_.share.clear();
+  response_.mass.clear();
+}
+
+template <int D>
+void YieldingSurface<D>::assemble(const Constants<D>& constants, const SurfaceResponse& response, const Boundary<D>& boundary,
+                                  const std::vector<ParticleClass>& particle_class, const Prediction<D>& prediction,
+                                  const std::vector<int>& at_structure) {
+  response_ = response;
+  if (!any()) return;
+  const FaceRows& seen = boundary.surface_rows;
+  const std::ptrdiff_t rows = static_cast<std::ptrdiff_t>(at_structure.size()), lumps = static_cast<std::ptrdiff_t>(response.mass.size());
+  const std::ptrdiff_t per_point = static_cast<std::ptrdiff_t>(response.lumps_per_point(boundary.surface.size()));
+  begin_.resize(rows + 1);
+  begin_[0] = 0;
+  for (std::ptrdiff_t m = 0; m < rows; ++m)
+    begin_[m + 1] = begin_[m] + std::min<std::ptrdiff_t>(lumps, seen.count[at_structure[m]] * per_point);
+  count_.assign(rows, 0);
+  if (static_cast<std::ptrdiff_t>(lump_.size()) < begin_[rows]) {
+    lump_.resize(begin_[rows] + begin_[rows] / 8);
+    vector_.resize(lump_.size());
+    between_.resize(lump_.size());
+  }
+  parallel_for(rows, [&](std::ptrdiff_t m) {
+    const int i = at_structure[m];
+    if (!particle_class[i].pressure_unknown()) return;
+    thread_local std::vector<int> place;  // in the row, of each lump that has one; -1 else
+    if (static_cast<std::ptrdiff_t>(place.size()) < lumps) place.resize(lumps, -1);
+    int* const lump = lump_.data() + begin_[m];
+    Vector<D>*const vector = vector_.data() + begin_[m], *const between = between_.data() + begin_[m];
+    int& count = count_[m];
+    for (int entry = seen.begin[i]; entry < seen.begin[i] + seen.count[i]; ++entry) {
+      const int k = seen.face[entry];
+      const Vector<D> b = -2 * constants.volume * seen.weight[entry] * boundary.surface.normal[k];
+      const double weight = constants.density * prediction.gravity[i].dot(boundary.surface.position[k] - prediction.position[i]);
+      for (std::ptrdiff_t s = k * per_point; s < (k + 1) * per_point; ++s) {
+        const double share = response_.share[s];
+        if (share == 0) continue;
+        const int a = static_cast<int>(response_.lump[s]);
+        if (place[a] < 0) {
+          place[a] = count;
+          lump[count] = a;
+          vector[count] = Vector<D>::Zero();
+          between[count++] = Vector<D>::Zero();
+        }
+        vector[place[a]] += share * b;
+        between[place[a]] += share * weight * b;
+      }
+    }
+    for (int e = 0; e < count; ++e) place[lump[e]] = -1;
+  });
+
+  first_.assign(lumps + 1, 0);
+  for (std::ptrdiff_t m = 0; m < rows; ++m)
+    for (std::ptrdiff_t e = begin_[m]; e < begin_[m] + count_[m]; ++e) ++first_[lump_[e] + 1];
+  std::partial_sum(first_.begin(), first_.end(), first_.begin());
+  row_.resize(first_[lumps]);
+  entry_.resize(first_[lumps]);
+  for (std::ptrdiff_t m = 0; m < rows; ++m)
+    for (std::ptrdiff_t e = begin_[m]; e < begin_[m] + count_[m]; ++e) {
+      const std::ptrdiff_t to = first_[lump_[e]]++;
+      row_[to] = static_cast<int>(m);
+      entry_[to] = e;
+    }
+  std::rotate(first_.begin(), first_.end() - 1, first_.end());
+  first_[0] = 0;
+
+  scale_.resize(lumps);
+  std::vector<double>& size = transferred_;  // for now: rho/m_a sum_j |c_ja|
+  size.assign(std::max<std::size_t>(lumps, boundary.surface.size()), 0);
+  parallel_for(lumps, rows, [&](std::ptrdiff_t a) {
+    scale_[a] = constants.density / response_.mass[a];
+    for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) size[a] += scale_[a] * vector_[entry_[e]].norm();
+  });
+  bound_.assign(rows, 0);
+  parallel_for(rows, [&](std::ptrdiff_t m) {
+    for (std::ptrdiff_t e = begin_[m]; e < begin_[m] + count_[m]; ++e) bound_[m] += vector_[e].norm() * size[lump_[e]];
+  });
+
+  transferred_.assign(boundary.surface.size(), 0);
+  for (std::ptrdiff_t m = 0; m < rows; ++m) {
+    if (count_[m] == 0) continue;
+    const int i = at_structure[m];
+    for (int entry = seen.begin[i]; entry < seen.begin[i] + seen.count[i]; ++entry)
+      transferred_[seen.face[entry]] += 2 * constants.volume * seen.weight[entry];
+  }
+  motion_.resize(lumps);
+}
+
+template <int D>
+template <class T>
+void YieldingSurface<D>::spread(const std::vector<int>& at_structure, std::vector<T>& y) const {
+  const std::ptrdiff_t rows = static_cast<std::ptrdiff_t>(at_structure.size());
+  parallel_for(rows, [&](std::ptrdiff_t m) {
+    double sum = 0;
+    for (std::ptrdiff_t e = begin_[m]; e < begin_[m] + count_[m]; ++e) sum += vector_[e].dot(motion_[lump_[e]]);
+    y[at_structure[m]] += static_cast<T>(sum);
+  });
+}
+
+template <int D>
+template <class T>
+void YieldingSurface<D>::add_difference(const std::vector<int>& at_structure, const std::vector<T>& x, std::vector<T>& y) const {
+  if (!any()) return;
+  const std::ptrdiff_t lumps = static_cast<std::ptrdiff_t>(response_.mass.size());
+  parallel_for(lumps, static_cast<std::ptrdiff_t>(row_.size()), [&](std::ptrdiff_t a) {
+    Vector<D> force = Vector<D>::Zero();
+    for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) force += vector_[entry_[e]] * double(x[at_structure[row_[e]]]);
+    motion_[a] = scale_[a] * force;
+  });
+  for (std::size_t m = 0; m < at_structure.size(); ++m) y[at_structure[m]] -= static_cast<T>(bound_[m] * x[at_structure[m]]);
+  spread(at_structure, y);
+}
+
+template <int D>
+void YieldingSurface<D>::add_source(const std::vector<double>& reference_pressure, const Boundary<D>& boundary,
+                                    const std::vector<int>& at_structure, std::vector<double>& source) const {
+  if (!any()) return;
+  std::fill(motion_.begin(), motion_.end(), Vector<D>::Zero());
+  const std::size_t points = boundary.surface.size(), per_point = response_.lumps_per_point(points);
+  for (std::size_t k = 0; k < points; ++k)
+    for (std::size_t s = k * per_point; s < (k + 1) * per_point; ++s)
+      motion_[response_.lump[s]] -= response_.share[s] * transferred_[k] * reference_pressure[k] * boundary.surface.normal[k];
+  const std::ptrdiff_t lumps = static_cast<std::ptrdiff_t>(response_.mass.size());
+  parallel_for(lumps, static_cast<std::ptrdiff_t>(row_.size()), [&](std::ptrdiff_t a) {
+    for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) motion_[a] -= between_[entry_[e]];
+    motion_[a] *= scale_[a];
+  });
+  spread(at_structure, source);
+}
+
+#define TERN_INSTANTIATE(D, T) \
+  template void YieldingSurface<D>::add_difference(const std::vector<int>&, const std::vector<T>&, std::vector<T>&) const;
+TERN_INSTANTIATE(2, double)
+TERN_INSTANTIATE(2, float)
+TERN_INSTANTIATE(3, double)
+TERN_INSTANTIATE(3, float)
+#undef TERN_INSTANTIATE
+template class YieldingSurface<2>;
+template class YieldingSurface<3>;
+
+}  // namespace tern::fluid

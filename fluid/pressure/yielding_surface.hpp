@@ -1,0 +1,77 @@
+#pragma once
+// How the pressure equation knows that the structure yields (Robin condition, docs/THEORY.md section 3). The bodies answer in lumps,
+// parts that are pushed and move as a whole (SurfaceResponse). A pressure p of particle i puts the force p b_ik on point k,
+//   b_ik = -2 V_i A_k w~_ik n_k,      c_ia = sum_k share_ka b_ik,
+// and all forces together let lump a be faster by dt/m_a sum_j c_ja (p_j + rho g.(x_k - x_j) - p^_k) at the end of the window. Inserted
+// in div(u^{n+1}), with the rows scaled as in pressure_poisson.hpp, this is a matrix of low rank on the particles beside the structure:
+//   R_ij = rho sum_a c_ia . c_ja / m_a
+// A pressure on both faces of a plate does not move it: c of the two faces are opposed.
+//
+// R is symmetric and semi-definite, but no matrix of edges: the preconditioner has the sums of its absolute values in its place, a
+// diagonal that is nowhere smaller,
+//   kappa_i = rho sum_a |c_ia| sum_j |c_ja| / m_a >= R.
+
+#include <vector>
+
+#include "base/uninitialised.hpp"
+#include "fluid/boundary/boundary.hpp"
+#include "fluid/particle_class.hpp"
+#include "fluid/reference.hpp"
+#include "fluid/workspace.hpp"
+#include "proto/interface.hpp"
+
+namespace tern::fluid {
+
+template <int D>
+class YieldingSurface {
+ public:
+  /// Nothing yields.
+  void clear();
+
+  /// c of the particles `at_structure` that are unknowns of the pressure, and kappa.
+  void assemble(const Constants<D>& constants, const SurfaceResponse& response, const Boundary<D>& boundary,
+                const std::vector<ParticleClass>& particle_class, const Prediction<D>& prediction, const std::vector<int>& at_structure);
+
+  /// Whether a pressure of the particle at_structure[m] moves the structure.
+  bool moved_by(std::ptrdiff_t m) const { return any() && count_[m] > 0; }
+
+  /// kappa of the particle at_structure[m].
+  double bound(std::ptrdiff_t m) const { return any() ? bound_[m] : 0; }
+
+  /// y += (R - kappa) x. T = double for the equation, float inside the preconditioner.
+  template <class T>
+  void add_difference(const std::vector<int>& at_structure, const std::vector<T>& x, std::vector<T>& y) const;
+
+  /// source += what p^ and the weight of the fluid between particles and faces put on the right-hand side.
+  void add_source(const std::vector<double>& reference_pressure, const Boundary<D>& boundary, const std::vector<int>& at_structure,
+                  std::vector<double>& source) const;
+
+  bool any() const { return !response_.mass.empty(); }
+  std::size_t lumps() const { return response_.mass.size(); }
+  double scale(std::size_t a) const { return scale_[a]; }  ///< rho/m_a
+  /// Calls visit(m, c_ma) for the particles at_structure[m] that push lump a.
+  template <class Visit>
+  void for_rows(std::size_t a, Visit&& visit) const {
+    for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) visit(row_[e], vector_[entry_[e]]);
+  }
+
+ private:
+  template <class T>
+  void spread(const std::vector<int>& at_structure, std::vector<T>& y) const;
+
+  SurfaceResponse response_;
+  std::vector<double> scale_;               ///< rho/m_a
+  std::vector<std::ptrdiff_t> begin_;       ///< of each row, with room for all lumps it may have
+  std::vector<int> count_;                  ///< of its entries
+  UninitialisedVector<int> lump_;           ///< of each entry
+  UninitialisedVector<Vector<D>> vector_;   ///< c_ia
+  UninitialisedVector<Vector<D>> between_;  ///< the same sum with the weight of the fluid between, p in Pa
+  std::vector<std::ptrdiff_t> first_;       ///< of each lump in the two that follow
+  std::vector<int> row_;                    ///< m
+  std::vector<std::ptrdiff_t> entry_;       ///< in the rows
+  std::vector<double> bound_;               ///< kappa, by row
+  std::vector<double> transferred_;         ///< by point: sum_i 2 V_i A_k w~_ik
+  mutable std::vector<Vector<D>> motion_;   ///< of each lump; scratch
+};
+
+}  // namespace tern::fluid

@@ -1,0 +1,194 @@
+// How the surface has answered, learnt from windows: of masses that the formula does not know, and of plates that answer as a whole.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include "coupler/acceleration/learnt_response.hpp"
+#include "fixtures/interface_scenes.hpp"
+
+namespace tern::coupler::testing {
+namespace {
+
+constexpr double dx = 0.01, dt = 1e-3, guess = 20;
+
+/// Faces of `length` along x, `apart` points, wet above and, where `thickness` is not 0, below.
+Surface<2> faces(double length, double apart, double thickness) {
+  Surface<2> surface;
+  for (double x = 0.5 * apart; x < length; x += apart) {
+    add_point<2>(surface, {x, 0.0}, {0.0, 1.0}, apart);
+    if (thickness > 0) add_point<2>(surface, {x, -thickness}, {0.0, -1.0}, apart);
+  }
+  return surface;
+}
+
+/// Learns from windows in which random changes of pressure on all points are answered by `answer`: velocities from forces.
+class Learner {
+ public:
+  explicit Learner(const Surface<2>& surface, double section_mass = guess)
+      : setup_(scene(2, dx), properties(surface.position.size(), section_mass)), window_(setup_) {
+    window_.surface = surface;
+    window_.duration = dt;
+    window_.responding_mass.assign(surface.position.size(), section_mass);
+    window_.share.assign(surface.position.size(), 1);
+    response_.prepare(setup_, {surface.position, surface.normal, surface.area});
+  }
+
+  template <class Answer>
+  void windows(int number, const Answer& answer) {
+    const Surface<2>& surface = window_.surface;
+    for (int window = 0; window < number; ++window) {
+      push();
+      const std::vector<Vector<2>> faster = answer(window_.answered_load.force);
+      std::vector<Vector<2>> velocity = surface.velocity;
+      for (std::size_t k = 0; k < velocity.size(); ++k) velocity[k] += faster[k];
+      response_.learn(setup_, window_, velocity);
+    }
+  }
+
+  SurfaceAnswer learnt() const { return response_.answer(setup_, window_.responding_mass, window_.surface.area); }
+
+  /// What is foretold wrong of the answer to another push, over the answer; normal components.
+  template <class Answer>
+  double error(const Answer& answer) {
+    push();
+    const Surface<2>& surface = window_.surface;
+    const SurfaceAnswer taken = learnt();
+    LumpMotion<2> motion(taken.lumps, taken.mass, dt);
+    for (std::size_t k = 0; k < surface.position.size(); ++k) motion.push(k, window_.answered_load.force[k]);
+    const std::vector<Vector<2>> exact = answer(window_.answered_load.force);
+    double wrong = 0, size = 0;
+    for (std::size_t k = 0; k < exact.size(); ++k) {
+      wrong += std::pow((motion.velocity(k) - exact[k]).dot(surface.normal[k]), 2);
+      size += std::pow(exact[k].dot(surface.normal[k]), 2);
+    }
+    return std::sqrt(wrong / size);
+  }
+
+ private:
+  void push() {
+    const Surface<2>& surface = window_.surface;
+    std::normal_distribution<double> pressure(0, 500);
+    window_.assumed_load.force.assign(surface.position.size(), Vector<2>::Zero());
+    window_.answered_load.force.clear();
+    for (std::size_t k = 0; k < surface.position.size(); ++k)
+      window_.answered_load.force.push_back(-pressure(random_) * surface.area[k] * surface.normal[k]);
+  }
+
+  Setup<2> setup_;
+  Workspace<2> window_;
+  LearntResponse<2> response_;
+  std::mt19937 random_{4};
+};
+
+/// Every point moves by itself, with this mass per area.
+auto points_of(const Surface<2>& surface, std::vector<double> mass) {
+  return [=](const std::vector<Vector<2>>& force) {
+    std::vector<Vector<2>> faster;
+    for (std::size_t k = 0; k < force.size(); ++k) faster.push_back(dt / (mass[k] * surface.area[k]) * force[k]);
+    return faster;
+  };
+}
+
+/// A thin plate with `mass` per area of each face: it moves as the forces on both faces push it, smoothed over this length.
+auto plate_of(const Surface<2>& surface, double mass, double length) {
+  return [=](const std::vector<Vector<2>>& force) {
+    std::vector<Vector<2>> faster;
+    for (const Vector<2>& x : surface.position) {
+      Vector<2> pushed = Vector<2>::Zero();
+      double moved = 0;
+      for (std::size_t l = 0; l < force.size(); ++l) {
+        const double near = std::exp(-std::pow((x[0] - surface.position[l][0]) / length, 2));
+        pushed += near * force[l];
+        moved += near * mass * surface.area[l];
+      }
+      faster.push_back(dt / moved * pushed);
+    }
+    return faster;
+  };
+}
+
+// Seen to fail: with what is learnt left out of the answer; with the inverse of it.
+TEST(LearntResponse, FindsMassesThatTheFormulaDoesNotKnow) {
+  const Surface<2> surface = faces(0.2, 0.5 * dx, 0);
+  std::vector<double> mass(surface.position.size());
+  for (std::size_t k = 0; k < mass.size(); ++k) mass[k] = k < mass.size() / 2 ? 8 : 40;
+  Learner learner(surface);
+  learner.windows(10, points_of(surface, mass));
+  const SurfaceAnswer learnt = learner.learnt();
+  ASSERT_EQ(learnt.lumps.per_point, 1u) << "points that answer by themselves are lumps of their own";
+  for (std::size_t k = 0; k < mass.size(); ++k)
+    EXPECT_NEAR(learnt.mass[learnt.lumps.lump[k]], mass[k] * surface.area[k], 1e-9 * mass[k]) << k;
+  EXPECT_LT(learner.error(points_of(surface, mass)), 1e-9);
+}
+
+// Seen to fail: with all windows kept.
+TEST(LearntResponse, FollowsWhatChanges) {
+  const Surface<2> surface = faces(0.2, 0.5 * dx, 0);
+  const std::vector<double> before(surface.position.size(), 8), after(surface.position.size(), 30);
+  Learner learner(surface);
+  learner.windows(50, points_of(surface, before));
+  learner.windows(30, points_of(surface, after));
+  EXPECT_LT(learner.error(points_of(surface, after)), 0.05);
+}
+
+// A plate of a tenth of the spacing's section under fluid on both sides: an answer point by point misses most of it.
+// Seen to fail: with points alone on trial; without the way of a point into the body, by which both faces share their lumps.
+TEST(LearntResponse, FindsThatAThinPlateMovesAsAWhole) {
+  for (const double length : {0.8 * dx, 1.6 * dx}) {
+    const Surface<2> surface = faces(0.2, 0.25 * dx, 0.4 * dx);
+    Learner learner(surface, 2.4);  // half the thickness of 1200 kg/m^3
+    const auto plate = plate_of(surface, 2.4, length);
+    EXPECT_GT(learner.error(plate), 0.9) << "before it has learnt";
+    learner.windows(20, plate);
+    EXPECT_EQ(learner.learnt().lumps.per_point, 4u);
+    EXPECT_LT(learner.error(plate), 0.35) << length / dx << " dx";
+  }
+}
+
+// Seen to fail: without the limits.
+TEST(LearntResponse, StaysWithinLimitsOfTheGuess) {
+  const Surface<2> surface = faces(0.2, 0.5 * dx, 0);
+  const auto all = [](const Learner& learner) {
+    const std::vector<double> mass = learner.learnt().mass;
+    return std::accumulate(mass.begin(), mass.end(), 0.0);
+  };
+  const double guessed = all(Learner(surface));
+  Learner still(surface), wild(surface), wrong(surface);
+  EXPECT_NEAR(guessed, guess * 0.2, 1e-12) << "before the first window";
+  still.windows(3, points_of(surface, std::vector<double>(surface.position.size(), 1e9)));
+  wild.windows(3, points_of(surface, std::vector<double>(surface.position.size(), 1e-9)));
+  wrong.windows(3, points_of(surface, std::vector<double>(surface.position.size(), -20)));
+  EXPECT_NEAR(all(still), 4 * guessed, 1e-9);
+  EXPECT_NEAR(all(wild), 0.05 * guessed, 1e-9);
+  EXPECT_NEAR(all(wrong), 4 * guessed, 1e-9);
+}
+
+// The lumps of a thick body know of one face alone, and bodies have none in common.
+// Seen to fail: with all of a section as the way into the body; with bodies left out of the key.
+TEST(SurfaceLumps, AreOfOneBodyAndOfOneFaceOfAThickOne) {
+  for (const double thickness : {0.2 * dx, 8 * dx}) {
+    const Surface<2> surface = faces(0.1, 0.5 * dx, thickness);
+    std::vector<std::uint32_t> body(surface.position.size(), 0);
+    const std::vector<double> depth(surface.position.size(), 0.5 * thickness);
+    const auto common = [&](std::size_t k, std::size_t l) {
+      const SurfaceLumps lumps = lumps_of_width<2>(1.5 * dx, {surface.position, surface.normal, surface.area}, body, depth);
+      double sum = 0;
+      for (std::size_t s = 4 * k; s < 4 * k + 4; ++s)
+        for (std::size_t t = 4 * l; t < 4 * l + 4; ++t) sum += lumps.lump[s] == lumps.lump[t] ? lumps.share[s] * lumps.share[t] : 0;
+      return sum;
+    };
+    EXPECT_GT(common(0, 0), 0.2);
+    if (thickness < dx)
+      EXPECT_NEAR(common(0, 1), common(0, 0), 1e-12) << "both faces at one place";
+    else
+      EXPECT_EQ(common(0, 1), 0);
+    body[1] = 1;
+    EXPECT_EQ(common(0, 1), 0) << "of two bodies";
+  }
+}
+
+}  // namespace
+}  // namespace tern::coupler::testing
