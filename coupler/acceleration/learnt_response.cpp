@@ -38,12 +38,36 @@ double LearntResponse<D>::quickness(std::size_t width, std::size_t lump) const {
 }
 
 template <int D>
+std::size_t LearntResponse<D>::best_width(std::size_t body) const {
+  std::size_t best = 0;
+  for (std::size_t width = 1; width < lumps_.size(); ++width)
+    if (error_[width][body] < error_[best][body]) best = width;
+  return best;
+}
+
+template <int D>
+std::optional<LearntOfBody> LearntResponse<D>::of_body(const Setup<D>& setup, std::size_t body) const {
+  if (changed_.empty() || changed_[body] == 0) return std::nullopt;
+  const std::size_t width = best_width(body);
+  double slow = 0, all = 0;
+  for (std::size_t k = 0; k < setup.properties.body.size(); ++k) {
+    const SurfaceLumps& lumps = lumps_[width];
+    if (setup.properties.body[k] != body || setup.properties.section_mass[k] >= held_mass) continue;
+    for (std::size_t s = k * lumps.per_point; s < (k + 1) * lumps.per_point; ++s) {
+      if (square_[width][lumps.lump[s]] == 0) continue;  // dry
+      slow += lumps.share[s] / quickness(width, lumps.lump[s]);
+      all += lumps.share[s];
+    }
+  }
+  return LearntOfBody{widths[width] * setup.spacing, all > 0 ? slow / all : 1, std::sqrt(error_[width][body] / changed_[body]),
+                      std::sqrt(error_[0][body] / changed_[body])};
+}
+
+template <int D>
 SurfaceAnswer LearntResponse<D>::answer(const Setup<D>& setup, const std::vector<double>& guess, const std::vector<double>& area) const {
   const std::vector<std::uint32_t>& body = setup.properties.body;
-  std::vector<std::size_t> chosen(setup.body_density.size(), 0);
-  for (std::size_t b = 0; b < chosen.size(); ++b)
-    for (std::size_t width = 1; width < lumps_.size(); ++width)
-      if (error_[width][b] < error_[chosen[b]][b]) chosen[b] = width;
+  std::vector<std::size_t> chosen(setup.body_density.size());
+  for (std::size_t b = 0; b < chosen.size(); ++b) chosen[b] = best_width(b);
 
   SurfaceAnswer made;
   for (const std::size_t width : chosen) made.lumps.per_point = std::max(made.lumps.per_point, lumps_[width].per_point);
@@ -83,7 +107,12 @@ void LearntResponse<D>::learn(const Setup<D>& setup, const Workspace<D>& window,
   const Surface<D>& surface = window.surface;
   const std::size_t points = velocity.size();
   std::vector<double> changed(points);
-  for (std::size_t k = 0; k < points; ++k) changed[k] = (velocity[k] - surface.velocity[k]).dot(surface.normal[k]);
+  changed_.resize(setup.body_density.size(), 0);
+  for (double& square : changed_) square *= kept;
+  for (std::size_t k = 0; k < points; ++k) {
+    changed[k] = (velocity[k] - surface.velocity[k]).dot(surface.normal[k]);
+    if (window.share[k] > 0) changed_[setup.properties.body[k]] += surface.area[k] * changed[k] * changed[k];
+  }
   for (std::size_t width = 0; width < lumps_.size(); ++width) {
     const SurfaceLumps& lumps = lumps_[width];
     const std::vector<double> guessed = lump_masses(lumps, window.responding_mass, surface.area);

@@ -11,6 +11,7 @@
 // width the lumps are: a thin plate bends in a window over a length of its own, and answers a push on one point, or on one face, by all of
 // it. The widths on trial foretell every window; for each body that one is taken whose errors have been least.
 
+#include <optional>
 #include <vector>
 
 #include "coupler/setup.hpp"
@@ -18,6 +19,14 @@
 #include "coupler/workspace.hpp"
 
 namespace tern::coupler {
+
+/// What has been learnt of a body, for those who ask. All over the windows of the end.
+struct LearntOfBody {
+  double width = 0;              ///< of the lumps [m]; 0: points
+  double mass_over_formula = 1;  ///< of all lumps together
+  double missed = 0,
+         missed_by_points = 0;  ///< of the changes of velocity that a load made, root mean square: by these lumps, and by points
+};
 
 template <int D>
 class LearntResponse {
@@ -31,20 +40,26 @@ class LearntResponse {
   /// Learns from the first pass: the surface has moved as window.surface says under the assumed load, and with `velocity` under the answer.
   void learn(const Setup<D>& setup, const Workspace<D>& window, const std::vector<Vector<D>>& velocity);
 
+  /// Of a body; nothing where nothing has been learnt yet.
+  std::optional<LearntOfBody> of_body(const Setup<D>& setup, std::size_t body) const;
+
   /// The list of what it has learnt: visit(name, member of each) for every one.
   template <class Visit, class... Same>
   static void for_each_field(Visit&& visit, Same&... all) {
     visit("answer", all.answer_...);
     visit("square", all.square_...);
     visit("error", all.error_...);
+    visit("changed", all.changed_...);
   }
 
  private:
   double quickness(std::size_t width, std::size_t lump) const;
+  std::size_t best_width(std::size_t body) const;
 
   std::vector<SurfaceLumps> lumps_;                   ///< of each width
   std::vector<std::vector<double>> answer_, square_;  ///< by width and lump: the two sums
   std::vector<std::vector<double>> error_;            ///< by width and body: mean square of what was foretold wrong
+  std::vector<double> changed_;                       ///< by body: mean square of what there was to foretell
 };
 
 }  // namespace tern::coupler

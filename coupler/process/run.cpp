@@ -63,6 +63,21 @@ void report_totals(const Totals& totals, bool iterates, RunReport& report) {
   report.set_count("coupling_windows_open", totals.open_windows);
 }
 
+/// How the bodies have answered, where that is learnt.
+template <int D>
+void report_answers(const Coupler<D>& coupler, RunReport& report) {
+  if (!coupler.setup().algorithm.tests) return;
+  for (std::size_t b = 0; b < coupler.setup().body_name.size(); ++b) {
+    const auto learnt = coupler.state().response.of_body(coupler.setup(), b);
+    if (!learnt) continue;
+    const std::string& body = coupler.setup().body_name[b];
+    report.set_measure("answer_lump_width_m." + body, learnt->width);
+    report.set_measure("answer_mass_over_formula." + body, learnt->mass_over_formula);
+    report.set_measure("answer_missed." + body, learnt->missed);
+    report.set_measure("answer_missed_by_points." + body, learnt->missed_by_points);
+  }
+}
+
 void report_evaluations(const Evaluations& evaluations, long gauges, RunReport& report) {
   report.set_evaluations("pressure", evaluations.pressure);
   report.set_evaluations("riemann_dissipation", evaluations.riemann_dissipation);
@@ -228,6 +243,7 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
   const auto report_now = [&] {
     report.set_time(seconds(now), totals.windows);
     report_totals(totals, coupler.setup().algorithm.iterates, report);
+    report_answers(coupler, report);
     report_evaluations(coupler.state().evaluations, accounts.evaluated_gauges(), report);
     proto::report_traffic(channel, report);
     report.update();

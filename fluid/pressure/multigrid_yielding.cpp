@@ -15,7 +15,7 @@ namespace tern::fluid {
 
 template <int D>
 void Multigrid<D>::build_yielding(const YieldingSurface<D>& yielding, const std::vector<int>& at_structure) {
-  yielding_ = yielding.any() ? &yielding : nullptr;
+  yielding_ = yielding.any_lumps() ? &yielding : nullptr;
   at_structure_ = &at_structure;
   if (!yielding_) return;
   const std::size_t rows = at_structure.size();
@@ -84,7 +84,7 @@ void Multigrid<D>::build_yielding(const YieldingSurface<D>& yielding, const std:
   for (std::size_t m = 0; m < rows; ++m)
     for (int j = beside.begin[m]; j < beside.begin[m + 1]; ++j)
       for (int k = beside.begin[m]; k < beside.begin[m + 1]; ++k)
-        dense(beside.node[j], beside.node[k]) -= yielding.bound(m) * beside.weight[j] * beside.weight[k];
+        dense(beside.node[j], beside.node[k]) -= yielding.bound_of_lumps(m) * beside.weight[j] * beside.weight[k];
   for (std::size_t a = 0; a < yielding.lumps(); ++a)
     for (int j = beside.lump_begin[a]; j < beside.lump_begin[a + 1]; ++j)
       for (int k = beside.lump_begin[a]; k < beside.lump_begin[a + 1]; ++k)
@@ -98,7 +98,7 @@ void Multigrid<D>::add_difference(const Level& level, const std::vector<float>& 
   for (std::size_t m = 0; m + 1 < beside.begin.size(); ++m) {
     float value = 0;
     for (int k = beside.begin[m]; k < beside.begin[m + 1]; ++k) value += beside.weight[k] * x[beside.node[k]];
-    value *= static_cast<float>(yielding_->bound(m));
+    value *= static_cast<float>(yielding_->bound_of_lumps(m));
     for (int k = beside.begin[m]; k < beside.begin[m + 1]; ++k) y[beside.node[k]] += beside.weight[k] * value;
   }
   for (std::size_t a = 0; a + 1 < beside.lump_begin.size(); ++a) {

@@ -6,13 +6,11 @@
 #include "base/parallel.hpp"
 
 namespace tern::fluid {
+namespace {
 
-template <int D>
-void YieldingSurface<D>::clear() {
-  response_.lump.clear();
-  response_.share.clear();
-  response_.mass.clear();
-}
+constexpr int several = -1, none = -2;  ///< in place of the one point of a lump
+
+}  // namespace
 
 template <int D>
 void YieldingSurface<D>::assemble(const Constants<D>& constants, const SurfaceResponse& response, const Boundary<D>& boundary,
@@ -77,16 +75,28 @@ void YieldingSurface<D>::assemble(const Constants<D>& constants, const SurfaceRe
   std::rotate(first_.begin(), first_.end() - 1, first_.end());
   first_[0] = 0;
 
+  point_.assign(lumps, none);
+  for (std::size_t s = 0; s < response_.lump.size(); ++s) {
+    if (response_.share[s] == 0) continue;
+    int& point = point_[response_.lump[s]];
+    point = point == none ? static_cast<int>(s) / static_cast<int>(per_point) : several;
+  }
+  any_lumps_ = std::find(point_.begin(), point_.end(), several) != point_.end();
+
   scale_.resize(lumps);
-  std::vector<double>& size = transferred_;  // for now: rho/m_a sum_j |c_ja|
-  size.assign(std::max<std::size_t>(lumps, boundary.surface.size()), 0);
+  size_.assign(lumps, 0);
   parallel_for(lumps, rows, [&](std::ptrdiff_t a) {
     scale_[a] = constants.density / response_.mass[a];
-    for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) size[a] += scale_[a] * vector_[entry_[e]].norm();
+    for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) size_[a] += scale_[a] * vector_[entry_[e]].norm();
   });
   bound_.assign(rows, 0);
+  bound_of_lumps_.assign(rows, 0);
   parallel_for(rows, [&](std::ptrdiff_t m) {
-    for (std::ptrdiff_t e = begin_[m]; e < begin_[m] + count_[m]; ++e) bound_[m] += vector_[e].norm() * size[lump_[e]];
+    for (std::ptrdiff_t e = begin_[m]; e < begin_[m] + count_[m]; ++e) {
+      const double kappa = vector_[e].norm() * size_[lump_[e]];
+      bound_[m] += kappa;
+      if (point_[lump_[e]] == several) bound_of_lumps_[m] += kappa;
+    }
   });
 
   transferred_.assign(boundary.surface.size(), 0);
@@ -113,14 +123,15 @@ void YieldingSurface<D>::spread(const std::vector<int>& at_structure, std::vecto
 template <int D>
 template <class T>
 void YieldingSurface<D>::add_difference(const std::vector<int>& at_structure, const std::vector<T>& x, std::vector<T>& y) const {
-  if (!any()) return;
+  if (!any_lumps()) return;
   const std::ptrdiff_t lumps = static_cast<std::ptrdiff_t>(response_.mass.size());
   parallel_for(lumps, static_cast<std::ptrdiff_t>(row_.size()), [&](std::ptrdiff_t a) {
     Vector<D> force = Vector<D>::Zero();
-    for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) force += vector_[entry_[e]] * double(x[at_structure[row_[e]]]);
+    for (std::ptrdiff_t e = point_[a] == several ? first_[a] : first_[a + 1]; e < first_[a + 1]; ++e)
+      force += vector_[entry_[e]] * double(x[at_structure[row_[e]]]);
     motion_[a] = scale_[a] * force;
   });
-  for (std::size_t m = 0; m < at_structure.size(); ++m) y[at_structure[m]] -= static_cast<T>(bound_[m] * x[at_structure[m]]);
+  for (std::size_t m = 0; m < at_structure.size(); ++m) y[at_structure[m]] -= static_cast<T>(bound_of_lumps_[m] * x[at_structure[m]]);
   spread(at_structure, y);
 }
 
@@ -136,7 +147,17 @@ void YieldingSurface<D>::add_source(const std::vector<double>& reference_pressur
   const std::ptrdiff_t lumps = static_cast<std::ptrdiff_t>(response_.mass.size());
   parallel_for(lumps, static_cast<std::ptrdiff_t>(row_.size()), [&](std::ptrdiff_t a) {
     for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) motion_[a] -= between_[entry_[e]];
-    motion_[a] *= scale_[a];
+    motion_[a] *= point_[a] == several ? scale_[a] : 0;
+  });
+  // To a lump that is one point, every particle has its own part: kappa_ia (p^ - rho g.(x_k - x_i)).
+  const std::ptrdiff_t rows = static_cast<std::ptrdiff_t>(at_structure.size());
+  parallel_for(rows, [&](std::ptrdiff_t m) {
+    for (std::ptrdiff_t e = begin_[m]; e < begin_[m] + count_[m]; ++e) {
+      const int k = point_[lump_[e]];
+      const double size = vector_[e].norm();
+      if (k == several || size == 0) continue;
+      source[at_structure[m]] += size_[lump_[e]] * (size * reference_pressure[k] - between_[e].dot(vector_[e]) / size);
+    }
   });
   spread(at_structure, source);
 }
