@@ -128,6 +128,16 @@ std::array<double, 4> MotionTable::at(double t) const {
 }
 
 template <int D>
+Matrix<D> turn_by(double angle, const std::array<double, 3>& axis) {
+  Matrix<D> turn;
+  if constexpr (D == 2)
+    turn << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
+  else
+    turn = Eigen::AngleAxisd(angle, Eigen::Vector3d(axis[0], axis[1], axis[2])).toRotationMatrix();
+  return turn;
+}
+
+template <int D>
 Placement<D> placement(const RigidMotion& motion, double t) {
   std::array<double, 4> at;
   if (motion.table)
@@ -140,15 +150,12 @@ Placement<D> placement(const RigidMotion& motion, double t) {
     place.shift[c] = at[c];
   }
   place.angle = at[3];
-  if (at[3] == 0) return place;
-  if constexpr (D == 2) {
-    place.turn << std::cos(at[3]), -std::sin(at[3]), std::sin(at[3]), std::cos(at[3]);
-  } else {
-    place.turn = Eigen::AngleAxisd(at[3], Eigen::Vector3d(motion.axis[0], motion.axis[1], motion.axis[2])).toRotationMatrix();
-  }
+  if (at[3] != 0) place.turn = turn_by<D>(at[3], motion.axis);
   return place;
 }
 
+template Matrix<2> turn_by<2>(double, const std::array<double, 3>&);
+template Matrix<3> turn_by<3>(double, const std::array<double, 3>&);
 template Placement<2> placement<2>(const RigidMotion&, double);
 template Placement<3> placement<3>(const RigidMotion&, double);
 

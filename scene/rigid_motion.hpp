@@ -58,6 +58,10 @@ Vector<D> turning_velocity(double rate, const std::array<double, 3>& axis, const
     return rate * Vector<3>(axis[0], axis[1], axis[2]).cross(arm);
 }
 
+/// The turn by an angle [rad], positive from x to y (2D), or by the right hand about the unit vector `axis` (3D).
+template <int D>
+Matrix<D> turn_by(double angle, const std::array<double, 3>& axis);
+
 template <int D>
 Placement<D> placement(const RigidMotion& motion, double t);
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "structure/shell/shell_body.hpp"
 #include "structure/time_step.hpp"
 
 namespace tern::structure {
@@ -41,7 +42,7 @@ void kick(const Reference<D>& reference, const Workspace<D>& work, double dt, St
 }
 
 template <int D>
-void drift(const Reference<D>& reference, double dt, State<D>& state) {
+void drift(const Reference<D>& reference, const Workspace<D>& work, double dt, State<D>& state) {
   for_each_block(static_cast<std::ptrdiff_t>(reference.blocks.size()), [&](std::ptrdiff_t n) {
     const std::ptrdiff_t i = reference.blocks[n].row;
     for (int a = 0; a < D; ++a) {
@@ -49,11 +50,12 @@ void drift(const Reference<D>& reference, double dt, State<D>& state) {
       store(d, load(d) + dt * load(state.velocity[a].data() + i));
     }
   });
+  for (std::size_t c = 0; c < state.clamp_angle.size(); ++c) state.clamp_angle[c] += dt * work.clamp_spin[c];
 }
 
 template <int D>
-double clamp_power(const Reference<D>& reference, const State<D>& state) {
-  double power = 0;
+double clamp_power(const Reference<D>& reference, const State<D>& state, const Workspace<D>& work) {
+  double power = shell_clamp_power(reference, work);
   for (const Clamp& clamp : reference.clamps) {
     if (!clamp.motion) continue;
     for (const auto row : clamp.row)
@@ -62,11 +64,11 @@ double clamp_power(const Reference<D>& reference, const State<D>& state) {
   return power;
 }
 
-template double clamp_power<2>(const Reference<2>&, const State<2>&);
-template double clamp_power<3>(const Reference<3>&, const State<3>&);
+template double clamp_power<2>(const Reference<2>&, const State<2>&, const Workspace<2>&);
+template double clamp_power<3>(const Reference<3>&, const State<3>&, const Workspace<3>&);
 template void kick<2>(const Reference<2>&, const Workspace<2>&, double, State<2>&);
 template void kick<3>(const Reference<3>&, const Workspace<3>&, double, State<3>&);
-template void drift<2>(const Reference<2>&, double, State<2>&);
-template void drift<3>(const Reference<3>&, double, State<3>&);
+template void drift<2>(const Reference<2>&, const Workspace<2>&, double, State<2>&);
+template void drift<3>(const Reference<3>&, const Workspace<3>&, double, State<3>&);
 
 }  // namespace tern::structure

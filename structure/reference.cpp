@@ -382,8 +382,7 @@ Reference<D> build_reference(const StructureCase& structure) {
           .layer = make_shell_layer<D>(input.name, shell_particles_of<D>(input), body.material, thickness_of_box(input.shape, D)),
           .body = static_cast<std::uint32_t>(reference.bodies.size()),
           .index = reference.shells.size(),
-          .first_row = next_row,
-          .clamp_of_particle = {}};
+          .first_row = next_row};
       const auto& positions = shell.layer.particles.position;
       body.count = positions.size();
       cells.emplace_back();
@@ -448,10 +447,13 @@ Reference<D> build_reference(const StructureCase& structure) {
   }
   add_clamps<D>(structure, points, reference);
   for (ShellBody<D>& shell : reference.shells) {
-    shell.clamp_of_particle.assign(shell.layer.size(), -1);
+    auto& clamp = shell.layer.particles.clamp;
+    for (auto& c : clamp)
+      if (c >= 0) c = static_cast<std::int32_t>(reference.clamps.size());
     for (std::size_t c = 0; c < reference.clamps.size(); ++c)
       for (const auto row : reference.clamps[c].row)
-        if (reference.clamps[c].body == shell.body) shell.clamp_of_particle[row - shell.first_row] = static_cast<std::int32_t>(c);
+        if (reference.clamps[c].body == shell.body && clamp[row - shell.first_row] >= 0)
+          clamp[row - shell.first_row] = static_cast<std::int32_t>(c);
     shell.first_block = static_cast<std::ptrdiff_t>(reference.blocks.size());
     for (std::int32_t row = shell.first_row; row < shell.first_row + static_cast<std::int32_t>(shell.layer.size()); row += lane_count)
       reference.blocks.push_back({row, 0, shell.body});

@@ -92,9 +92,8 @@ struct ShellBody {
   std::uint32_t body = 0;
   std::size_t index = 0;  ///< of it in Reference::shells and Workspace::shells
   std::int32_t first_row = 0;
-  std::ptrdiff_t first_block = 0;               ///< in Reference::blocks
-  std::vector<std::int32_t> clamp_of_particle;  ///< index of Reference::clamps, or -1
-  double viscous_time = 0;                      ///< stress per stress rate, beta of shell_viscous_stress() [s]
+  std::ptrdiff_t first_block = 0;  ///< in Reference::blocks
+  double viscous_time = 0;         ///< stress per stress rate, beta of shell_viscous_stress() [s]
 };
 
 template <int D>

@@ -18,13 +18,14 @@ using RowVectors = std::array<std::vector<double>, D>;  ///< one array of rows p
 template <int D>
 struct State {
   Ticks time = 0;
-  RowVectors<D> displacement;     ///< x - X [m]
-  RowVectors<D> velocity;         ///< [m/s]
-  RowVectors<D> internal_force;   ///< elastic + diffusion + penalty at `displacement` [N/m^(3-D)]
-  bool force_is_elastic = false;  ///< internal_force is the elastic part alone
-  bool undisturbed = true;        ///< as it was built: nothing has moved or loaded it yet
-  SurfaceLoad<D> load;            ///< of the last window
-  double interface_work = 0;      ///< [J/m^(3-D)] since t = 0
+  RowVectors<D> displacement;       ///< x - X [m]
+  RowVectors<D> velocity;           ///< [m/s]
+  std::vector<double> clamp_angle;  ///< by which each of Reference::clamps is turned [rad]
+  RowVectors<D> internal_force;     ///< elastic + diffusion + penalty at `displacement` [N/m^(3-D)]
+  bool force_is_elastic = false;    ///< internal_force is the elastic part alone
+  bool undisturbed = true;          ///< as it was built: nothing has moved or loaded it yet
+  SurfaceLoad<D> load;              ///< of the last window
+  double interface_work = 0;        ///< [J/m^(3-D)] since t = 0
   double gravity_work = 0;
   double load_work = 0;                ///< of tractions, pressures and body loads
   double clamp_work = 0;               ///< of clamps that move
@@ -40,6 +41,7 @@ struct State {
     visit("time", state.time...);
     visit("displacement", state.displacement...);
     visit("velocity", state.velocity...);
+    visit("clamp_angle", state.clamp_angle...);
     visit("internal_force", state.internal_force...);
     visit("force_is_elastic", state.force_is_elastic...);
     visit("undisturbed", state.undisturbed...);
@@ -72,6 +74,8 @@ struct ShellWork {
   std::vector<double> energy_density;            ///< [J/m^(D-1)]
   std::vector<Vector<D>> v;                      ///< [m/s]
   std::vector<ShellDerivatives<D>> rate;         ///< of the derivatives
+  std::vector<Matrix<D>> turn;                   ///< R of each of Reference::clamps, and of those without a name
+  std::vector<Matrix<D>> turn_rate;              ///< dR/dt [1/s]
   std::vector<ShellDerivatives<D>> viscous;      ///< what is conjugate to them in the viscous stress
 };
 
@@ -86,6 +90,7 @@ struct Workspace {
   RowVectors<D> drag;                    ///< force of the diffusion on the first row of each pair: array of rows per pair slot
   RowVectors<D> pull;                    ///< the same of the penalty
   RowVectors<D> external_force;          ///< all that acts from outside, constant over a window [N/m^(3-D)]
+  std::vector<double> clamp_spin;        ///< by which each of Reference::clamps turns in the present window [rad/s]
   std::vector<ShellWork<D>> shells;
   Evaluations evaluations;
 };
@@ -95,6 +100,7 @@ State<D> state_at_rest(const Reference<D>& reference, std::size_t surface_points
   State<D> state;
   for (auto* vectors : {&state.displacement, &state.velocity, &state.internal_force})
     for (auto& axis : *vectors) axis.assign(reference.rows, 0);
+  state.clamp_angle.assign(reference.clamps.size(), 0);
   state.load.force.assign(surface_points, Vector<D>::Zero());
   for (auto* values : {&state.diffusion_loss, &state.diffusion_power, &state.diffusion_brake})
     values->assign(reference.blocks.size(), broadcast(0));
@@ -113,6 +119,7 @@ Workspace<D> workspace_for(const Reference<D>& reference) {
     for (auto& component : *curvatures)
       for (auto& pair : component) pair.assign(reference.rows, 0);
   for (auto& axis : work.external_force) axis.assign(reference.rows, 0);
+  work.clamp_spin.assign(reference.clamps.size(), 0);
   if (reference.has_diffusion)
     for (auto& axis : work.drag) axis.assign(reference.rows * reference.pair_slots, 0);
   if (reference.has_penalty)
@@ -126,6 +133,8 @@ Workspace<D> workspace_for(const Reference<D>& reference) {
     own.v.resize(shell.layer.size());
     own.rate.resize(shell.layer.size());
     own.viscous.resize(shell.layer.size());
+    own.turn.assign(reference.clamps.size() + 1, Matrix<D>::Identity());
+    own.turn_rate.assign(reference.clamps.size() + 1, Matrix<D>::Zero());
   }
   return work;
 }

@@ -95,9 +95,12 @@ struct Structure<D>::Parts {
   void begin_clamp_motion() {
     bool moves = false;
     const double end = seconds(state.time) + seconds(duration);
-    for (const Clamp& clamp : reference.clamps) {
+    for (std::size_t c = 0; c < reference.clamps.size(); ++c) {
+      const Clamp& clamp = reference.clamps[c];
       if (!clamp.motion) continue;
       const auto place_at_end = placement<D>(*clamp.motion, end);
+      work.clamp_spin[c] = (place_at_end.angle - state.clamp_angle[c]) / seconds(duration);
+      moves |= work.clamp_spin[c] != 0;
       for (const auto row : clamp.row) {
         const Vector<D> x = reference.position_of(row), d = place_at_end(x) - x;
         for (int a = 0; a < D; ++a) {

@@ -26,10 +26,10 @@ void verlet(const Reference<D>& reference, double duration, int sub_steps, State
   for (int n = 0; n < sub_steps; ++n) {
     // The kick that ends a sub-step and the one that begins the next are the same force for half a step each.
     kick(reference, work, n == 0 ? 0.5 * dt : dt, state);
-    drift(reference, dt, state);
-    state.clamp_work += 0.5 * dt * clamp_power(reference, state);  // by the forces at the begin of the drift
+    drift(reference, work, dt, state);
+    state.clamp_work += 0.5 * dt * clamp_power(reference, state, work);  // by the forces at the begin of the drift
     internal_forces(reference, begin + (n + 1) * dt, dt, state, work);
-    state.clamp_work += 0.5 * dt * clamp_power(reference, state);  // and at its end
+    state.clamp_work += 0.5 * dt * clamp_power(reference, state, work);  // and at its end
   }
   kick(reference, work, 0.5 * dt, state);
 }

@@ -44,13 +44,14 @@ void internal_forces(const Reference<D>& reference, double time_s, double dt, St
 template <int D>
 void kick(const Reference<D>& reference, const Workspace<D>& work, double dt, State<D>& state);
 
-/// d += dt v.
+/// d += dt v; clamps turn by dt work.clamp_spin.
 template <int D>
-void drift(const Reference<D>& reference, double dt, State<D>& state);
+void drift(const Reference<D>& reference, const Workspace<D>& work, double dt, State<D>& state);
 
-/// Power of the clamps that move, sum of their reaction times their velocity [W/m^(3-D)].
+/// Power of the clamps that move, sum of their reaction times their velocity, of shells also of their couple times their spin
+/// [W/m^(3-D)]; `work` holds the stresses of the last internal_forces().
 template <int D>
-double clamp_power(const Reference<D>& reference, const State<D>& state);
+double clamp_power(const Reference<D>& reference, const State<D>& state, const Workspace<D>& work);
 
 /// Largest stable sub-step [s]: courant dx/(c + |v|max), c the pressure wave speed at the strongest compression, and no more than the
 /// forces at rest allow. `work` holds the deformation gradient of `state`.

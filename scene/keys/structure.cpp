@@ -99,9 +99,6 @@ void check_shells(const StructureCase& structure, int dimension, const Setting& 
     if (!structure::Material(body).has_law_of_a_layer())
       throw BadInput(fmt::format("{}: the shell '{}' is of {}, which has no law of a layer; use another material, or model it as a solid.",
                                  where, body.name, body.material));
-    for (const ClampCase& clamp : structure.clamps)
-      if (clamp.body == body.name && clamp.motion)
-        throw BadInput(fmt::format("{}: the clamp '{}' of the shell '{}' moves; model the body as a solid.", where, clamp.name, body.name));
   }
 }
 

@@ -43,12 +43,13 @@ void scatter(const std::vector<std::int32_t>& rows, const Eigen::VectorXd& value
 
 /// Moves the clamped particles on for `dt`.
 template <int D>
-void drift_clamps(const Reference<D>& reference, double dt, State<D>& state) {
+void drift_clamps(const Reference<D>& reference, const Workspace<D>& work, double dt, State<D>& state) {
   for (const Clamp& clamp : reference.clamps) {
     if (!clamp.motion) continue;
     for (const auto row : clamp.row)
       for (int a = 0; a < D; ++a) state.displacement[a][row] += dt * state.velocity[a][row];
   }
+  for (std::size_t c = 0; c < state.clamp_angle.size(); ++c) state.clamp_angle[c] += dt * work.clamp_spin[c];
 }
 
 /// Decays the velocity for half of a step.
@@ -189,10 +190,10 @@ bool ImplicitStep<D>::advance(const Reference<D>& reference, double dt, State<D>
     done = evaluate_elastic_force(reference, state, work);
     ++memory_.counts.evaluations;
   }
-  const double power_n = clamp_power(reference, state);
+  const double power_n = clamp_power(reference, state, work);
   const Eigen::VectorXd f_n = gather<D>(rows, state.internal_force);
 
-  drift_clamps(reference, g * dt, state);
+  drift_clamps(reference, work, g * dt, state);
   const Eigen::VectorXd straight = d_n + 2 * h * v_n;
   if (done) {
     scatter<D>(rows, guess(0, dt, straight), state.displacement);
@@ -203,8 +204,8 @@ bool ImplicitStep<D>::advance(const Reference<D>& reference, double dt, State<D>
     const Eigen::VectorXd v_g = (d_g - d_n) / h - v_n;
     const double own = 1 / (g * (2 - g)), past = (1 - g) * (1 - g) * own;
     const Eigen::VectorXd d_hat = own * d_g - past * d_n, v_hat = own * v_g - past * v_n;
-    const double power_g = clamp_power(reference, state);
-    drift_clamps(reference, (1 - g) * dt, state);
+    const double power_g = clamp_power(reference, state, work);
+    drift_clamps(reference, work, (1 - g) * dt, state);
     const Eigen::VectorXd straight_on = d_g + (1 - g) * dt * v_g;
     scatter<D>(rows, guess(1, dt, straight_on), state.displacement);
     done = solve(reference, h, d_hat + h * v_hat, external, state, work);
@@ -216,7 +217,7 @@ bool ImplicitStep<D>::advance(const Reference<D>& reference, double dt, State<D>
       scatter<D>(rows, (d - d_hat) / h, state.velocity);
       damp(reference, dt, state);
       // Work of the clamps by the trapezoidal rule over both parts of the step.
-      const double power = clamp_power(reference, state);
+      const double power = clamp_power(reference, state, work);
       state.clamp_work += 0.5 * dt * (g * (power_n + power_g) + (1 - g) * (power_g + power));
       ++memory_.counts.steps;
       return true;

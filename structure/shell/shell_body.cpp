@@ -8,18 +8,12 @@
 
 #include "base/error.hpp"
 #include "scene/mid_surface.hpp"
+#include "scene/rigid_motion.hpp"
 #include "structure/shell/shell_force.hpp"
 #include "structure/stable_step.hpp"
 
 namespace tern::structure {
 namespace {
-
-/// Clamps of shells do not move.
-template <int D>
-const std::array<Matrix<D>, 1>& still() {
-  static const std::array<Matrix<D>, 1> turn{Matrix<D>::Identity()};
-  return turn;
-}
 
 /// Area of the mid-surface over that of the reference.
 template <int D>
@@ -28,6 +22,14 @@ double area_ratio(const ShellDerivatives<D>& d) {
     return d.col(0).norm();
   else
     return Vector<3>(d.col(0)).cross(Vector<3>(d.col(1))).norm();
+}
+
+/// dR/dt of a turn R that goes on at `spin` [rad/s] about `axis` (3D).
+template <int D>
+Matrix<D> turn_rate(double spin, const std::array<double, 3>& axis, const Matrix<D>& turn) {
+  Matrix<D> rate;
+  for (int a = 0; a < D; ++a) rate.col(a) = turning_velocity<D>(spin, axis, turn.col(a));
+  return rate;
 }
 
 }  // namespace
@@ -61,7 +63,12 @@ void shell_derivatives(const Reference<D>& reference, const State<D>& state, Wor
     for (std::size_t i = 0; i < shell.layer.size(); ++i)
       for (int a = 0; a < D; ++a)
         own.x[i][a] = shell.layer.particles.position[i][a] + state.displacement[a][shell.first_row + static_cast<std::int32_t>(i)];
-    shell_derivatives_of<D>(shell.layer, own.x, still<D>(), own.derivatives);
+    for (std::size_t c = 0; c < reference.clamps.size(); ++c) {
+      if (!reference.clamps[c].motion) continue;
+      own.turn[c] = turn_by<D>(state.clamp_angle[c], reference.clamps[c].motion->axis);
+      own.turn_rate[c] = turn_rate<D>(work.clamp_spin[c], reference.clamps[c].motion->axis, own.turn[c]);
+    }
+    shell_derivatives_of<D>(shell.layer, own.x, own.turn, own.derivatives);
   }
 }
 
@@ -72,7 +79,7 @@ void shell_internal_forces(const Reference<D>& reference, double time_s, State<D
     const ShellBody<D>& shell = reference.shells[s];
     ShellWork<D>& own = work.shells[s];
     for_each_block(static_cast<std::ptrdiff_t>(shell.layer.size()), [&](std::ptrdiff_t i) {
-      own.energy_density[i] = shell_energy_density<D>(shell.layer, i, own.derivatives[i], still<D>(), own.conjugate[i]);
+      own.energy_density[i] = shell_energy_density<D>(shell.layer, i, own.derivatives[i], own.turn, own.conjugate[i]);
     });
     for (std::size_t i = 0; i < shell.layer.size(); ++i) {
       const double ratio = area_ratio<D>(own.derivatives[i]);
@@ -87,10 +94,10 @@ void shell_internal_forces(const Reference<D>& reference, double time_s, State<D
     if (is_viscous) {
       for (std::size_t i = 0; i < shell.layer.size(); ++i)
         for (int a = 0; a < D; ++a) own.v[i][a] = state.velocity[a][shell.first_row + static_cast<std::int32_t>(i)];
-      static const std::array<Matrix<D>, 1> no_rate{Matrix<D>::Zero()};
-      shell_derivatives_of<D>(shell.layer, own.v, no_rate, own.rate);
+      shell_derivatives_of<D>(shell.layer, own.v, own.turn_rate, own.rate);
       for_each_block(static_cast<std::ptrdiff_t>(shell.layer.size()), [&](std::ptrdiff_t i) {
-        shell_viscous_stress<D>(shell.layer, i, own.derivatives[i], own.rate[i], still<D>(), shell.viscous_time, own.viscous[i]);
+        shell_viscous_stress<D>(shell.layer, i, own.derivatives[i], own.rate[i], own.turn, own.turn_rate, shell.viscous_time,
+                                own.viscous[i]);
       });
     }
     // The power of the viscous forces, and by how much it falls in a second, are accounted as those of the diffusion of solids.
@@ -103,13 +110,32 @@ void shell_internal_forces(const Reference<D>& reference, double time_s, State<D
         if (is_viscous) {
           const Vector<D> viscous = shell_force<D>(shell.layer, static_cast<std::size_t>(i), own.viscous);
           force += viscous;
-          state.diffusion_power[block][lane] = -viscous.dot(own.v[i]);
+          state.diffusion_power[block][lane] =
+              shell.layer.particles.area[i] *
+                  shell_turning_power<D>(shell.layer, i, own.derivatives[i], own.viscous[i], own.turn, own.turn_rate) -
+              viscous.dot(own.v[i]);
           state.diffusion_brake[block][lane] = reference.inverse_mass[row] * viscous.dot(force);
         }
         for (int a = 0; a < D; ++a) state.internal_force[a][row] = force[a];
       }
     });
   }
+}
+
+template <int D>
+double shell_clamp_power(const Reference<D>& reference, const Workspace<D>& work) {
+  double power = 0;
+  for (const ShellBody<D>& shell : reference.shells) {
+    const ShellWork<D>& own = work.shells[shell.index];
+    for (std::size_t i = 0; i < shell.layer.size(); ++i) {
+      const auto clamp = shell.layer.particles.clamp[i];
+      if (clamp < 0 || own.turn_rate[clamp].isZero(0)) continue;
+      ShellDerivatives<D> stress = own.conjugate[i];
+      if (shell.viscous_time > 0) stress += own.viscous[i];
+      power += shell.layer.particles.area[i] * shell_turning_power<D>(shell.layer, i, own.derivatives[i], stress, own.turn, own.turn_rate);
+    }
+  }
+  return power;
 }
 
 template <int D>
@@ -166,7 +192,7 @@ double shell_strain_energy(const Reference<D>& reference, const Workspace<D>& wo
   for (std::size_t s = 0; s < reference.shells.size(); ++s) {
     const ShellLayer<D>& layer = reference.shells[s].layer;
     for (std::size_t i = 0; i < layer.size(); ++i)
-      energy += layer.particles.area[i] * shell_energy_density<D>(layer, i, work.shells[s].derivatives[i], still<D>(), unused);
+      energy += layer.particles.area[i] * shell_energy_density<D>(layer, i, work.shells[s].derivatives[i], work.shells[s].turn, unused);
   }
   return energy;
 }
@@ -184,15 +210,15 @@ Vector<3> shell_clamp_couple(const ShellBody<D>& shell, const Workspace<D>& work
     return Vector<3>(full_a.cross(full_b));
   };
   for (std::size_t i = 0; i < layer.size(); ++i) {
-    if (layer.particles.clamp[i] < 0 || (clamp >= 0 && shell.clamp_of_particle[i] != clamp)) continue;
+    if (layer.particles.clamp[i] < 0 || (clamp >= 0 && layer.particles.clamp[i] != clamp)) continue;
     ShellDerivatives<D> conjugate;
-    shell_energy_density<D>(layer, i, own.derivatives[i], still<D>(), conjugate);
-    const Vector<D> normal = layer.particles.frame[i].col(D - 1);
+    shell_energy_density<D>(layer, i, own.derivatives[i], own.turn, conjugate);
+    const Matrix<D> frame = own.turn[layer.particles.clamp[i]] * layer.particles.frame[i];
+    const Vector<D> normal = frame.col(D - 1);
     for (int ab = 0; ab < shell_unknowns<D> - shell_slopes<D>; ++ab) {
       const Vector<D> q = conjugate.col(shell_slopes<D> + ab), x = own.derivatives[i].col(shell_slopes<D> + ab);
       couple += layer.particles.area[i] * q.dot(normal) * cross(normal, x);
-      for (int c = 0; c < D - 1; ++c)
-        couple -= layer.particles.area[i] * layer.clamp_slope[i](ab, c) * cross(layer.particles.frame[i].col(c), q);
+      for (int c = 0; c < D - 1; ++c) couple -= layer.particles.area[i] * layer.clamp_slope[i](ab, c) * cross(frame.col(c), q);
     }
   }
   return couple;
@@ -202,9 +228,11 @@ template <int D>
 ShellStress<D> shell_stress(const ShellBody<D>& shell, const Workspace<D>& work, std::size_t i) {
   const ShellLayer<D>& layer = shell.layer;
   const ShellDerivatives<D>&d = work.shells[shell.index].derivatives[i], &r = layer.reference[i];
-  const bool clamped = layer.particles.clamp[i] >= 0;
-  const Vector<D> normal = clamped ? Vector<D>(layer.particles.frame[i].col(D - 1)) : shell_normal<D>(d);
-  const Vector<D> reference_normal = clamped ? normal : shell_normal<D>(r);
+  const auto clamp = layer.particles.clamp[i];
+  const std::vector<Matrix<D>>& turn = work.shells[shell.index].turn;
+  const Vector<D> own_normal = layer.particles.frame[i].col(D - 1);
+  const Vector<D> normal = clamp >= 0 ? Vector<D>(turn[clamp] * own_normal) : shell_normal<D>(d);
+  const Vector<D> reference_normal = clamp >= 0 ? own_normal : shell_normal<D>(r);
   using Plane = Eigen::Matrix<double, D - 1, D - 1>;
   const auto slopes = d.template leftCols<shell_slopes<D>>(), reference_slopes = r.template leftCols<shell_slopes<D>>();
   const Plane e = 0.5 * (slopes.transpose() * slopes - reference_slopes.transpose() * reference_slopes);
@@ -230,7 +258,7 @@ ShellStress<D> shell_stress(const ShellBody<D>& shell, const Workspace<D>& work,
     result.von_mises = std::max(result.von_mises, std::sqrt(1.5) * deviator.norm());
   }
   ShellDerivatives<D> unused;
-  result.energy_density = shell_energy_density<D>(layer, i, d, still<D>(), unused) / layer.thickness;
+  result.energy_density = shell_energy_density<D>(layer, i, d, turn, unused) / layer.thickness;
   return result;
 }
 
@@ -239,6 +267,7 @@ ShellStress<D> shell_stress(const ShellBody<D>& shell, const Workspace<D>& work,
   template void shell_derivatives<D>(const Reference<D>&, const State<D>&, Workspace<D>&);                     \
   template void shell_internal_forces<D>(const Reference<D>&, double, State<D>&, Workspace<D>&);               \
   template void damp_shells<D>(Reference<D>&, double);                                                         \
+  template double shell_clamp_power<D>(const Reference<D>&, const Workspace<D>&);                              \
   template double shell_stable_sub_step<D>(const Reference<D>&, double, const State<D>&, const Workspace<D>&); \
   template double shell_strain_energy<D>(const Reference<D>&, const Workspace<D>&);                            \
   template Vector<3> shell_clamp_couple<D>(const ShellBody<D>&, const Workspace<D>&, std::int32_t);            \

@@ -17,6 +17,10 @@ void shell_derivatives(const Reference<D>& reference, const State<D>& state, Wor
 template <int D>
 void shell_internal_forces(const Reference<D>& reference, double time_s, State<D>& state, Workspace<D>& work);
 
+/// Power of the clamps that turn, of their couple alone [W/m^(3-D)], by the stresses of the last shell_internal_forces().
+template <int D>
+double shell_clamp_power(const Reference<D>& reference, const Workspace<D>& work);
+
 /// Sets the viscosity of the shells: `coefficient` times 0.1 of the critical damping of the fastest motion; of every other one the
 /// share falls with its frequency. Their stable_step_at_rest is that without, and becomes that with it.
 template <int D>

@@ -84,12 +84,13 @@ double density(const ShellLayer<2>& layer, std::size_t i, const ShellDerivatives
 }
 
 void viscous_stress(const ShellLayer<2>& layer, std::size_t i, const ShellDerivatives<2>& d, const ShellDerivatives<2>& rate,
-                    std::span<const Matrix<2>> turn, double time, ShellDerivatives<2>& conjugate) {
+                    std::span<const Matrix<2>> turn, std::span<const Matrix<2>> turn_rate, double time, ShellDerivatives<2>& conjugate) {
   conjugate.col(0) = time * layer.thickness * layer.modulus() * d.col(0).dot(rate.col(0)) * d.col(0);
   const auto clamp = layer.particles.clamp[i];
   if (clamp >= 0) {
-    const Vector<2> normal = turn[clamp] * layer.particles.frame[i].col(1);
-    conjugate.col(1) = time * bending_stiffness(layer) * normal.dot(rate.col(1)) * normal;
+    const Vector<2> normal = turn[clamp] * layer.particles.frame[i].col(1),
+                    normal_rate = turn_rate[clamp] * layer.particles.frame[i].col(1);
+    conjugate.col(1) = time * bending_stiffness(layer) * (normal.dot(rate.col(1)) + normal_rate.dot(d.col(1))) * normal;
     return;
   }
   conjugate.col(1).setZero();
@@ -172,7 +173,7 @@ double density(const ShellLayer<3>& layer, std::size_t i, const ShellDerivatives
 }
 
 void viscous_stress(const ShellLayer<3>& layer, std::size_t i, const ShellDerivatives<3>& d, const ShellDerivatives<3>& rate,
-                    std::span<const Matrix<3>> turn, double time, ShellDerivatives<3>& conjugate) {
+                    std::span<const Matrix<3>> turn, std::span<const Matrix<3>> turn_rate, double time, ShellDerivatives<3>& conjugate) {
   const double t = layer.thickness;
   const auto clamp = layer.particles.clamp[i];
   const Tangents now(layer, i, d, clamp >= 0 ? &turn[clamp] : nullptr);
@@ -180,8 +181,12 @@ void viscous_stress(const ShellLayer<3>& layer, std::size_t i, const ShellDeriva
   const Eigen::Matrix2d product = now.x.transpose() * x_rate, strain_rate = 0.5 * (product + product.transpose());
   const Vector<3> c_rate = x_rate.col(0).cross(now.x.col(1)) + now.x.col(0).cross(x_rate.col(1));
   Eigen::Matrix2d bend_rate;
+  const Vector<3> normal_rate = clamp >= 0 ? Vector<3>(turn_rate[clamp] * layer.particles.frame[i].col(2)) : Vector<3>::Zero();
   for (int a = 0; a < 2; ++a)
-    for (int b = 0; b < 2; ++b) bend_rate(a, b) = now.normal.dot(rate.col(second_derivative<3>(a, b))) + now.by_turn(d, a, b).dot(c_rate);
+    for (int b = 0; b < 2; ++b) {
+      const int ab = second_derivative<3>(a, b);
+      bend_rate(a, b) = now.normal.dot(rate.col(ab)) + now.by_turn(d, a, b).dot(c_rate) + normal_rate.dot(d.col(ab));
+    }
   std::array<Eigen::Matrix2d, 2> cell;
   for (int e = 0; e < 2 && clamp < 0; ++e)
     cell[e] = time * t * layer.cell_squared[e] * hooke(layer, Tangents::gradient(rate, d, e) + Tangents::gradient(d, rate, e));
@@ -212,9 +217,26 @@ double shell_energy_density(const ShellLayer<D>& layer, std::size_t i, const She
 
 template <int D>
 void shell_viscous_stress(const ShellLayer<D>& layer, std::size_t i, const ShellDerivatives<D>& derivatives,
-                          const ShellDerivatives<D>& rate, std::span<const Matrix<D>> turn, double viscous_time,
-                          ShellDerivatives<D>& conjugate) {
-  viscous_stress(layer, i, derivatives, rate, turn, viscous_time, conjugate);
+                          const ShellDerivatives<D>& rate, std::span<const Matrix<D>> turn, std::span<const Matrix<D>> turn_rate,
+                          double viscous_time, ShellDerivatives<D>& conjugate) {
+  viscous_stress(layer, i, derivatives, rate, turn, turn_rate, viscous_time, conjugate);
+}
+
+// Of x_,ab = ... - R e_c (sum k^ab xi_c), and of n = R N in rho_ab = n.x_,ab, whose stress is n times the conjugate.
+template <int D>
+double shell_turning_power(const ShellLayer<D>& layer, std::size_t i, const ShellDerivatives<D>& derivatives,
+                           const ShellDerivatives<D>& conjugate, std::span<const Matrix<D>> turn, std::span<const Matrix<D>> turn_rate) {
+  const auto clamp = layer.particles.clamp[i];
+  if (clamp < 0) return 0;
+  const Matrix<D>& frame = layer.particles.frame[i];
+  const Vector<D> normal = turn[clamp] * frame.col(D - 1), normal_rate = turn_rate[clamp] * frame.col(D - 1);
+  double power = 0;
+  for (int ab = 0; ab < shell_unknowns<D> - shell_slopes<D>; ++ab) {
+    const Vector<D> q = conjugate.col(shell_slopes<D> + ab);
+    power += q.dot(normal) * normal_rate.dot(derivatives.col(shell_slopes<D> + ab));
+    for (int c = 0; c < D - 1; ++c) power -= layer.clamp_slope[i](ab, c) * q.dot(turn_rate[clamp] * frame.col(c));
+  }
+  return power;
 }
 
 template <int D>
@@ -246,7 +268,9 @@ double shell_forces(const ShellLayer<D>& layer, std::span<const Vector<D>> x, st
   template double shell_energy_density<D>(const ShellLayer<D>&, std::size_t, const ShellDerivatives<D>&, std::span<const Matrix<D>>, \
                                           ShellDerivatives<D>&);                                                                     \
   template void shell_viscous_stress<D>(const ShellLayer<D>&, std::size_t, const ShellDerivatives<D>&, const ShellDerivatives<D>&,   \
-                                        std::span<const Matrix<D>>, double, ShellDerivatives<D>&);                                   \
+                                        std::span<const Matrix<D>>, std::span<const Matrix<D>>, double, ShellDerivatives<D>&);       \
+  template double shell_turning_power<D>(const ShellLayer<D>&, std::size_t, const ShellDerivatives<D>&, const ShellDerivatives<D>&,  \
+                                         std::span<const Matrix<D>>, std::span<const Matrix<D>>);                                    \
   template Vector<D> shell_force<D>(const ShellLayer<D>&, std::size_t, std::span<const ShellDerivatives<D>>);                        \
   template double shell_forces<D>(const ShellLayer<D>&, std::span<const Vector<D>>, std::span<const Matrix<D>>,                      \
                                   std::span<ShellDerivatives<D>>, std::span<ShellDerivatives<D>>, std::span<Vector<D>>);

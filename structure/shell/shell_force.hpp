@@ -16,7 +16,7 @@
 
 namespace tern::structure {
 
-/// x_,a and x_,ab of every particle. `turn`: R of each clamp.
+/// x_,a and x_,ab of every particle. `turn`: R of each clamp. With velocities and dR/dt in their places: the rates of these.
 template <int D>
 void shell_derivatives_of(const ShellLayer<D>& layer, std::span<const Vector<D>> x, std::span<const Matrix<D>> turn,
                           std::span<ShellDerivatives<D>> derivatives);
@@ -27,11 +27,16 @@ double shell_energy_density(const ShellLayer<D>& layer, std::size_t i, const She
                             std::span<const Matrix<D>> turn, ShellDerivatives<D>& conjugate);
 
 /// The same of the viscous energy, half the power that it takes, W with the rates of E (rho, G) in place of their changes, Hooke's law, and
-/// `viscous_time` [s] before it. `rate`: of the derivatives [1/s]. Rigid motions have no such rates.
+/// `viscous_time` [s] before it. `rate`: of the derivatives [1/s], `turn_rate`: dR/dt. Rigid motions have no such rates.
 template <int D>
 void shell_viscous_stress(const ShellLayer<D>& layer, std::size_t i, const ShellDerivatives<D>& derivatives,
-                          const ShellDerivatives<D>& rate, std::span<const Matrix<D>> turn, double viscous_time,
-                          ShellDerivatives<D>& conjugate);
+                          const ShellDerivatives<D>& rate, std::span<const Matrix<D>> turn, std::span<const Matrix<D>> turn_rate,
+                          double viscous_time, ShellDerivatives<D>& conjugate);
+
+/// Power per area [W/m^2] with which the turning of its clamp does work on particle i, whose stresses are `conjugate`.
+template <int D>
+double shell_turning_power(const ShellLayer<D>& layer, std::size_t i, const ShellDerivatives<D>& derivatives,
+                           const ShellDerivatives<D>& conjugate, std::span<const Matrix<D>> turn, std::span<const Matrix<D>> turn_rate);
 
 /// f_i = -dU/dx_i [N/m^(3-D)] from A_j dW_j of all particles j.
 template <int D>

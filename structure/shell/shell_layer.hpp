@@ -50,7 +50,7 @@ struct ShellParticles {
   std::vector<Matrix<D>> frame;                   ///< columns: e_a, then the normal N
   std::vector<double> area;                       ///< of the mid-surface, half of it on a held edge [m^(D-1)]
   std::vector<bool> held;                         ///< on a clamped or hinged edge: its motion is prescribed
-  std::vector<std::int32_t> clamp;                ///< index of the clamp whose edge it is on, or -1
+  std::vector<std::int32_t> clamp;                ///< of its edge: index of Reference::clamps, their number without a name; -1: none
   std::array<double, shell_slopes<D>> spacing{};  ///< along e_a [m]
 };
 

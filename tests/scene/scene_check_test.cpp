@@ -143,10 +143,6 @@ TEST_F(CaseFile, RefusesWhatAShellDoesNotModel) {
   expect_refused(changed("poisson_ratio", "material = \"mooney_rivlin\"\npoisson_ratio"), {"mooney_rivlin", "no law of a layer"});
   expect_refused(changed("spacing = 0.025\n", "spacing = 0.15\n"), {"has 3 free particles over 0.5 m in direction y", "at most 0.111 m"});
   expect_refused(changed("at = [0.75, 0.5]", "at = [0.76, 0.5]"), {"'tip'", "is not on the mid-surface of the shell 'plate', x = 0.75 m"});
-  expect_refused(changed("clamp = [{ box = { min = [0.6, -0.2], max = [0.9, 0] } }]\n",
-                         "[[structure.clamp]]\nname = \"hand\"\nbody = \"plate\"\nregion = { box = { min = [0.6, -0.2], max = [0.9, 0] } "
-                         "}\ndisplacement = [\"t\", 0]\n"),
-                 {"the clamp 'hand' of the shell 'plate' moves"});
 }
 
 // Deflection under a uniform load that is missing without shear: 0.8/(1 - nu) (t/L)^2 of a cantilever, 9.6/(1 - nu) (t/L)^2 between two

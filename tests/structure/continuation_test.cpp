@@ -103,6 +103,15 @@ Case shaken(Integrator integrator) {
   return c;
 }
 
+/// The same as a shell, its clamp turned to and fro.
+Case turned() {
+  Case c = shaken(Integrator::explicit_steps);
+  c.structure->bodies[0].is_shell = true;
+  c.structure->bodies[0].spacing = 0.003;
+  c.structure->clamps[0].motion->rotation = Expression("0.01*sin(2000*t)");
+  return c;
+}
+
 /// Nothing holds or loads it after the push: whether it has been touched is a matter of its state alone.
 Case free_strip() {
   Case c = strip<2>(Integrator::explicit_steps);
@@ -163,6 +172,7 @@ TEST(Continuation, OfAStructureHasTheSameBitsWithEveryIntegrator) {
     EXPECT_EQ(differences_after_continuation<2>(shaken(integrator), forty_sub_steps), "") << static_cast<int>(integrator);
   }
   EXPECT_EQ(differences_after_continuation<2>(free_strip(), forty_sub_steps), "");
+  EXPECT_EQ(differences_after_continuation<2>(turned(), forty_sub_steps), "");
 }
 
 TEST(Continuation, OfAStructureHasTheSameBitsForEveryMaterial) {
@@ -197,6 +207,7 @@ TEST(Continuation, NeedsEveryFieldOfTheState) {
                                                         {shaken(Integrator::implicit_steps), {5e-4, 6, 2}},
                                                         {shaken(Integrator::implicit_steps), {1e-3, 11, 2}},
                                                         {free_strip(), {1e-3, 3, 1}},
+                                                        {turned(), {1e-4, 3, 2}},
                                                         {rare, rare_implicit_windows(rare)},
                                                         {rare, {rare_implicit_windows(rare).window_s, 50, 2}}};
   std::set<std::string> names;

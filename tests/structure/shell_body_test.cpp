@@ -118,6 +118,108 @@ TEST(ShellBody, AClampBearsTheForceAndTheMomentOfTheLoad) {
   expect_static_reaction<3>(shell_strip(), 0.048);
 }
 
+/// The plate, or the strip, whose clamp turns by 0.4 rad and back and moves up meanwhile, a swing of two first periods.
+template <int D>
+Case waved(Case c) {
+  StructureCase& structure = *c.structure;
+  RigidMotion motion;
+  motion.rotation = Expression("0.2*(1-cos(15.7*t))");
+  motion.displacement[1] = Expression("0.01*(1-cos(15.7*t))");
+  motion.pivot = {0.598, 0, 0};
+  structure.clamps = {{"hand", "plate", structure.bodies[0].clamps[0], motion}};
+  return c;
+}
+
+/// Place of the tip every 10 ms of 0.4 s; the account of energy is closed all the time.
+template <int D>
+std::vector<Vector<D>> path_of_tip(const Case& c, const std::array<double, 3>& tip) {
+  Structure<D> structure(c);
+  const auto point = structure.material_point("plate", tip);
+  std::vector<Vector<D>> path;
+  double most = 0;
+  for (int n = 1; n <= 400; ++n) {
+    structure.trial(structure.time(), to_ticks(1e-3));
+    const Energies e = structure.energies();
+    most = std::max(most, e.kinetic + e.strain);
+    EXPECT_NEAR(e.kinetic + e.strain + e.diffusion, e.clamp_work, 3e-3 * most) << n;
+    if (n % 10 == 0) path.push_back(structure.displacement(point));
+  }
+  return path;
+}
+
+/// Largest distance of the paths over the longest way.
+template <int D>
+double distance(const std::vector<Vector<D>>& one, const std::vector<Vector<D>>& other) {
+  double largest = 0, way = 0;
+  for (std::size_t n = 0; n < one.size(); ++n) {
+    largest = std::max(largest, (one[n].template head<2>() - other[n].template head<2>()).norm());
+    way = std::max(way, one[n].norm());
+  }
+  return largest / way;
+}
+
+// Against the solid of four particles across, and in 3D against the line of the same strip. Seen to fail: with the slope of the clamp
+// that stays, and without the work of its couple in the account.
+TEST(ShellBody, AClampThatTurnsWavesItAsItWavesASolid) {
+  const std::array<double, 3> tip{0.598, 0.0885, 0.024};
+  Case solid = plate();
+  const auto by_solid = path_of_tip<2>(waved<2>(solid), tip);
+  EXPECT_LT(distance<2>(path_of_tip<2>(waved<2>(shell_plate()), tip), by_solid), 0.02);
+  Case line = shell_plate();
+  line.structure->bodies[0].poisson_ratio = 0;
+  const auto by_strip = path_of_tip<3>(waved<3>(shell_strip()), tip);
+  std::vector<Vector<2>> in_plane;
+  for (const auto& d : by_strip) in_plane.emplace_back(d[0], d[1]);
+  EXPECT_LT(distance<2>(in_plane, path_of_tip<2>(waved<2>(line), tip)), 0.01);
+}
+
+/// Forces on the rows of a body that its clamp has turned and moved as a whole and carries on round, bent and stretched along y by
+/// `bend` y^2 [1/m].
+template <int D>
+RowVectors<D> forces_in_a_turned_body(const Case& c, double bend, double viscous_time) {
+  Reference<D> reference = build_reference<D>(*c.structure);
+  reference.shells[0].viscous_time = viscous_time;
+  State<D> state = state_at_rest(reference, 0);
+  Workspace<D> work = workspace_for(reference);
+  const Placement<D> placed = placement<D>(*reference.clamps[0].motion, 0.1);
+  state.clamp_angle[0] = placed.angle;
+  work.clamp_spin[0] = 1.7;
+  for (const auto row : reference.particle_row) {
+    const Vector<D> x = reference.position_of(row), bent = x + bend * x[1] * x[1] * (Vector<D>::Unit(0) + Vector<D>::Unit(1));
+    const Vector<D> velocity = turning_velocity<D>(1.7, reference.clamps[0].motion->axis, placed.turn * (bent - placed.pivot));
+    for (int a = 0; a < D; ++a) {
+      state.displacement[a][row] = placed(bent)[a] - x[a];
+      state.velocity[a][row] = velocity[a];
+    }
+  }
+  evaluate(reference, state, work);
+  return state.internal_force;
+}
+
+/// Largest difference of two, over E t.
+template <int D>
+double largest_difference(const RowVectors<D>& one, const RowVectors<D>& other) {
+  double largest = 0;
+  for (int a = 0; a < D; ++a)
+    for (std::size_t row = 0; row < one[a].size(); ++row) largest = std::max(largest, std::abs(one[a][row] - other[a][row]));
+  return largest / (3.5e6 * 0.004);
+}
+
+template <int D>
+void expect_no_force_when_carried_round(const Case& c) {
+  RowVectors<D> none = forces_in_a_turned_body<D>(c, 0, 0);
+  for (auto& axis : none) std::fill(axis.begin(), axis.end(), 0.0);
+  EXPECT_LT(largest_difference<D>(forces_in_a_turned_body<D>(c, 0, 1e-3), none), 1e-11);
+  EXPECT_LT(largest_difference<D>(forces_in_a_turned_body<D>(c, 3, 1e-3), forces_in_a_turned_body<D>(c, 3, 0)), 1e-11);
+  EXPECT_GT(largest_difference<D>(forces_in_a_turned_body<D>(c, 3, 0), none), 1e-4);
+}
+
+// Seen to fail: with the slope of the clamp that stays, and, where it is bent, without the rate of the clamp's normal.
+TEST(ShellBody, FeelsNoViscosityWhereItsClampCarriesItRoundAsAWhole) {
+  expect_no_force_when_carried_round<2>(waved<2>(shell_plate()));
+  expect_no_force_when_carried_round<3>(waved<3>(shell_strip()));
+}
+
 /// Power of forces on the surface points against that of what the particles get, in a bent state.
 template <int D>
 void expect_power(const Case& c) {
@@ -156,7 +258,7 @@ void expect_power(const Case& c) {
     for (const auto row : reference.particle_row) power -= force[a][row] * state.velocity[a][row];
   EXPECT_LT(std::abs(power), 1e-14 * scale);
   constexpr double dt = 1e-7;
-  drift(reference, dt, state);
+  drift(reference, work, dt, state);
   deformation_gradient(reference, state, work);
   const auto after = present_surface(attachment, reference, state, work).position;
   for (std::size_t k = 0; k < velocity.size(); ++k)

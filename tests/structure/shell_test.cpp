@@ -212,10 +212,11 @@ void expect_stress_of_rates(Edge low) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> some(-1, 1);
   constexpr double step = 1e-6, time = 0.7;
+  const std::vector<Matrix<D>> still(model.turn.size(), Matrix<D>::Zero());
   for (std::size_t i = 0; i < start.size(); ++i) {
     ShellDerivatives<D> rate, viscous, above, below;
     for (auto& entry : rate.reshaped()) entry = some(random);
-    shell_viscous_stress<D>(model.layer, i, start[i], rate, model.turn, time, viscous);
+    shell_viscous_stress<D>(model.layer, i, start[i], rate, model.turn, still, time, viscous);
     shell_energy_density<D>(model.layer, i, start[i] + step * rate, model.turn, above);
     shell_energy_density<D>(model.layer, i, start[i] - step * rate, model.turn, below);
     EXPECT_LT((viscous - time / (2 * step) * (above - below)).norm(), 1e-7 * viscous.norm()) << D << "D, particle " << i;
@@ -241,7 +242,7 @@ TEST(Shell, ARigidMotionHasNoViscousStress) {
   shell_derivatives_of<3>(model.layer, v, model.turn, rate);
   for (std::size_t i = 0; i < v.size(); ++i) {
     ShellDerivatives<3> viscous;
-    shell_viscous_stress<3>(model.layer, i, model.derivatives[i], rate[i], model.turn, 1, viscous);
+    shell_viscous_stress<3>(model.layer, i, model.derivatives[i], rate[i], model.turn, model.turn, 1, viscous);
     EXPECT_LT(viscous.norm(), 1e-12 * model.layer.modulus() * model.layer.thickness) << i;
   }
 }
