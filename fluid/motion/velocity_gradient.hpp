@@ -18,7 +18,7 @@ Matrix<D> velocity_gradient_sum(const Neighbours<D>& neighbours, const PackedPer
   odd.fill(Packed<D>::Zero());
   for_row_in_turns(neighbours, i, even, odd, [&](std::array<Packed<D>, D>& column, int k) {
     const Motion<D>& other = motion[neighbours.column[k]];
-    const Packed<D> r = neighbours.weight[k] * period.between(x, other.position), jump = other.velocity - u;
+    const Packed<D> r = double(neighbours.weight[k]) * period.between(x, other.position), jump = other.velocity - u;
     for (int b = 0; b < D; ++b) column[b] += jump * r[b];
   });
   Matrix<D> sum;
