@@ -62,13 +62,6 @@ class PackedPeriod {
     return d;
   }
 
-  /// Component c of that in all places; `from` is in all places already.
-  Packed<D> between(const Packed<D>& from, const Packed<D>& to, int c) const {
-    Packed<D> d = Packed<D>::Constant(to[c]) - from;
-    if constexpr (periodic) d -= length_[c] * (d * inverse_length_[c]).rint();
-    return d;
-  }
-
  private:
   Packed<D> length_, inverse_length_;
 };

@@ -13,14 +13,13 @@ template <bool periodic, int D>
 Matrix<D> velocity_gradient_sum(const Neighbours<D>& neighbours, const PackedPeriod<periodic, D>& period,
                                 const std::vector<Motion<D>>& motion, std::ptrdiff_t i) {
   const Packed<D> x = motion[i].position, u = motion[i].velocity;
-  std::array<Packed<D>, D> even, odd, own;
-  for (int b = 0; b < D; ++b) own[b] = Packed<D>::Constant(x[b]);
+  std::array<Packed<D>, D> even, odd;
   even.fill(Packed<D>::Zero());
   odd.fill(Packed<D>::Zero());
   for_row_in_turns(neighbours, i, even, odd, [&](std::array<Packed<D>, D>& column, int k) {
     const Motion<D>& other = motion[neighbours.column[k]];
-    const Packed<D> jump = double(neighbours.weight[k]) * (other.velocity - u);
-    for (int b = 0; b < D; ++b) column[b] += jump * period.between(own[b], other.position, b);
+    const Packed<D> r = double(neighbours.weight[k]) * period.between(x, other.position), jump = other.velocity - u;
+    for (int b = 0; b < D; ++b) column[b] += jump * r[b];
   });
   Matrix<D> sum;
   for (int b = 0; b < D; ++b)
