@@ -28,10 +28,10 @@ struct Seen {
   }
 };
 
-// Half full, and with water that stands above the rim. Heights of 0.4 spacings and more: nearer than that a patch of half a spacing does not tell the direction of what is behind it. Measured:
-// 0.26 of the particles that see a wall stand before one plane; number density within 5.2e-3, moments across within 0.057, weights within
-// 5e-5. Seen to fail: with the third power of y/s in place of the first; with a plane that goes on beyond its edge; with dry patches
-// counted as wet.
+// Half full, and with water that stands above the rim. Heights of 0.4 spacings and more: nearer than that a patch of half a spacing does
+// not tell the direction of what is behind it. Measured, half full: 0.26 of the particles that see a wall stand before one plane; number
+// density within 5.2e-3, moments across within 0.057, weights within 5e-5. Seen to fail: with a plane that goes on beyond its edge; with
+// dry patches counted as wet.
 TEST(PlaneWalls, HaveTheSumsOfTheirPatches) {
   for (double depth : {0.4, 0.8}) {
     const Case c = tank_of_water(depth);
@@ -70,8 +70,8 @@ TEST(PlaneWalls, HaveTheSumsOfTheirPatches) {
   }
 }
 
-// On its way along the floor to the corner, and up a wall through the waterline. Seen to fail: without the share, and with one that does
-// not ask for dry patches.
+// On its way along the floor to the corner, and up a wall through the waterline. Seen to fail: with a share that is either 1 or 0, and
+// with dry patches counted by whole rows.
 TEST(PlaneWalls, GiveWayToPatchesGradually) {
   const Case c = tank_of_water();
   Fluid<3> fluid(c);

@@ -107,7 +107,7 @@ LatticeOnPlane<3> evaluate_whole_plane(double ratio, int layer) {
   return result;
 }
 
-// Measured: 3e-7. Seen to fail: with the height of the plane in place of its third power, and without the two directions along it.
+// Seen to fail: with the part along the plane as large as that along the normal.
 TEST(FaceKernel, CompletesALatticeRestingOnAWholePlaneWithoutPatches) {
   for (double ratio : {1.3, 1.5})
     for (int layer : {0, 1}) {
@@ -120,7 +120,8 @@ TEST(FaceKernel, CompletesALatticeRestingOnAWholePlaneWithoutPatches) {
 }
 
 // Patches of dx/16 under places in no order. The direction of what is behind a patch is that of its centre, so near ones are off by
-// (dx/16 y)^2. Seen to fail: with the part along the normal as large as along the plane.
+// (dx/16 y)^2. Seen to fail: with the height of the plane in place of its third power, and with the
+// part along the plane as large as that along the normal.
 TEST(FaceKernel, HasInAPlaneWhatItsPatchesTendTo) {
   const Kernel<3> kernel(1.5 * spacing);
   const FaceKernel<3> faces(kernel, spacing);
