@@ -1,5 +1,8 @@
 #include "fluid/neighbours.hpp"
 
+#include <bit>
+#include <limits>
+
 #include <omp.h>
 
 #include "base/parallel.hpp"
@@ -16,11 +19,19 @@ constexpr int row_unit = 4;  ///< rows are filled up to a whole number of it wit
 /// Entries a row of n neighbours takes.
 constexpr int filled_up(int n) { return (n + row_unit - 1) & -row_unit; }
 
-/// Sums row i over its neighbours at `offset`, by axis, and writes the weights; to the end of what fills up the row.
+/// A number that single precision can hold, nearest to `value` but for ties. In a loop over numbers in double precision a conversion there
+/// and back would halve how many are computed at a time.
+inline double rounded_to_single(double value) {
+  constexpr int dropped = std::numeric_limits<double>::digits - std::numeric_limits<float>::digits;
+  constexpr std::uint64_t unit = std::uint64_t{1} << dropped;
+  return std::bit_cast<double>((std::bit_cast<std::uint64_t>(value) + unit / 2) & -unit);
+}
+
+/// Sums row i over its neighbours at `offset`, by axis, and writes the weights; to the end of what fills up the row. Those stand in the
+/// first axis of `offset` then.
 template <int D>
-void sum_row(const Constants<D>& constants, const std::array<std::vector<double>, D>& offset, int i, Neighbours<D>& result) {
+void sum_row(const Constants<D>& constants, std::array<std::vector<double>, D>& offset, int i, Neighbours<D>& result) {
   const int n = filled_up(result.count[i]);
-  double* weight = result.weight.data() + result.begin[i];
   const double inverse_h = 1 / constants.kernel.smoothing_length();
   const double value_scale = constants.kernel.value(0) * constants.volume;
   const double gradient_scale = constants.kernel.gradient_weight(0) * constants.volume / constants.lattice.gradient_moment;
@@ -28,46 +39,52 @@ void sum_row(const Constants<D>& constants, const std::array<std::vector<double>
 
   double density = value_scale;
   if constexpr (D == 2) {
-    const double *x = offset[0].data(), *y = offset[1].data();
+    double* const x = offset[0].data();
+    const double* const y = offset[1].data();
     double mxx = 0, mxy = 0, myy = 0, gx = 0, gy = 0, cx = 0, cy = 0;
 #pragma omp simd reduction(+ : density, mxx, mxy, myy, gx, gy, cx, cy)
     for (int k = 0; k < n; ++k) {
       const double dx = x[k], dy = y[k];
       const double q = std::sqrt(dx * dx + dy * dy) * inverse_h;
       const double s = std::max(0.0, 1 - 0.5 * q), s3 = s * s * s;
-      const double w = value_scale * s3 * s * (2 * q + 1), a = gradient_scale * s3;
-      weight[k] = a;
-      const double ratio = w * lattice_value, ratio2 = ratio * ratio, extra = 1 + 0.2 * ratio2 * ratio2;
+      const double w = value_scale * s3 * s * (2 * q + 1);
+      const double exact = gradient_scale * s3, a = rounded_to_single(exact);
+      x[k] = a;
+      const double ratio = w * lattice_value, ratio2 = ratio * ratio, extra = exact * (1 + 0.2 * ratio2 * ratio2);
       density += w;
       mxx += a * dx * dx, mxy += a * dx * dy, myy += a * dy * dy;
       gx += a * dx, gy += a * dy;
-      cx += a * extra * dx, cy += a * extra * dy;
+      cx += extra * dx, cy += extra * dy;
     }
     result.moment[i] << mxx, mxy, mxy, myy;
     result.kernel_gradient[i] << gx, gy;
     result.concentration_gradient[i] << cx, cy;
   } else {
-    const double *x = offset[0].data(), *y = offset[1].data(), *z = offset[2].data();
+    double* const x = offset[0].data();
+    const double *const y = offset[1].data(), *const z = offset[2].data();
     double mxx = 0, mxy = 0, mxz = 0, myy = 0, myz = 0, mzz = 0, gx = 0, gy = 0, gz = 0, cx = 0, cy = 0, cz = 0;
 #pragma omp simd reduction(+ : density, mxx, mxy, mxz, myy, myz, mzz, gx, gy, gz, cx, cy, cz)
     for (int k = 0; k < n; ++k) {
       const double dx = x[k], dy = y[k], dz = z[k];
       const double q = std::sqrt(dx * dx + dy * dy + dz * dz) * inverse_h;
       const double s = std::max(0.0, 1 - 0.5 * q), s3 = s * s * s;
-      const double w = value_scale * s3 * s * (2 * q + 1), a = gradient_scale * s3;
-      weight[k] = a;
-      const double ratio = w * lattice_value, ratio2 = ratio * ratio, extra = 1 + 0.2 * ratio2 * ratio2;
+      const double w = value_scale * s3 * s * (2 * q + 1);
+      const double exact = gradient_scale * s3, a = rounded_to_single(exact);
+      x[k] = a;
+      const double ratio = w * lattice_value, ratio2 = ratio * ratio, extra = exact * (1 + 0.2 * ratio2 * ratio2);
       density += w;
       mxx += a * dx * dx, mxy += a * dx * dy, mxz += a * dx * dz;
       myy += a * dy * dy, myz += a * dy * dz, mzz += a * dz * dz;
       gx += a * dx, gy += a * dy, gz += a * dz;
-      cx += a * extra * dx, cy += a * extra * dy, cz += a * extra * dz;
+      cx += extra * dx, cy += extra * dy, cz += extra * dz;
     }
     result.moment[i] << mxx, mxy, mxz, mxy, myy, myz, mxz, myz, mzz;
     result.kernel_gradient[i] << gx, gy, gz;
     result.concentration_gradient[i] << cx, cy, cz;
   }
   result.number_density[i] = density;
+  float* const weight = result.weight.data() + result.begin[i];
+  for (int k = 0; k < n; ++k) weight[k] = static_cast<float>(offset[0][k]);
 }
 
 /// Makes a row of the first n entries from begin[i] on: fills it up, finds the vectors from i to the nearest images of its

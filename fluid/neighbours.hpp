@@ -16,10 +16,11 @@ namespace tern::fluid {
 template <int D>
 struct Neighbours {
   // Row i: entries begin[i] .. begin[i] + count[i] - 1. The next row begins at the next multiple of four; the entries before
-  // it are those of the particle itself with weight 0.
+  // it are those of the particle itself with weight 0. Weights are in single precision, for their number; moment and kernel
+  // gradient are sums of the rounded ones, in double precision, so that what is exact or antisymmetric stays so.
   std::vector<int> begin, count;
-  UninitialisedVector<int> column;     ///< j
-  UninitialisedVector<double> weight;  ///< V_j |w'_ij| / (r_ij M_xx): V_j grad w_ij = weight (r_j - r_i) [1/m^2]
+  UninitialisedVector<int> column;    ///< j
+  UninitialisedVector<float> weight;  ///< V_j |w'_ij| / (r_ij M_xx): V_j grad w_ij = weight (r_j - r_i) [1/m^2]
 
   // Sums over fluid neighbours.
   std::vector<double> number_density;             ///< w(0) V + sum V w [-]

@@ -144,7 +144,7 @@ void Fluid<D>::drive_out_what_is_left() {
                             projected_velocity_);
     fluid::compute_divergence(reference_.period, neighbours_, boundary_, correction_, state_.particle_class, prediction_.position,
                               projected_velocity_, packed_.motion, divergence_);
-    left.assign(system_.matrix.padded_rows(), 0);
+    left.assign(system_.matrix.rows(), 0);
     assemble_left_behind(reference_.constants, window_.duration, neighbours_, at_structure_, state_.particle_class, divergence_,
                          divergence_target_, left);
     if (system_.body_tied.any()) system_.body_tied.subtract_means(left);  // the first solve has closed the sum over them

@@ -106,6 +106,22 @@ FaceKernel<D>::FaceKernel(const Kernel<D>& kernel, double spacing)
       beyond_[k] += w(s) * evaluate(surface_, s) * shell;
     }
   }
+  if constexpr (D == 3) {
+    plane_.assign(table_size + 1, {});
+    double surface1 = 0, density1 = 0, density2 = 0, moment_inverse = 0, moment1 = 0, moment2 = 0;  // by the power of s
+    for (int k = table_size - 2; k >= 0; --k) {
+      const double step = 1 / (table_scale_ * substeps), y = k / table_scale_;
+      for (int sub = 0; sub < substeps; ++sub) {
+        const double s = y + (sub + 0.5) * step;
+        const double f = w(s) * evaluate(density, s) * step, g = m(s) * evaluate(moment, s) * step;
+        surface1 += w(s) * evaluate(surface_, s) * s * step;
+        density1 += f * s, density2 += f * s * s;
+        moment_inverse += g / s, moment1 += g * s, moment2 += g * s * s;
+      }
+      const double turn = 2 * std::numbers::pi, normal = turn / 3 * (moment2 - y * y * y * moment_inverse);
+      plane_[k] = {turn * (density2 - y * density1), normal, 0.5 * (turn * (moment2 - y * moment1) - normal), turn * surface1};
+    }
+  }
 }
 
 template class FaceKernel<2>;

@@ -7,6 +7,12 @@
 // side run over particles, not over a continuum; multiplying w and f by a polynomial in s, chosen such that the layers of a
 // lattice resting on a plane see what a continued lattice would give them, removes the mismatch: on that lattice
 // sum grad w = 0 to 1e-6, and n = n_ref, tr M = D up to the size of the patches (3e-3 with patches of dx/2 in 2D).
+//
+// A whole plane at the distance y hides from i the cones of a half space. With the calibrated f and cos = y/s for a shell of radius s,
+//   sum_hidden f        = 2 pi Int_y^2h f(s) s^2 (1 - y/s) ds
+//   sum_hidden f e_n^2  = 2 pi / 3 Int_y^2h f(s) s^2 (1 - y^3/s^3) ds
+//   sum A w~            = 2 pi Int_y^2h w~(s) s ds
+// in 3D: functions of y alone, without an error by the size of patches.
 
 #include <algorithm>
 #include <array>
@@ -37,6 +43,22 @@ class FaceKernel {
   /// Int_r^2h of the calibrated s|w'|/M_xx s^(D-1) ds [-]; times the solid angle: hidden part of tr M.
   double hidden_moment(double r) const { return interpolate(moment_, r); }
 
+  /// What all patches of a whole plane add up to, as these become small.
+  struct PlaneSums {
+    double density;        ///< hidden part of sum V w [-]
+    double normal, along;  ///< of M: along the normal, and along either direction of the plane [-]
+    double weight;         ///< sum A w~ [1/m]
+  };
+  /// Of a plane at this distance. In 3D.
+  PlaneSums behind_plane(double height) const requires(D == 3) {
+    const double s = std::min(height, support_) * table_scale_;
+    const int k = static_cast<int>(s);
+    const double f = s - k;
+    const PlaneSums &a = plane_[k], &b = plane_[k + 1];
+    const auto between = [f](double before, double after) { return before * (1 - f) + after * f; };
+    return {between(a.density, b.density), between(a.normal, b.normal), between(a.along, b.along), between(a.weight, b.weight)};
+  }
+
  private:
   static constexpr int terms = 3;
   using Polynomial = std::array<double, terms>;
@@ -54,6 +76,7 @@ class FaceKernel {
   double support_, table_scale_;
   Polynomial surface_{};
   std::vector<double> density_, moment_, beyond_;
+  std::vector<PlaneSums> plane_;  ///< empty in 2D
 };
 
 /// Angle (2D) or solid angle (3D) that a patch subtends at distance vector d = x_k - x_i (i on the side of the normal).

@@ -32,6 +32,13 @@ struct FaceRows {
   std::vector<double> weight;  ///< A_k w~(r_ik) [1/m], of the wet share: sum_hidden grad w = -sum_k weight n_k
   std::vector<double> wet;     ///< per face: share of its hidden side that mirrors fluid [0, 1]; empty = 1 everywhere
   std::vector<double> height;  ///< per particle: a bound, the least of its heights above the planes of the faces [m]
+  /// Per particle: the plane wall that is all it sees, and the share of its sums that are functions of the height. Negative: there is
+  /// none. Both are empty where there is none for any.
+  std::vector<std::int16_t> plane;
+  std::vector<double> plane_share;
+
+  /// Whether these are all sums. The row of the particle has the patch at the foot of the perpendicular alone then, for all.
+  bool before_plane(std::ptrdiff_t i) const { return !plane.empty() && plane[i] >= 0 && plane_share[i] == 1; }
 
   // Scratch, kept so that a step allocates nothing.
   std::vector<std::vector<int>> seen;             ///< by thread, what particles of all threads but the first see
@@ -62,6 +69,8 @@ bool patch_separates(const Faces<D>& faces, int k, const Vector<D>& a, const Vec
 template <int D>
 class FaceFinder {
  public:
+  double support() const { return support_; }
+
   void fill(const Faces<D>& faces, double support) {
     support_ = support;
     contents_.order.clear();  // of the faces before

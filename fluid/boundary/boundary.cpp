@@ -1,6 +1,7 @@
 #include "fluid/boundary/boundary.hpp"
 
 #include "fluid/boundary/line_of_sight.hpp"
+#include "fluid/boundary/plane_walls.hpp"
 #include "fluid/boundary/wetness.hpp"
 #include "sph/convex_corner.hpp"
 
@@ -36,7 +37,7 @@ void set_surface(const Constants<D>& constants, const Surface<D>& surface, Bound
 template <int D>
 void see_boundary(const Constants<D>& constants, const Period<D>& period, const std::vector<Vector<D>>& position, Boundary<D>& boundary,
                   Neighbours<D>& neighbours) {
-  see_faces<D>(position, boundary.seen_walls(), boundary.wall_finder, boundary.wall_rows);
+  see_walls<D>(constants.spacing, position, boundary);
   see_faces<D>(position, boundary.surface, boundary.surface_finder, boundary.surface_rows);
   if (!boundary.surface_rows.face.empty()) {
     hide_walls_behind_structure<D>(position, boundary.seen_walls(), boundary.surface, boundary.surface_rows, boundary.wall_rows);
@@ -51,7 +52,9 @@ template <int D>
 void sum_over_hidden_side(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
                           Boundary<D>& boundary) {
   leave_out_dry_walls<D>(constants, position, boundary.seen_walls(), boundary.walls.faces(), boundary.wall_finder,
-                         boundary.space_before_walls, boundary.surface, boundary.surface_finder, boundary.wall_rows);
+                         boundary.space_before_walls, boundary.surface, boundary.surface_finder, boundary.walls.planes(),
+                         boundary.wall_rows);
+  leave_dry_planes<D>(position, boundary);
   set_wall_sums<D>(constants, position, gravity, boundary.seen_walls(), boundary.wall_rows, boundary.sums);
   add_surface_sums<D>(constants, position, gravity, boundary.surface, boundary.surface_finder, boundary.covered_faces,
                       boundary.surface_rows, boundary.sums);

@@ -28,6 +28,8 @@ struct Boundary {
   std::vector<std::uint8_t> covered_faces;  ///< of the surface: they stand at a wall
   FaceRows surface_rows;                    ///< by particle
   BoundarySums<D> sums;
+  std::vector<int> dry_patches;           ///< scratch of leave_dry_planes()
+  std::vector<std::size_t> first_corner;  ///< likewise
 
   const Faces<D>& seen_walls() const { return clipped_walls.none() ? walls.faces() : clipped_walls.faces(); }
   bool sees_structure(std::ptrdiff_t i) const { return surface_rows.count[i] > 0; }

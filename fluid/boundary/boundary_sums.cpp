@@ -9,6 +9,37 @@
 
 namespace tern::fluid {
 
+namespace {
+
+/// Sums over the patches that a particle sees, or with its share the sums behind the plane wall that is all it sees.
+template <int D>
+HiddenSums<D> sum_hidden_by_walls(const Constants<D>& constants, const Vector<D>& x, const Faces<D>& faces, std::ptrdiff_t i,
+                                  FaceRows& rows) {
+  if constexpr (D == 3) {
+    if (rows.before_plane(i)) {
+      const int k = rows.face[rows.begin[i]];
+      const double height = (x - faces.position[k]).dot(faces.normal[k]);
+      const HiddenSums<D> behind = sum_behind_plane(constants, height, faces.normal[k]);
+      rows.height[i] = (1 - 1e-6) * height;
+      rows.weight[rows.begin[i]] = behind.gradient.dot(faces.normal[k]);
+      return behind;
+    }
+    HiddenSums<D> hidden = sum_hidden(constants, x, faces, i, rows);
+    if (rows.plane.empty() || rows.plane[i] < 0) return hidden;
+    const int k = rows.face[rows.begin[i]];
+    const HiddenSums<D> behind = sum_behind_plane(constants, (x - faces.position[k]).dot(faces.normal[k]), faces.normal[k]);
+    const double share = rows.plane_share[i];
+    hidden.density += share * (behind.density - hidden.density);
+    hidden.moment += share * (behind.moment - hidden.moment);
+    hidden.across += share * (behind.across - hidden.across);
+    return hidden;  // the sums of weights are those of patches to 1e-5
+  } else {
+    return sum_hidden(constants, x, faces, i, rows);
+  }
+}
+
+}  // namespace
+
 template <int D>
 void set_wall_sums(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
                    const Faces<D>& faces, FaceRows& rows, BoundarySums<D>& sums) {
@@ -19,7 +50,7 @@ void set_wall_sums(const Constants<D>& constants, const std::vector<Vector<D>>& 
        {&sums.wall_gradient, &sums.mirrored_hydrostatic, &sums.surface_gradient, &sums.back_facing_gradient, &sums.unborne_gradient})
     v->resize(n);
   parallel_for(n, [&](std::ptrdiff_t i) {
-    const HiddenSums<D> hidden = sum_hidden(constants, position[i], faces, i, rows);
+    const HiddenSums<D> hidden = sum_hidden_by_walls(constants, position[i], faces, i, rows);
     sums.number_density[i] = hidden.density;
     sums.moment[i] = hidden.moment;
     sums.tangential[i] = hidden.moment - hidden.across;

@@ -17,9 +17,9 @@ struct FaceBatch {
 };
 
 template <int D>
-void fill_batch(double support, const Vector<D>& x, const Faces<D>& faces, const FaceRows& rows, int first, int n, FaceBatch<D>& b) {
+void fill_batch(double support, const Vector<D>& x, const Faces<D>& faces, const FaceRows& rows, const int* entry, int n, FaceBatch<D>& b) {
   for (int m = 0; m < n; ++m) {
-    const int k = rows.face[first + m];
+    const int k = rows.face[entry[m]];
     for (int c = 0; c < D; ++c) b.direction[c][m] = faces.position[k][c] - x[c], b.normal[c][m] = faces.normal[k][c];
     b.area[m] = faces.area[k];
     b.wet[m] = rows.wet.empty() ? 1 : rows.wet[k];
@@ -93,9 +93,20 @@ HiddenSums<D> sum_hidden(const Constants<D>& constants, const Vector<D>& x, cons
   HiddenSums<D> sums;
   FaceBatch<D> b;
   double height = 1e300;
-  for (int first = rows.begin[i], end = first + rows.count[i]; first < end; first += batch) {
-    const int n = std::min(batch, end - first), filled = (n + lanes - 1) & -lanes;
-    fill_batch(constants.faces.support(), x, faces, rows, first, n, b);
+  for (int next = rows.begin[i], end = next + rows.count[i]; next < end;) {
+    int entry[batch], n = 0;
+    for (; next < end && n < batch; ++next) {
+      const int k = rows.face[next];
+      if (rows.wet.empty() || rows.wet[k] > 0) {
+        entry[n++] = next;
+        continue;
+      }
+      // Nothing is behind a dry face. Particles touch it like others.
+      rows.weight[next] = 0;
+      height = std::min(height, (x - faces.position[k]).dot(faces.normal[k]));
+    }
+    const int filled = (n + lanes - 1) & -lanes;
+    fill_batch(constants.faces.support(), x, faces, rows, entry, n, b);
 #pragma omp simd reduction(min : height)
     for (int m = 0; m < filled; ++m) {
       double d[D], normal[D], distance2 = 0, along_normal = 0;
@@ -112,7 +123,7 @@ HiddenSums<D> sum_hidden(const Constants<D>& constants, const Vector<D>& x, cons
       height = std::min(height, -along_normal);
       for (int c = 0; c < D; ++c) b.direction[c][m] = inverse * d[c];
     }
-    for (int m = 0; m < n; ++m) rows.weight[first + m] = b.weight[m];
+    for (int m = 0; m < n; ++m) rows.weight[entry[m]] = b.weight[m];
     add_batch(b, filled, sums);
   }
   rows.height[i] = (1 - 1e-6) * height;

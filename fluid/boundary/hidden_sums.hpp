@@ -22,4 +22,16 @@ struct HiddenSums {
 template <int D>
 HiddenSums<D> sum_hidden(const Constants<D>& constants, const Vector<D>& x, const Faces<D>& faces, std::ptrdiff_t i, FaceRows& rows);
 
+/// Sums behind a whole plane at rest, at this height above it.
+inline HiddenSums<3> sum_behind_plane(const Constants<3>& constants, double height, const Vector<3>& normal) {
+  const FaceKernel<3>::PlaneSums plane = constants.faces.behind_plane(height);
+  HiddenSums<3> sums;
+  const Matrix<3> across = normal * normal.transpose();
+  sums.density = plane.density;
+  sums.moment = plane.along * Matrix<3>::Identity() + (plane.normal - plane.along) * across;
+  sums.across = plane.normal * across;
+  sums.gradient = plane.weight * normal;
+  return sums;
+}
+
 }  // namespace tern::fluid

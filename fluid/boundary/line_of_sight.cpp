@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <omp.h>
-
 #include "base/parallel.hpp"
 #include "sph/convex_corner.hpp"
 
@@ -11,43 +9,7 @@ namespace tern::fluid {
 
 template <int D>
 void see_faces(const std::vector<Vector<D>>& position, const Faces<D>& faces, const FaceFinder<D>& finder, FaceRows& rows) {
-  const int n = static_cast<int>(position.size());
-  const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
-  rows.begin.resize(n);
-  rows.count.resize(n);
-  rows.height.resize(n);
-  rows.face.clear();
-  rows.seen.resize(threads);
-#pragma omp parallel num_threads(threads)
-  {
-    // Each thread finds the faces of one contiguous range of particles; put one after the other they are in order.
-    const int thread = omp_get_thread_num();
-    const int own_begin = static_cast<int>(static_cast<long>(n) * thread / threads);
-    const int own_end = static_cast<int>(static_cast<long>(n) * (thread + 1) / threads);
-    std::vector<int>& seen = thread == 0 ? rows.face : rows.seen[thread];
-    seen.clear();
-    for (int i = own_begin; i < own_end; ++i) {
-      rows.begin[i] = static_cast<int>(seen.size());
-      finder.see(faces, position[i], seen);
-      rows.count[i] = static_cast<int>(seen.size()) - rows.begin[i];
-    }
-#pragma omp barrier
-    std::size_t before = rows.face.size(), total = before;
-    for (int other = 1; other < threads; ++other) {
-      if (other < thread) before += rows.seen[other].size();
-      total += rows.seen[other].size();
-    }
-#pragma omp barrier
-#pragma omp single
-    {
-      rows.face.resize(total);
-      rows.weight.resize(total);
-    }
-    if (thread > 0) {
-      std::copy(seen.begin(), seen.end(), rows.face.begin() + static_cast<std::ptrdiff_t>(before));
-      for (int i = own_begin; i < own_end; ++i) rows.begin[i] += static_cast<int>(before);
-    }
-  }
+  list_seen(static_cast<int>(position.size()), rows, [&](int i, std::vector<int>& seen) { finder.see(faces, position[i], seen); });
 }
 
 template <int D>

@@ -1,14 +1,60 @@
 #pragma once
 // What particles see: faces that no other hides, and each other where no body stands between them.
 
+#include <algorithm>
 #include <vector>
 
+#include <omp.h>
+
+#include "base/parallel.hpp"
 #include "fluid/neighbours.hpp"
 #include "fluid/period.hpp"
 #include "fluid/reference.hpp"
 #include "sph/faces.hpp"
 
 namespace tern::fluid {
+
+/// Fills `rows` with the faces that each of n particles sees, in the order of the particles, without the weights. see(i, seen) appends
+/// those of particle i.
+template <class See>
+void list_seen(int n, FaceRows& rows, See&& see) {
+  const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
+  rows.begin.resize(n);
+  rows.count.resize(n);
+  rows.height.resize(n);
+  rows.face.clear();
+  rows.seen.resize(threads);
+#pragma omp parallel num_threads(threads)
+  {
+    // Each thread finds the faces of one contiguous range of particles; put one after the other they are in order.
+    const int thread = omp_get_thread_num();
+    const int own_begin = static_cast<int>(static_cast<long>(n) * thread / threads);
+    const int own_end = static_cast<int>(static_cast<long>(n) * (thread + 1) / threads);
+    std::vector<int>& seen = thread == 0 ? rows.face : rows.seen[thread];
+    seen.clear();
+    for (int i = own_begin; i < own_end; ++i) {
+      rows.begin[i] = static_cast<int>(seen.size());
+      see(i, seen);
+      rows.count[i] = static_cast<int>(seen.size()) - rows.begin[i];
+    }
+#pragma omp barrier
+    std::size_t before = rows.face.size(), total = before;
+    for (int other = 1; other < threads; ++other) {
+      if (other < thread) before += rows.seen[other].size();
+      total += rows.seen[other].size();
+    }
+#pragma omp barrier
+#pragma omp single
+    {
+      rows.face.resize(total);
+      rows.weight.resize(total);
+    }
+    if (thread > 0) {
+      std::copy(seen.begin(), seen.end(), rows.face.begin() + static_cast<std::ptrdiff_t>(before));
+      for (int i = own_begin; i < own_end; ++i) rows.begin[i] += static_cast<int>(before);
+    }
+  }
+}
 
 /// Fills `rows` with the faces every particle sees, in the order of the particles, without the weights.
 template <int D>

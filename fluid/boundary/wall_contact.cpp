@@ -15,7 +15,10 @@ void settle_wall_contacts(const Constants<D>& constants, double duration, const 
   const double distance = constants.numerics.contact_distance * constants.spacing;
   if (distance == 0) return;
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
+  const bool moving = boundary.walls.moving();
   parallel_for(n, [&](std::ptrdiff_t i) {
+    // Too slow for any face at rest, in whatever direction it flies.
+    if (!moving && velocity[i].norm() < permitted_approach(boundary.wall_rows.height[i], distance, duration)) return;
     for (int entry = boundary.wall_rows.begin[i]; entry < boundary.wall_rows.begin[i] + boundary.wall_rows.count[i]; ++entry) {
       const int k = boundary.wall_rows.face[entry];
       const Vector<D>& normal = faces.normal[k];

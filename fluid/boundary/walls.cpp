@@ -66,9 +66,45 @@ Walls<D>::Walls(const Case& scene, double fluid_spacing, double support) {
   }
   for (auto* v : {&faces_.position, &faces_.velocity, &faces_.normal}) v->shrink_to_fit();
   for (auto* v : {&faces_.area, &faces_.normal_acceleration}) v->shrink_to_fit();
-  if (!moving_) return;
+  if (!moving_) {
+    if (!std::count(scene.periodic.begin(), scene.periodic.begin() + D, true)) find_planes();
+    return;
+  }
   reference_ = faces_.position;
   reference_normal_ = faces_.normal;
+}
+
+template <int D>
+void Walls<D>::find_planes() {
+  if constexpr (D == 3) {
+    for (std::size_t w = 0; w < walls_.size(); ++w) {
+      const auto& [scene, begin, end, place] = walls_[w];
+      if (!scene.container || scene.shape.kind != Shape::Kind::box) {
+        not_plane_.push_back(static_cast<int>(w));
+        continue;
+      }
+      for (std::size_t k = begin; k < end;) {  // a side; its patches have one normal
+        PlaneWall plane;
+        faces_.normal[k].cwiseAbs().maxCoeff(&plane.axis);
+        plane.side = faces_.normal[k][plane.axis];
+        plane.place = faces_.position[k][plane.axis];
+        plane.along = {(plane.axis + 1) % D, (plane.axis + 2) % D};
+        plane.first = static_cast<int>(k);
+        while (k < end && faces_.normal[k] == faces_.normal[plane.first]) ++k;
+        plane.count[0] = 0;
+        while (plane.first + plane.count[0] < static_cast<int>(k) &&
+               faces_.position[plane.first + plane.count[0]][plane.along[1]] == faces_.position[plane.first][plane.along[1]])
+          ++plane.count[0];
+        plane.count[1] = (static_cast<int>(k) - plane.first) / plane.count[0];
+        for (int c = 0; c < 2; ++c) {
+          plane.low[c] = scene.shape.min[plane.along[c]];
+          plane.high[c] = scene.shape.max[plane.along[c]];
+          plane.step[c] = (plane.high[c] - plane.low[c]) / plane.count[c];
+        }
+        planes_.push_back(plane);
+      }
+    }
+  }
 }
 
 template <int D>

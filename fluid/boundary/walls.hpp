@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "fluid/boundary/plane_walls.hpp"
 #include "scene/case_file.hpp"
 #include "sph/faces.hpp"
 
@@ -32,6 +33,10 @@ class Walls {
   /// The wall of that name, which the scene is known to have.
   const Wall<D>& find(const std::string& name) const;
   const std::vector<Wall<D>>& all() const { return walls_; }
+  /// Sides of box-shaped containers, in 3D where no wall moves and nothing is periodic, ...
+  const std::vector<PlaneWall>& planes() const { return planes_; }
+  /// ... and the numbers of the other walls.
+  const std::vector<int>& not_plane() const { return not_plane_; }
 
   /// Places moving walls at the middle of the window [begin, begin + duration] [s]: once per window, in the order of time. The
   /// velocity of a patch is that of a rigid body that shifts and turns at the mean rates over the window; its acceleration
@@ -40,9 +45,13 @@ class Walls {
   void move_over(double begin, double duration, std::vector<Vector<D>>& velocity);
 
  private:
+  void find_planes();
+
   std::vector<Wall<D>> walls_;
   std::vector<Vector<D>> reference_, reference_normal_;  ///< of walls that move; empty: none does
   std::vector<std::uint8_t> slip_;
+  std::vector<PlaneWall> planes_;
+  std::vector<int> not_plane_;
   Faces<D> faces_;
   bool moving_ = false, any_two_sided_ = false;
 };

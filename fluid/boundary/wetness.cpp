@@ -1,6 +1,7 @@
 #include "fluid/boundary/wetness.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include <omp.h>
 
@@ -13,6 +14,18 @@ namespace {
 /// Unit of the filled space as a whole number. The sum of whole numbers does not depend on their order, nor on the number of
 /// threads that share them. It holds 8000 times the space there is.
 constexpr double filled_unit = 0x1p-50;
+
+/// Adds what a particle fills of the space before the n patches of a row, which begins at `offset` and has this step; `rest2`: the square
+/// of its distance from the line of the row.
+inline void fill_row(const Constants<3>& constants, double scale, double step, double offset, double rest2, int n, std::int64_t* filled) {
+  // A number from 0 to 2^51 added to this is rounded to a whole number, whose bits are the last ones of the sum: std::llrint() of many at
+  // a time.
+  constexpr double whole = 0x1.8p52;
+  for (int m = 0; m < n; ++m) {
+    const double u = offset + m * step, sum = scale * constants.kernel.value(std::sqrt(rest2 + u * u)) + whole;
+    filled[m] += std::bit_cast<std::int64_t>(sum) - std::bit_cast<std::int64_t>(whole);
+  }
+}
 
 /// A point just in front of a face, so that the face's own half space counts as hidden.
 template <int D>
@@ -38,7 +51,8 @@ double hidden_density(const Constants<D>& constants, const Faces<D>& faces, cons
 template <int D>
 void leave_out_dry_walls(const Constants<D>& constants, const std::vector<Vector<D>>& position, const Faces<D>& walls,
                          const Faces<D>& whole_walls, const FaceFinder<D>& wall_finder, std::vector<double>& space,
-                         const Faces<D>& structure, const FaceFinder<D>& structure_finder, FaceRows& wall_rows) {
+                         const Faces<D>& structure, const FaceFinder<D>& structure_finder, const std::vector<PlaneWall>& planes,
+                         FaceRows& wall_rows) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size()), count = static_cast<std::ptrdiff_t>(walls.size());
   const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
   const double scale = constants.volume / filled_unit;
@@ -50,11 +64,21 @@ void leave_out_dry_walls(const Constants<D>& constants, const std::vector<Vector
     std::vector<std::int64_t>& filled = wall_rows.filled[omp_get_thread_num()];
     filled.assign(walls.size(), 0);
 #pragma omp for schedule(static)
-    for (std::ptrdiff_t i = 0; i < n; ++i)
+    for (std::ptrdiff_t i = 0; i < n; ++i) {
+      if constexpr (D == 3) {
+        if (wall_rows.before_plane(i)) {
+          planes[wall_rows.plane[i]].for_rows_around(
+              position[i], constants.faces.support(), [&](int k, int count_of_row, double offset, double rest2) {
+                fill_row(constants, scale, planes[wall_rows.plane[i]].step[0], offset, rest2, count_of_row, filled.data() + k);
+              });
+          continue;
+        }
+      }
       for (int entry = wall_rows.begin[i]; entry < wall_rows.begin[i] + wall_rows.count[i]; ++entry) {
         const int k = wall_rows.face[entry];
         filled[walls.original[k]] += std::llrint(scale * constants.kernel.value((walls.position[k] - position[i]).norm()));
       }
+    }
 #pragma omp for schedule(static)
     for (std::ptrdiff_t k = 0; k < count; ++k) {
       std::int64_t sum = 0;
@@ -76,7 +100,8 @@ void leave_out_dry_walls(const Constants<D>& constants, const std::vector<Vector
 #define TERN_INSTANTIATE(D)                                                                                                           \
   template double hidden_density<D>(const Constants<D>&, const Faces<D>&, const FaceFinder<D>&, const Vector<D>&, std::vector<int>&); \
   template void leave_out_dry_walls<D>(const Constants<D>&, const std::vector<Vector<D>>&, const Faces<D>&, const Faces<D>&,          \
-                                       const FaceFinder<D>&, std::vector<double>&, const Faces<D>&, const FaceFinder<D>&, FaceRows&);
+                                       const FaceFinder<D>&, std::vector<double>&, const Faces<D>&, const FaceFinder<D>&,             \
+                                       const std::vector<PlaneWall>&, FaceRows&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)
 #undef TERN_INSTANTIATE

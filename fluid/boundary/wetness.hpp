@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "fluid/boundary/plane_walls.hpp"
 #include "fluid/reference.hpp"
 #include "sph/faces.hpp"
 
@@ -20,6 +21,7 @@ double hidden_density(const Constants<D>& constants, const Faces<D>& faces, cons
 template <int D>
 void leave_out_dry_walls(const Constants<D>& constants, const std::vector<Vector<D>>& position, const Faces<D>& walls,
                          const Faces<D>& whole_walls, const FaceFinder<D>& wall_finder, std::vector<double>& space,
-                         const Faces<D>& structure, const FaceFinder<D>& structure_finder, FaceRows& wall_rows);
+                         const Faces<D>& structure, const FaceFinder<D>& structure_finder, const std::vector<PlaneWall>& planes,
+                         FaceRows& wall_rows);
 
 }  // namespace tern::fluid

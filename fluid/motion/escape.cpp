@@ -14,6 +14,10 @@ std::size_t count_leaks(double spacing, const Faces<D>& faces, const FaceRows& r
   const double depth = 0.25 * spacing;
   return ordered_reduce(static_cast<std::ptrdiff_t>(after.size()), std::size_t{0}, [&](std::ptrdiff_t i) -> std::size_t {
     if ((after[i] - before[i]).squaredNorm() < depth * depth) return 0;
+    if (rows.before_plane(i)) {
+      const int k = rows.face[rows.begin[i]];
+      return (after[i] - faces.position[k]).dot(faces.normal[k]) < -depth;
+    }
     for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry)
       if (patch_separates(faces, rows.face[entry], before[i], after[i], depth)) return 1;
     return 0;

@@ -18,7 +18,7 @@ Matrix<D> velocity_gradient_sum(const Neighbours<D>& neighbours, const PackedPer
   odd.fill(Packed<D>::Zero());
   for_row_in_turns(neighbours, i, even, odd, [&](std::array<Packed<D>, D>& column, int k) {
     const Motion<D>& other = motion[neighbours.column[k]];
-    const Packed<D> r = neighbours.weight[k] * period.between(x, other.position), jump = other.velocity - u;
+    const Packed<D> r = double(neighbours.weight[k]) * period.between(x, other.position), jump = other.velocity - u;
     for (int b = 0; b < D; ++b) column[b] += jump * r[b];
   });
   Matrix<D> sum;
@@ -27,8 +27,8 @@ Matrix<D> velocity_gradient_sum(const Neighbours<D>& neighbours, const PackedPer
   return sum;
 }
 
-/// Half of L_i = S_i C^F_i of every particle, exact for linear fields; 0 where the support is too poor for that. Packs position and
-/// velocity.
+/// What is asked for of L_i = S_i C^F_i of every particle, which is exact for linear fields; 0 where the support is too poor for that.
+/// Packs position and velocity.
 template <int D>
 void compute_velocity_gradient(const Period<D>& space, const Neighbours<D>& neighbours, const Corrections<D>& correction,
                                const std::vector<ParticleClass>& particle_class, const std::vector<Vector<D>>& position,

@@ -5,6 +5,7 @@
 //   du_i = (chi dt / tau) sum_j V_j |w'|/r r_ij [r_ij . (u_j - u_i - (L_i + L_j)/2 r_ij)]
 // tau is the time scale of the density source. Affine velocity fields are left as they are, a smooth field of wave number k
 // loses of order (chi/tau) (k h)^4 per unit of time. Pairs are antisymmetric and central: both momenta are conserved.
+// Along its line a pair sees of L the symmetric part alone.
 // The reconstruction is that of MUSCL schemes and of the structure's Riemann diffusion.
 
 #include "fluid/motion/velocity_noise.hpp"
@@ -31,19 +32,19 @@ void damp_velocity_noise(double share, const Period<D>& space, const Neighbours<
   if (share == 0) return;
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(velocity.size());
   const std::vector<Motion<D>>& motion = packed.motion;
-  const std::vector<std::array<Packed<D>, D>>& half_gradient = packed.half_gradient;
+  const std::vector<HalfStrain<D>>& half_strain = packed.half_strain;
   space.specialise([&](auto periodic) {
     const PackedPeriod<decltype(periodic)::value, D> period(space);
     parallel_for(n, [&](std::ptrdiff_t i) {
       if (!particle_class[i].has(ParticleClass::corrected_gradient)) return;
       const Packed<D> x = motion[i].position, u = motion[i].velocity;
-      const std::array<Packed<D>, D> own = half_gradient[i];
+      const HalfStrain<D> own = half_strain[i];
       Packed<D> even = Packed<D>::Zero(), odd = Packed<D>::Zero();
       for_row_in_turns(neighbours, i, even, odd, [&](Packed<D>& change, int k) {
         const int j = neighbours.column[k];
         const Packed<D> r = period.between(x, motion[j].position);
         Packed<D> jump = motion[j].velocity - u;
-        for (int b = 0; b < D; ++b) jump -= (own[b] + half_gradient[j][b]) * r[b];
+        jump -= (own.along + half_strain[j].along) * r + (own.across + half_strain[j].across) * turned(r);  // up to what r does not see
         const double exchange = particle_class[j].has(ParticleClass::corrected_gradient) ? neighbours.weight[k] * (jump * r).sum() : 0;
         change += exchange * r;
       });

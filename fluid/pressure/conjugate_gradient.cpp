@@ -9,7 +9,7 @@ namespace tern::fluid {
 SolveResult conjugate_gradient(const EdgeMatrix& matrix, const Apply& add, const Apply& precondition, const std::vector<double>& b,
                                double tolerance, int limit, std::vector<double>& p, ConjugateGradientWork& work) {
   const std::ptrdiff_t n = matrix.rows();
-  for (auto* v : {&work.residual, &work.preconditioned, &work.direction, &work.product}) v->assign(matrix.padded_rows(), 0);
+  for (auto* v : {&work.residual, &work.preconditioned, &work.direction, &work.product}) v->assign(matrix.rows(), 0);
   auto& [r, z, d, q] = work;
   const auto dot = [n](const std::vector<double>& x, const std::vector<double>& y) {
     return ordered_dot(std::span(x).first(n), std::span(y).first(n));

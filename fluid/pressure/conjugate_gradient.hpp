@@ -22,8 +22,9 @@ struct ConjugateGradientWork {
 /// z = B r; B symmetric positive definite.
 using Apply = std::function<void(const std::vector<double>& r, std::vector<double>& z)>;
 
-/// A is the matrix and what `add` adds to its product, y += (A - matrix) x. Starts from p. Vectors have padded length. Ends without convergence after `limit` iterations or when A or B turns out
-/// not to be positive definite (which rounding can cause near singularity).
+/// A is the matrix and what `add` adds to its product, y += (A - matrix) x. Starts from p, which is 0 where there is no unknown. Ends
+/// without convergence after `limit` iterations or when A or B turns out not to be positive definite (which rounding can cause near
+/// singularity).
 SolveResult conjugate_gradient(const EdgeMatrix& matrix, const Apply& add, const Apply& precondition, const std::vector<double>& b,
                                double tolerance, int limit, std::vector<double>& p, ConjugateGradientWork& work);
 

@@ -56,7 +56,7 @@ void Multigrid<D>::build(const EdgeMatrix& matrix, const std::vector<Vector<D>>&
   coarsest_solution_.resize(last.nodes());
   find_parts();
 
-  for (auto* v : {&r_, &z_, &az_}) v->assign(matrix.padded_rows(), 0);
+  for (auto* v : {&r_, &z_, &az_}) v->assign(matrix.rows(), 0);
 }
 
 template <int D>

@@ -42,7 +42,7 @@ class Multigrid {
              const std::vector<int>& beside_body, double spacing, double gradient_scale, const YieldingSurface<D>& yielding,
              const std::vector<int>& at_structure);
 
-  /// z = B r, symmetric positive definite: one V(1,1) cycle from zero. Both of padded length.
+  /// z = B r, symmetric positive definite: one V(1,1) cycle from zero. 0 where r and the matrix have no unknown.
   void apply(const std::vector<double>& r, std::vector<double>& z);
 
   /// Parts of the fluid that the coarsest grid does not connect: waters on the two sides of a wall, or far apart. Their number, and the

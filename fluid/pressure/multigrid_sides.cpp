@@ -20,6 +20,12 @@ int place_in(const std::vector<int>& list, int value) {
   return found == list.end() ? -1 : static_cast<int>(found - list.begin());
 }
 
+/// Whether there is nothing left to join: nearly everywhere after the first few edges.
+bool all_in_one(ConnectedParts& parts) {
+  parts.count_parts(2);
+  return parts.count() == 1;
+}
+
 void sort_and_make_unique(std::vector<int>& values) {
   std::sort(values.begin(), values.end());
   values.erase(std::unique(values.begin(), values.end()), values.end());
@@ -61,10 +67,12 @@ void Multigrid<D>::split_cells(const std::vector<int>& beside_body, int cells) {
     const int first = start[k + 1], last = k + 2 <= suspects ? start[k + 2] : static_cast<int>(member.size());
     own.assign(member.begin() + first, member.begin() + last);
     parts.reset(static_cast<int>(own.size()));
-    for (std::size_t a = 0; a < own.size(); ++a)
+    for (std::size_t a = 0; a < own.size(); ++a) {
       matrix_->for_edges(own[a], [&](int j, float) {
         if (suspect_of(j) == k) parts.join(static_cast<int>(a), place_in(own, j));
       });
+      if (all_in_one(parts)) break;
+    }
     parts.count_parts(most_nodes_at_a_place);
     const int before = cells + static_cast<int>(home_of_further_cell_.size()) - 1;
     home_of_further_cell_.insert(home_of_further_cell_.end(), parts.count() - 1, suspect_cells_[k]);
@@ -118,12 +126,14 @@ void Multigrid<D>::split_places(const std::array<int, D>& cells) {
       }
     }
     parts.reset(static_cast<int>(around.size()));
-    for (std::size_t a = 0; a < around.size(); ++a)
+    for (std::size_t a = 0; a < around.size(); ++a) {
       for (int entry = cell_start_[around[a]]; entry < cell_start_[around[a] + 1]; ++entry)
         matrix_->for_edges(cell_particle_[entry], [&](int j, float) {
           const int b = place_in(around, compact_[cell_of_particle_[j]]);
           if (b >= 0) parts.join(static_cast<int>(a), b);
         });
+      if (all_in_one(parts)) break;
+    }
     const int before = add_further_nodes(level, suspect);
     for (std::size_t a = 0; a < around.size(); ++a)
       if (parts.number(static_cast<int>(a)) > 0) cell_node_[around[a]][corner_of[a]] = before + parts.number(static_cast<int>(a));

@@ -37,35 +37,42 @@ void apply_pressure_gradient(const Reference<D>& reference, double duration, con
   const double* pressure = state.pressure.data();
   reference.period.specialise([&](auto periodic) {
     const PackedPeriod<decltype(periodic)::value, D> period(reference.period);
-    parallel_for(n, [&](std::ptrdiff_t m) {
-      const std::ptrdiff_t i = at_structure ? (*only)[m] : m;
-      if (!state.particle_class[i].pressure_unknown() || boundary.sees_structure(i) != at_structure) return;
-      const Packed<D> x = motion[i].position;
-      const double p = pressure[i];
-      double least = p;
-      Packed<D> even = Packed<D>::Zero(), odd = Packed<D>::Zero();
-      for_row_in_turns(neighbours, i, even, odd, [&](Packed<D>& sum, int k) {
-        const int j = neighbours.column[k];
-        least = std::min(least, pressure[j]);
-        sum += neighbours.weight[k] * (pressure[j] - p) * period.between(x, motion[j].position);
+    const auto apply = [&](auto ordered) {
+      parallel_for(n, [&](std::ptrdiff_t m) {
+        const std::ptrdiff_t i = at_structure ? (*only)[m] : m;
+        if (!state.particle_class[i].pressure_unknown() || boundary.sees_structure(i) != at_structure) return;
+        const Packed<D> x = motion[i].position;
+        const double p = pressure[i];
+        double least = p;
+        Packed<D> even = Packed<D>::Zero(), odd = Packed<D>::Zero();
+        for_row_in_turns(neighbours, i, even, odd, [&](Packed<D>& sum, int k) {
+          const int j = neighbours.column[k];
+          if constexpr (decltype(ordered)::value) least = std::min(least, pressure[j]);
+          sum += neighbours.weight[k] * (pressure[j] - p) * period.between(x, motion[j].position);
+        });
+        Vector<D> difference;
+        for (int c = 0; c < D; ++c) difference[c] = even[c] + odd[c];
+        const Vector<D> kernel_gradient =
+            neighbours.kernel_gradient[i] + boundary.sums.wall_gradient[i] + boundary.sums.unborne_gradient[i];
+        if (boundary.sees_face(i)) {
+          if (state.particle_class[i].has(ParticleClass::symmetric_gradient))
+            difference += boundary.sums.tangential[i] * (correction.fluid[i] * difference);
+          difference += boundary.sums.mirrored_hydrostatic[i];
+        }
+        Vector<D> gradient;
+        if (state.particle_class[i].has(ParticleClass::symmetric_gradient)) {
+          gradient = difference + 2 * p * kernel_gradient;
+        } else {
+          gradient = correction.matrix[i] * difference;
+          if constexpr (decltype(ordered)::value) gradient += 2 * std::min(theta * (p - least), most) * kernel_gradient;
+        }
+        velocity[i] += scale * gradient;
       });
-      Vector<D> difference;
-      for (int c = 0; c < D; ++c) difference[c] = even[c] + odd[c];
-      const Vector<D> kernel_gradient = neighbours.kernel_gradient[i] + boundary.sums.wall_gradient[i] + boundary.sums.unborne_gradient[i];
-      if (boundary.sees_face(i)) {
-        if (state.particle_class[i].has(ParticleClass::symmetric_gradient))
-          difference += boundary.sums.tangential[i] * (correction.fluid[i] * difference);
-        difference += boundary.sums.mirrored_hydrostatic[i];
-      }
-      Vector<D> gradient;
-      if (state.particle_class[i].has(ParticleClass::symmetric_gradient)) {
-        gradient = difference + 2 * p * kernel_gradient;
-      } else {
-        gradient = correction.matrix[i] * difference;
-        gradient += 2 * std::min(theta * (p - least), most) * kernel_gradient;
-      }
-      velocity[i] += scale * gradient;
-    });
+    };
+    if (theta > 0)
+      apply(std::true_type{});
+    else
+      apply(std::false_type{});
   });
 }
 

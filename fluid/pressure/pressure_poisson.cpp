@@ -36,7 +36,7 @@ template <int D>
 void assemble_row(const Constants<D>& constants, double yields, const State<D>& state, const Neighbours<D>& neighbours,
                   const Boundary<D>& boundary, const Corrections<D>& correction, int i, EdgeMatrix& matrix) {
   if (!state.particle_class[i].pressure_unknown()) {
-    matrix.set_row(i, 0, 1, [](int) { return std::pair<int, float>{0, 0.0f}; });
+    matrix.set_fixed(i);
     return;
   }
   const double volume = constants.volume;
@@ -48,19 +48,11 @@ void assemble_row(const Constants<D>& constants, double yields, const State<D>& 
                 (neighbours.kernel_gradient[i] + boundary.sums.wall_gradient[i] + boundary.sums.surface_gradient[i] +
                  boundary.sums.back_facing_gradient[i])
                     .squaredNorm();
-  const int* column = neighbours.column.data() + first;
-  const double* weight = neighbours.weight.data() + first;
-  const auto edge = [&](int k) { return static_cast<float>(2 * volume * weight[k]); };
-  if (state.particle_class[i].has(ParticleClass::beside_spray)) {
-    for (int k = 0; k < count; ++k)
-      if (!state.particle_class[column[k]].pressure_unknown()) constant += edge(k);
-    matrix.set_row(i, count, static_cast<float>(constant), [&](int k) {
-      return state.particle_class[column[k]].pressure_unknown() ? std::pair<int, float>{column[k], edge(k)}
-                                                                : std::pair<int, float>{i, 0.0f};
-    });
-  } else {
-    matrix.set_row(i, count, static_cast<float>(constant), [&](int k) { return std::pair<int, float>{column[k], edge(k)}; });
-  }
+  double to_spray = 0;
+  if (state.particle_class[i].has(ParticleClass::beside_spray))
+    for (int k = first; k < first + count; ++k)
+      if (!state.particle_class[neighbours.column[k]].pressure_unknown()) to_spray += 2 * volume * neighbours.weight[k];
+  matrix.set_row(i, count, constant, to_spray);
 }
 
 /// Finds which enclosed regions bodies tie, and marks their particles with the symmetric gradient.
@@ -101,11 +93,10 @@ template <int D>
 void assemble_pressure_matrix(const Constants<D>& constants, const State<D>& state, const Neighbours<D>& neighbours,
                               const Boundary<D>& boundary, const Corrections<D>& correction, EdgeMatrix& matrix) {
   const int n = static_cast<int>(state.size());
-  matrix.reset(n, [&](int i) { return state.particle_class[i].pressure_unknown() ? neighbours.count[i] : 0; });
+  matrix.reset(n, neighbours.begin.data(), neighbours.column.data(), neighbours.weight.data(), 2 * constants.volume);
   parallel_for(n, [&](int i) {
     if (!boundary.sees_structure(i)) assemble_row(constants, 0, state, neighbours, boundary, correction, i, matrix);
   });
-  matrix.pad();
 }
 
 template <int D>
@@ -131,7 +122,7 @@ void assemble_pressure_source(const Constants<D>& constants, double duration, co
                               const std::vector<double>& divergence, const std::vector<double>& target, PressureSystem<D>& system) {
   const int n = static_cast<int>(state.size());
   const double density = constants.density, scale = -density / duration * constants.volume;
-  system.source.assign(system.matrix.padded_rows(), 0);
+  system.source.assign(system.matrix.rows(), 0);
   parallel_for(n, [&](int i) {
     if (!state.particle_class[i].pressure_unknown()) return;
     double b = scale * (divergence[i] - target[i]);

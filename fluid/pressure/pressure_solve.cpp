@@ -78,7 +78,7 @@ template <int D>
 void solve_pressure_poisson(const Constants<D>& constants, const Window& window, const std::vector<Vector<D>>& position,
                             const std::vector<int>& at_structure, State<D>& state, PressureSystem<D>& system) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
-  system.solution.assign(system.matrix.padded_rows(), 0);
+  system.solution.assign(system.matrix.rows(), 0);
   parallel_for(n, [&](std::ptrdiff_t i) { system.solution[i] = state.particle_class[i].pressure_unknown() ? state.pressure[i] : 0; });
 
   solve(window, position, at_structure, constants.numerics.pressure_tolerance, system.source, system.solution, state, system);
@@ -90,7 +90,7 @@ template <int D>
 void solve_for_correction(const Constants<D>& constants, const Window& window, const std::vector<Vector<D>>& position,
                           const std::vector<int>& at_structure, State<D>& state, PressureSystem<D>& system) {
   const SolveResult of_the_equation = system.result;
-  system.correction.assign(system.matrix.padded_rows(), 0);
+  system.correction.assign(system.matrix.rows(), 0);
   const double tolerance = std::min(correction_tolerance, correction_tolerance_by_that_of_pressure * constants.numerics.pressure_tolerance);
   solve(window, position, at_structure, tolerance, system.left_behind, system.correction, state, system);
   system.result = of_the_equation;

@@ -201,7 +201,7 @@ TEST(PressureGradient, OfTheSymmetricFormConservesMomentum) {
 template <int D, class Field>
 double laplacian(Fluid<D>& fluid, const Vector<D>& middle, Field&& f) {
   const auto& x = fluid.state().position;
-  std::vector<double> values(fluid.pressure_matrix().padded_rows(), 0), result(values.size());
+  std::vector<double> values(fluid.pressure_matrix().rows(), 0), result(values.size());
   std::size_t nearest = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
     values[i] = f(x[i]);

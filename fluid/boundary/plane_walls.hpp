@@ -1,0 +1,65 @@
+#pragma once
+// Particles in 3D that see nothing but the inside of one plane wall, all of it wet. Their sums over the hidden side are functions of the
+// height alone (FaceKernel::behind_plane): they need no search for patches and no sum over them.
+//
+// The patches of a wall add up to the same only as they become small. So that nothing jumps where a particle comes to see something else,
+// a share goes from 1 to 0 over half a spacing of what it lacks until it does, and over the first four patches that are dry.
+
+#include <array>
+#include <vector>
+
+#include "base/vector.hpp"
+#include "sph/faces.hpp"
+
+namespace tern::fluid {
+
+template <int D>
+struct Boundary;
+
+/// A side of a box as a grid of patches, in 3D. Those of a row are numbered one after the other, and so are the rows.
+struct PlaneWall {
+  int axis;                               ///< of the normal
+  double place, side;                     ///< on that axis [m]; +1 if the fluid is above
+  std::array<int, 2> along;               ///< axes of the grid: that of a row, and across rows
+  std::array<double, 2> low, high, step;  ///< [m]
+  std::array<int, 2> count;               ///< of patches
+  int first;                              ///< patch
+
+  double height(const Vector<3>& x) const { return side * (x[axis] - place); }
+
+  /// The patch at the foot of the perpendicular from x, or the nearest to it.
+  int at_foot(const Vector<3>& x) const {
+    std::array<int, 2> at;
+    for (int c = 0; c < 2; ++c) at[c] = std::clamp(static_cast<int>((x[along[c]] - low[c]) / step[c]), 0, count[c] - 1);
+    return first + at[1] * count[0] + at[0];
+  }
+
+  /// Calls visit(k, n, offset, rest2) for the rows of patches nearer to x than `support`: patches k .. k + n - 1, whose distances are
+  /// sqrt(rest2 + (offset + m step[0])^2), m from 0.
+  template <class Visit>
+  void for_rows_around(const Vector<3>& x, double support, Visit&& visit) const {
+    const double h = height(x), flat2 = support * support - h * h;
+    const double u = (x[along[0]] - low[0]) / step[0] - 0.5, v = (x[along[1]] - low[1]) / step[1] - 0.5;  // in patches
+    const double reach = std::sqrt(std::max(0.0, flat2)) / step[1];
+    const int from = std::max(0, static_cast<int>(std::ceil(v - reach))),
+              to = std::min(count[1] - 1, static_cast<int>(std::floor(v + reach)));
+    for (int row = from; row <= to; ++row) {
+      const double across = (row - v) * step[1], half2 = flat2 - across * across;
+      if (half2 <= 0) continue;
+      const double half = std::sqrt(half2) / step[0];
+      const int begin = std::max(0, static_cast<int>(std::ceil(u - half))),
+                end = std::min(count[0] - 1, static_cast<int>(std::floor(u + half)));
+      if (begin <= end) visit(first + row * count[0] + begin, end - begin + 1, (begin - u) * step[0], h * h + across * across);
+    }
+  }
+};
+
+/// Faces of the walls that each particle sees. Of particles with a share of 1 in a plane wall only the patch at their foot.
+template <int D>
+void see_walls(double spacing, const std::vector<Vector<D>>& position, Boundary<D>& boundary);
+
+/// Once it is known which patches are wet: takes back the shares where some are dry, and lists all patches of these particles.
+template <int D>
+void leave_dry_planes(const std::vector<Vector<D>>& position, Boundary<D>& boundary);
+
+}  // namespace tern::fluid
