@@ -47,6 +47,7 @@ template <int D>
 struct PackedVelocities {
   std::vector<Motion<D>> motion;                        ///< r* and u* when they were last packed
   std::vector<std::array<Packed<D>, D>> half_gradient;  ///< half the velocity gradient, by column; zero where there is none
+  std::vector<double> strain_rate;                      ///< sqrt(2 E:E), E = (L + L^T)/2: that of a shear du/dy is |du/dy| [1/s]
 };
 
 }  // namespace tern::fluid

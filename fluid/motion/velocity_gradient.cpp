@@ -1,5 +1,7 @@
 #include "fluid/motion/velocity_gradient.hpp"
 
+#include <numbers>
+
 #include "base/parallel.hpp"
 
 namespace tern::fluid {
@@ -11,15 +13,18 @@ void compute_velocity_gradient(const Period<D>& space, const Neighbours<D>& neig
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
   pack<D>(position, velocity, packed.motion);
   packed.half_gradient.resize(n);
+  packed.strain_rate.resize(n);
   space.specialise([&](auto periodic) {
     const PackedPeriod<decltype(periodic)::value, D> period(space);
     parallel_for(n, [&](std::ptrdiff_t i) {
       std::array<Packed<D>, D>& half = packed.half_gradient[i];
       half.fill(Packed<D>::Zero());
+      packed.strain_rate[i] = 0;
       if (!particle_class[i].has(ParticleClass::corrected_gradient)) return;
       const Matrix<D> gradient = velocity_gradient_sum(neighbours, period, packed.motion, i) * correction.fluid[i];
       for (int b = 0; b < D; ++b)
         for (int a = 0; a < D; ++a) half[b][a] = 0.5 * gradient(a, b);
+      packed.strain_rate[i] = (gradient + gradient.transpose()).norm() / std::numbers::sqrt2;
     });
   });
 }
