@@ -179,10 +179,10 @@ void Fluid<D>::end_window(const InterfaceForce<D>& force) {
   state_.potential -= work_of_gravity(constants.mass, window_.duration, state_, prediction_);
   advance(window_.duration, prediction_, state_);  // r^{n+1} = r* + dt/2 u^{n+1}
   move_off_faces(constants, boundary_, prediction_.position, state_.position);
-  if (const double coefficient = shifting_coefficient(constants, window_.duration, prediction_.bulk_speed); coefficient != 0) {
+  if (constants.numerics.shifting > 0) {
     state_.evaluations.shifting += static_cast<long>(state_.size());
-    shift_particles(coefficient, constants, neighbours_, boundary_, correction_, state_.particle_class, prediction_.position,
-                    state_.position);
+    shift_particles(constants, window_.duration, neighbours_, boundary_, correction_, state_.particle_class, packed_, prediction_.position,
+                    state_.position, state_.velocity);
   }
   state_.leaked += count_leaks(constants.spacing, boundary_.seen_walls(), boundary_.wall_rows, prediction_.position, state_.position);
   state_.leaked += count_leaks(constants.spacing, boundary_.surface, boundary_.surface_rows, prediction_.position, state_.position);

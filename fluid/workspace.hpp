@@ -42,20 +42,12 @@ struct Corrections {
   std::vector<double> trace;      ///< tr M / D in [0, 1]
 };
 
-/// Half the strain rate E, the symmetric part of a velocity gradient, as a pair of particles at the distance r asks for it:
-///   r . (E/2) r = r . (along r + across turned(r)),
-/// component by component. along: half the diagonal; across: half of (E_xy, E_xy) in 2D, (E_xy, E_yz, E_zx) in 3D.
-template <int D>
-struct HalfStrain {
-  Packed<D> along, across;
-};
-
 /// Velocities as the sums over pairs read them.
 template <int D>
 struct PackedVelocities {
-  std::vector<Motion<D>> motion;           ///< r* and u* when they were last packed
-  std::vector<HalfStrain<D>> half_strain;  ///< zero where there is no velocity gradient L
-  std::vector<double> squared_gradient;    ///< tr(L L), likewise [1/s^2]
+  std::vector<Motion<D>> motion;                        ///< r* and u* when they were last packed
+  std::vector<std::array<Packed<D>, D>> half_gradient;  ///< half the velocity gradient, by column; zero where there is none
+  std::vector<double> strain_rate;                      ///< sqrt(2 E:E), E = (L + L^T)/2: that of a shear du/dy is |du/dy| [1/s]
 };
 
 }  // namespace tern::fluid

@@ -3,7 +3,6 @@
 // whole vector registers to compute with.
 
 #include <cmath>
-#include <cstring>
 #include <vector>
 
 #include <Eigen/Core>
@@ -23,19 +22,6 @@ template <int D>
 struct alignas(D == 2 ? 32 : 64) Motion {
   Packed<D> position, velocity;
 };
-
-/// The components of r in turn: (y, x) in 2D, (y, z, x) in 3D.
-inline Packed<2> turned(const Packed<2>& r) { return {r[1], r[0]}; }
-
-inline Packed<3> turned(const Packed<3>& r) {
-  typedef double Lanes __attribute__((vector_size(32)));
-  Lanes lanes;
-  std::memcpy(&lanes, r.data(), sizeof lanes);
-  lanes = __builtin_shufflevector(lanes, lanes, 1, 2, 0, 3);
-  Packed<3> result;
-  std::memcpy(result.data(), &lanes, sizeof lanes);
-  return result;
-}
 
 template <int D>
 void pack(const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& velocity, std::vector<Motion<D>>& motion) {

@@ -14,14 +14,11 @@ template <int D>
 void move_off_faces(const Constants<D>& constants, const Boundary<D>& boundary, const std::vector<Vector<D>>& predicted_position,
                     std::vector<Vector<D>>& position);
 
-/// C_s h |u|max dt [m^2]; 0: the scene has no shifting, or nothing moves.
+/// Shifts `position` down the gradient of concentration, as the rate of strain in the packed velocities asks for, and takes `velocity`
+/// half of the way.
 template <int D>
-double shifting_coefficient(const Constants<D>& constants, double duration, double bulk_speed);
-
-/// Shifts `position` down the gradient of concentration.
-template <int D>
-void shift_particles(double coefficient, const Constants<D>& constants, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
-                     const Corrections<D>& correction, const std::vector<ParticleClass>& particle_class,
-                     const std::vector<Vector<D>>& predicted_position, std::vector<Vector<D>>& position);
+void shift_particles(const Constants<D>& constants, double duration, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
+                     const Corrections<D>& correction, const std::vector<ParticleClass>& particle_class, const PackedVelocities<D>& packed,
+                     const std::vector<Vector<D>>& predicted_position, std::vector<Vector<D>>& position, std::vector<Vector<D>>& velocity);
 
 }  // namespace tern::fluid

@@ -1,5 +1,7 @@
 #include "fluid/motion/velocity_gradient.hpp"
 
+#include <numbers>
+
 #include "base/parallel.hpp"
 
 namespace tern::fluid {
@@ -10,22 +12,19 @@ void compute_velocity_gradient(const Period<D>& space, const Neighbours<D>& neig
                                const std::vector<Vector<D>>& velocity, PackedVelocities<D>& packed) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
   pack<D>(position, velocity, packed.motion);
-  packed.half_strain.resize(n);
-  packed.squared_gradient.resize(n);
+  packed.half_gradient.resize(n);
+  packed.strain_rate.resize(n);
   space.specialise([&](auto periodic) {
     const PackedPeriod<decltype(periodic)::value, D> period(space);
     parallel_for(n, [&](std::ptrdiff_t i) {
-      HalfStrain<D>& half = packed.half_strain[i];
-      half = {Packed<D>::Zero(), Packed<D>::Zero()};
-      packed.squared_gradient[i] = 0;
+      std::array<Packed<D>, D>& half = packed.half_gradient[i];
+      half.fill(Packed<D>::Zero());
+      packed.strain_rate[i] = 0;
       if (!particle_class[i].has(ParticleClass::corrected_gradient)) return;
       const Matrix<D> gradient = velocity_gradient_sum(neighbours, period, packed.motion, i) * correction.fluid[i];
-      for (int a = 0; a < D; ++a) {
-        const int b = (a + 1) % D;
-        half.along[a] = 0.5 * gradient(a, a);
-        half.across[a] = (D == 2 ? 0.25 : 0.5) * (gradient(a, b) + gradient(b, a));
-      }
-      packed.squared_gradient[i] = gradient.cwiseProduct(gradient.transpose()).sum();
+      for (int b = 0; b < D; ++b)
+        for (int a = 0; a < D; ++a) half[b][a] = 0.5 * gradient(a, b);
+      packed.strain_rate[i] = (gradient + gradient.transpose()).norm() / std::numbers::sqrt2;
     });
   });
 }

@@ -27,8 +27,8 @@ Matrix<D> velocity_gradient_sum(const Neighbours<D>& neighbours, const PackedPer
   return sum;
 }
 
-/// What is asked for of L_i = S_i C^F_i of every particle, which is exact for linear fields; 0 where the support is too poor for that.
-/// Packs position and velocity.
+/// Half of L_i = S_i C^F_i of every particle, exact for linear fields; 0 where the support is too poor for that; and the rate of
+/// strain in it. Packs position and velocity.
 template <int D>
 void compute_velocity_gradient(const Period<D>& space, const Neighbours<D>& neighbours, const Corrections<D>& correction,
                                const std::vector<ParticleClass>& particle_class, const std::vector<Vector<D>>& position,

@@ -2,13 +2,18 @@
 // of it: noise fed by irregular particle positions would drive a slow circulation for ever. A pair exchanges momentum
 // along its line in proportion to the part of its velocity difference that the linear fields around both do not explain:
 //   L_i  = S_i C^F_i,  S_i = sum V_j (u_j - u_i) grad w_ij^T over fluid neighbours
-//   du_i = (chi dt / tau) sum_j V_j |w'|/r r_ij [r_ij . (u_j - u_i - (L_i + L_j)/2 r_ij)]
-// tau is the time scale of the density source. Affine velocity fields are left as they are, a smooth field of wave number k
-// loses of order (chi/tau) (k h)^4 per unit of time. Pairs are antisymmetric and central: both momenta are conserved.
-// Along its line a pair sees of L the symmetric part alone.
+//   a_ij = r_ij . (u_j - u_i - (L_i + L_j)/2 r_ij)
+//   du_i = (chi dt / tau) sum_j V_j |w'|/r r_ij a_ij min(1, |a_ij| / b_ij),   b_ij = (g_i + g_j)/2 r^2 / 10
+// tau is the time scale of the density source, g the rate of strain. Affine velocity fields are left as they are. Of a wave of wave
+// number k the part a is (k r)^2/4 of what the linear fields explain: where that is less than a tenth, the wave is resolved, and the last
+// factor takes the less the better it is. Without it the wave would lose of order (chi/tau) (k h)^4 per unit of time, with it (k h)^6.
+// Pairs are antisymmetric and central: both momenta are conserved.
 // The reconstruction is that of MUSCL schemes and of the structure's Riemann diffusion.
 
 #include "fluid/motion/velocity_noise.hpp"
+
+#include <algorithm>
+#include <cmath>
 
 #include "base/parallel.hpp"
 #include "fluid/pressure/density_source.hpp"
@@ -17,6 +22,7 @@ namespace tern::fluid {
 namespace {
 
 constexpr double largest_share = 0.5;  ///< per step, for stability
+constexpr double resolved = 0.1;       ///< share of a difference of velocities that a resolved motion may have beyond the linear fields
 
 }  // namespace
 
@@ -32,20 +38,24 @@ void damp_velocity_noise(double share, const Period<D>& space, const Neighbours<
   if (share == 0) return;
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(velocity.size());
   const std::vector<Motion<D>>& motion = packed.motion;
-  const std::vector<HalfStrain<D>>& half_strain = packed.half_strain;
+  const std::vector<std::array<Packed<D>, D>>& half_gradient = packed.half_gradient;
   space.specialise([&](auto periodic) {
     const PackedPeriod<decltype(periodic)::value, D> period(space);
     parallel_for(n, [&](std::ptrdiff_t i) {
       if (!particle_class[i].has(ParticleClass::corrected_gradient)) return;
       const Packed<D> x = motion[i].position, u = motion[i].velocity;
-      const HalfStrain<D> own = half_strain[i];
+      const std::array<Packed<D>, D> own = half_gradient[i];
+      const double rate = packed.strain_rate[i];
       Packed<D> even = Packed<D>::Zero(), odd = Packed<D>::Zero();
       for_row_in_turns(neighbours, i, even, odd, [&](Packed<D>& change, int k) {
         const int j = neighbours.column[k];
         const Packed<D> r = period.between(x, motion[j].position);
         Packed<D> jump = motion[j].velocity - u;
-        jump -= (own.along + half_strain[j].along) * r + (own.across + half_strain[j].across) * turned(r);  // up to what r does not see
-        const double exchange = particle_class[j].has(ParticleClass::corrected_gradient) ? neighbours.weight[k] * (jump * r).sum() : 0;
+        for (int b = 0; b < D; ++b) jump -= (own[b] + half_gradient[j][b]) * r[b];
+        const double part = (jump * r).sum(), size = std::abs(part);
+        const double smooth = 0.5 * resolved * (rate + packed.strain_rate[j]) * (r * r).sum() + 1e-300;
+        const double unresolved = part * (size / std::max(size, smooth));
+        const double exchange = particle_class[j].has(ParticleClass::corrected_gradient) ? neighbours.weight[k] * unresolved : 0;
         change += exchange * r;
       });
       for (int c = 0; c < D; ++c) velocity[i][c] += share * (even[c] + odd[c]);

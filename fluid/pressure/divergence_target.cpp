@@ -20,10 +20,15 @@ namespace tern::fluid {
 template <int D>
 void set_divergence_target(double duration, const Neighbours<D>& neighbours, const std::vector<int>& at_structure,
                            const PackedVelocities<D>& velocities, const std::vector<double>& density_source, std::vector<double>& target) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(velocities.squared_gradient.size());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(velocities.half_gradient.size());
   target.resize(n);
   const auto source = [&](std::ptrdiff_t i) { return density_source.empty() ? 0 : density_source[i]; };
-  parallel_for(n, [&](std::ptrdiff_t i) { target[i] = source(i) + 0.5 * duration * velocities.squared_gradient[i]; });
+  parallel_for(n, [&](std::ptrdiff_t i) {
+    double quarter = 0;  // of tr(L L)
+    for (int a = 0; a < D; ++a)
+      for (int b = 0; b < D; ++b) quarter += velocities.half_gradient[i][b][a] * velocities.half_gradient[i][a][b];
+    target[i] = source(i) + 2 * duration * quarter;
+  });
   for_each_beside_structure(neighbours, at_structure, [&](int i) { target[i] = source(i); });
 }
 

@@ -43,7 +43,7 @@ const Rows<FluidNumerics>& numerics_rows() {
       {"density_relaxation", &FluidNumerics::density_relaxation, "-", "0.02", from_to(0, 1),
        "Share gamma of the density error that the pressure removes per relaxation time; 0 = off."},
       {"shifting", &FluidNumerics::shifting, "-", "1", from_to(0, 10),
-       "Coefficient of the particle shifting; 0 = off. Vortices that fill their enclosure need 2 to 4."},
+       "Coefficient of the particle shifting, which evens particles out at up to 39 times this the rate of strain; 0 = off."},
       {"noise_damping", &FluidNumerics::noise_damping, "-", "0.2", from_to(0, 1),
        "Share of the particle-scale velocity noise (what a linear field does not explain) damped per relaxation time; 0 = off."},
       {"courant", &FluidNumerics::courant, "-", "0.3", above_to(0, 0.5), "Largest step as a fraction of dx/|u|max."},
