@@ -6,11 +6,6 @@
 #include "base/parallel.hpp"
 
 namespace tern::fluid {
-namespace {
-
-constexpr int several = -1, none = -2;  ///< in place of the one point of a lump
-
-}  // namespace
 
 template <int D>
 void YieldingSurface<D>::assemble(const Constants<D>& constants, const SurfaceResponse& response, const Boundary<D>& boundary,

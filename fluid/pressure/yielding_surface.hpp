@@ -50,7 +50,7 @@ class YieldingSurface {
   bool any() const { return !response_.mass.empty(); }
   bool any_lumps() const { return any() && any_lumps_; }  ///< of more than one point
   std::size_t lumps() const { return response_.mass.size(); }
-  double scale(std::size_t a) const { return point_[a] == -1 ? scale_[a] : 0; }  ///< rho/m_a; 0 of a lump that is one point
+  double scale(std::size_t a) const { return point_[a] == several ? scale_[a] : 0; }  ///< rho/m_a; 0 of a lump that is one point
   /// Calls visit(m, c_ma) for the particles at_structure[m] that push lump a.
   template <class Visit>
   void for_rows(std::size_t a, Visit&& visit) const {
@@ -58,6 +58,8 @@ class YieldingSurface {
   }
 
  private:
+  static constexpr int several = -1, none = -2;  ///< in place of the one point of a lump
+
   template <class T>
   void spread(const std::vector<int>& at_structure, std::vector<T>& y) const;
 
@@ -73,7 +75,7 @@ class YieldingSurface {
   std::vector<std::ptrdiff_t> entry_;           ///< in the rows
   std::vector<double> bound_, bound_of_lumps_;  ///< kappa, by row
   std::vector<double> size_;                    ///< of each lump: rho/m_a sum_j |c_ja|
-  std::vector<int> point_;                      ///< that is the lump; -1: it has several
+  std::vector<int> point_;                      ///< that is the lump, or `several`
   bool any_lumps_ = false;
   std::vector<double> transferred_;        ///< by point: sum_i 2 V_i A_k w~_ik
   mutable std::vector<Vector<D>> motion_;  ///< of each lump; scratch

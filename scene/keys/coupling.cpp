@@ -32,10 +32,10 @@ const Rows<CouplingCase>& coupling_rows() {
                                          {"semi-implicit", CouplingAlgorithm::semi_implicit},
                                          {"implicit", CouplingAlgorithm::implicit}}),
        "", "\"auto\"", any,
-       "auto: predict, project, correct, with the mass that the surface has been seen to answer with, and repeated in windows after which "
+       "auto: predict, project, correct, in the way in which the surface has been seen to answer, and repeated in windows after which "
        "fluid and structure do not agree; where the mass behind a face is at most that of half a layer of fluid particles, as implicit and "
        "in windows half as long. "
-       "semi-implicit: one pass, with that mass by formula, untested; implicit: repeated in every window until the loads agree; explicit: "
+       "semi-implicit: one pass, with the masses of a formula, untested; implicit: repeated in every window until the loads agree; explicit: "
        "staggered, unstable where the fluid's added mass exceeds the mass of the structure. The last three are for studies."},
       {"acceleration", one_of(&CouplingCase::acceleration, {{"iqn-ils", Acceleration::iqn_ils}, {"aitken", Acceleration::aitken}}), "",
        "\"iqn-ils\"", any,
