@@ -181,10 +181,11 @@ TEST(SurfaceLumps, AreOfOneBodyAndOfOneFaceOfAThickOne) {
       return sum;
     };
     EXPECT_GT(common(0, 0), 0.2);
-    if (thickness < dx)
+    if (thickness < dx) {
       EXPECT_NEAR(common(0, 1), common(0, 0), 1e-12) << "both faces at one place";
-    else
+    } else {
       EXPECT_EQ(common(0, 1), 0);
+    }
     body[1] = 1;
     EXPECT_EQ(common(0, 1), 0) << "of two bodies";
   }

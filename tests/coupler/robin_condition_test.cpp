@@ -199,8 +199,9 @@ TEST(RobinReferencePressure, LeavesNothingWhereBothSidesAgree) {
     for (const auto& pair : pairs.pairs())
       left[pair.point] -= pair.b.dot(surface.normal[pair.point]) * (pressure.pressure[pair.particle] - load.reference_pressure[pair.point]);
     for (std::size_t k = 0; k < left.size(); ++k)
-      if (carried.force[k].norm() > 100 * surface.area[k])  // else all there is lies at the end of the kernel
+      if (carried.force[k].norm() > 100 * surface.area[k]) {  // else all there is lies at the end of the kernel
         EXPECT_NEAR(left[k], 0, 1e-9 * carried.force[k].norm()) << "point " << k << ", differences " << differences;
+      }
   }
 }
 
