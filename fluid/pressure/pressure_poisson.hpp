@@ -20,8 +20,8 @@ template <int D>
 void assemble_pressure_matrix(const Constants<D>& constants, const State<D>& state, const Neighbours<D>& neighbours,
                               const Boundary<D>& boundary, const Corrections<D>& correction, EdgeMatrix& matrix);
 
-/// system.yielding and the rows of the particles `at_structure`, whose faces yield as the load says; and, where an enclosed region deforms a body, those of
-/// the particles it pushes by its level. Marks these in the state; system.sealed and system.body_tied.
+/// system.yielding and the rows of the particles `at_structure`, whose faces yield as the load says; and, where an enclosed region
+/// deforms a body, those of the particles it pushes by its level. Marks these in the state; system.sealed and system.body_tied.
 template <int D>
 void complete_pressure_matrix(const Constants<D>& constants, const InterfaceCondition<D>& load, const Neighbours<D>& neighbours,
                               const Boundary<D>& boundary, const Corrections<D>& correction, const Prediction<D>& prediction,
