@@ -56,13 +56,14 @@ void set_robin_condition(const Setup<D>& setup, Workspace<D>& window) {
   if (!setup.algorithm.yields) return;
   response = {window.answer.lumps.lump, window.answer.lumps.share, window.answer.mass};
   for (std::size_t k = 0; k < points; ++k) {
-    // A pressure p loads the point with s p A: s is some per cent off 1 where particles are on no lattice, and less at a free surface. So
-    // its load is that of the pressure L/(s A). With s left out, a body that rests under p is taken to give way by dt (1 - s) p/m in every
-    // window: where s > 1 that makes energy. In the equation of the fluid, which has neither images nor schemes, the same pressure pushes
-    // with b p A; s/b is made up for, half by the force on the lumps and half by their motion, so that the equation stays symmetric.
-    const double share = window.share[k] > least_share ? window.share[k] : 1;
-    if (const double seen = window.seen_share[k]; window.share[k] > least_share && seen > least_share)
-      for (std::size_t c = k * per_point; c < (k + 1) * per_point; ++c) response.share[c] *= std::sqrt(share / seen);
+    // A pressure p loads the point with s p A, where the fluid takes it for p A: s is some per cent off 1 where particles are on no
+    // lattice, and less at a free surface. So its load is that of the pressure L/(s A), and it answers p s times as fast: half of that by
+    // the force on the lumps and half by their motion, so that the equation stays symmetric. With s left out, a body that rests under p
+    // is taken to give way by dt (1 - s) p/m in every window: where s > 1 that makes energy. A point that no pressure loads yields to
+    // what the particles before it fill.
+    const double share = window.share[k] > least_share ? window.share[k] : 1, seen = window.seen_share[k];
+    const double quickness = window.share[k] > least_share ? share : seen > least_share ? seen : 1;
+    for (std::size_t c = k * per_point; c < (k + 1) * per_point; ++c) response.share[c] *= std::sqrt(quickness);
     // What the assumed load carries, less what is known of the answer; contacts are not the pressure's. A pressure in excess of this moves
     // the surface on from where it was predicted.
     const Vector<D> carried = window.assumed_load.force[k] - window.load.force[k] - window.assumed_contact.force[k];

@@ -1,11 +1,17 @@
 #include "fluid/pressure/yielding_surface.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "base/parallel.hpp"
 
 namespace tern::fluid {
+namespace {
+
+constexpr double least_filled = 1e-3;  ///< of the half space before a point; at the end of the kernel w~ has both signs
+
+}  // namespace
 
 template <int D>
 void YieldingSurface<D>::assemble(const Constants<D>& constants, const SurfaceResponse& response, const Boundary<D>& boundary,
@@ -16,6 +22,20 @@ void YieldingSurface<D>::assemble(const Constants<D>& constants, const SurfaceRe
   const FaceRows& seen = boundary.surface_rows;
   const std::ptrdiff_t rows = static_cast<std::ptrdiff_t>(at_structure.size()), lumps = static_cast<std::ptrdiff_t>(response.mass.size());
   const std::ptrdiff_t per_point = static_cast<std::ptrdiff_t>(response.lumps_per_point(boundary.surface.size()));
+  // A pressure p pushes a point with p A, whatever its particles fill of the half space before it: the sums over them are made up to that,
+  // half by the force on the lumps and half by their motion.
+  transferred_.assign(boundary.surface.size(), 0);
+  for (const int i : at_structure) {
+    if (!particle_class[i].pressure_unknown()) continue;
+    for (int entry = seen.begin[i]; entry < seen.begin[i] + seen.count[i]; ++entry)
+      transferred_[seen.face[entry]] += 2 * constants.volume * seen.weight[entry];
+  }
+  for (std::size_t s = 0; s < response_.share.size(); ++s) {
+    const std::size_t k = s / static_cast<std::size_t>(per_point);
+    const double filled = transferred_[k] / boundary.surface.area[k];
+    if (filled > least_filled) response_.share[s] /= std::sqrt(filled);
+  }
+
   begin_.resize(rows + 1);
   begin_[0] = 0;
   for (std::ptrdiff_t m = 0; m < rows; ++m)
@@ -94,13 +114,6 @@ void YieldingSurface<D>::assemble(const Constants<D>& constants, const SurfaceRe
     }
   });
 
-  transferred_.assign(boundary.surface.size(), 0);
-  for (std::ptrdiff_t m = 0; m < rows; ++m) {
-    if (count_[m] == 0) continue;
-    const int i = at_structure[m];
-    for (int entry = seen.begin[i]; entry < seen.begin[i] + seen.count[i]; ++entry)
-      transferred_[seen.face[entry]] += 2 * constants.volume * seen.weight[entry];
-  }
   motion_.resize(lumps);
 }
 

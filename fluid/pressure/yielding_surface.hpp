@@ -1,7 +1,7 @@
 #pragma once
 // How the pressure equation knows that the structure yields (Robin condition, docs/THEORY.md section 3). The bodies answer in lumps,
 // parts that are pushed and move as a whole (SurfaceResponse). A pressure p of particle i puts the force p b_ik on point k,
-//   b_ik = -2 V_i A_k w~_ik n_k,      c_ia = sum_k share_ka b_ik,
+//   b_ik = -2 V_i A_k w~_ik n_k,      c_ia = sum_k share_ka b_ik sqrt(A_k/|sum_j b_jk|),
 // and all forces together let lump a be faster by dt/m_a sum_j c_ja (p_j + rho g.(x_k - x_j) - p^_k) at the end of the window. Inserted
 // in div(u^{n+1}), with the rows scaled as in pressure_poisson.hpp, this is a matrix of low rank on the particles beside the structure:
 //   R_ij = rho sum_a c_ia . c_ja / m_a
