@@ -110,7 +110,7 @@ auto plate_of(const Surface<2>& surface, double mass, double length) {
   };
 }
 
-// Seen to fail: with what is learnt left out of the answer; with the inverse of it.
+// Seen to fail: with what is learnt left out of the answer.
 TEST(LearntResponse, FindsMassesThatTheFormulaDoesNotKnow) {
   const Surface<2> surface = faces(0.2, 0.5 * dx, 0);
   std::vector<double> mass(surface.position.size());

@@ -33,16 +33,16 @@ Fluid<2> waters(double left, double right) {
   return Fluid<2>(c);
 }
 
-enum class Yields { not_at_all, by_points, by_sections };
+enum class Yields { not_at_all, by_points, by_points_of_whole_sections, by_sections };
 
-/// The plate's points, each a lump of half a section, or lumps of a whole one: both faces at a height.
+/// The plate's points, each a lump of half a section or of a whole one, or lumps of whole sections: both faces at a height.
 SurfaceResponse response(Yields yields, const Surface<2>& surface) {
-  const std::size_t points = surface.position.size(), lumps = yields == Yields::by_points ? points : points / 2;
+  const std::size_t points = surface.position.size(), lumps = yields == Yields::by_sections ? points / 2 : points;
   if (yields == Yields::not_at_all) return {};
   SurfaceResponse made{std::vector<std::uint32_t>(points), std::vector<double>(points, 1), std::vector<double>(lumps)};
   for (std::size_t k = 0; k < points; ++k) {
     made.lump[k] = static_cast<std::uint32_t>(k % lumps);
-    made.mass[k % lumps] += 0.5 * plate_mass * surface.area[k];
+    made.mass[k % lumps] += (yields == Yields::by_points_of_whole_sections ? 1 : 0.5) * plate_mass * surface.area[k];
   }
   return made;
 }
@@ -80,13 +80,15 @@ TEST(YieldingSurface, IsNotMovedByEqualPressuresOnBothFaces) {
   }
 }
 
-// Water on one side alone accelerates the plate with it: then lumps of both faces answer like those of one that have the whole mass.
-// Seen to fail: with the force on a lump left out of the motion of its other points.
+// Water on one side alone accelerates the plate with it. A lump of both faces then answers like points of one that have all of its mass.
+// Seen to fail: with lumps of four times their mass in the solver.
 TEST(YieldingSurface, AnswersByTheMassOfItsLumps) {
-  const double rigid = mean_pressure(solved(length, 0.5 * dx, Yields::not_at_all), -1);
-  const double sections = mean_pressure(solved(length, 0.5 * dx, Yields::by_sections), -1);
+  const double right = 0.5 * dx, rigid = mean_pressure(solved(length, right, Yields::not_at_all), -1);
+  const double sections = mean_pressure(solved(length, right, Yields::by_sections), -1);
   EXPECT_LT(sections, 0.8 * rigid);
-  EXPECT_LT(mean_pressure(solved(length, 0.5 * dx, Yields::by_points), -1), sections) << "half the mass yields more";
+  EXPECT_NEAR(mean_pressure(solved(length, right, Yields::by_points_of_whole_sections), -1), sections, 0.02 * rigid);
+  std::printf("[ %.3f, by points %.3f of the pressure beside a wall ]\n", sections / rigid,
+              mean_pressure(solved(length, right, Yields::by_points_of_whole_sections), -1) / rigid);
 }
 
 // Where both faces are wet the matrix' diagonal bound is far above what the plate does, and the preconditioner has to know.
