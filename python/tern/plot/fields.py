@@ -49,9 +49,9 @@ def _outline(axis, position):
     distance = np.linalg.norm(position[:, None, :] - position[None, :, :], axis=2)
     np.fill_diagonal(distance, np.inf)
     nearest = np.argsort(distance, axis=1)[:, :2]
-    reach = 2.5 * np.median(distance.min(axis=1))
+    reach = 2.5 * distance.min(axis=1)  # bodies have points of their own spacing
     lines = [(position[one], position[two]) for one in range(len(position)) for two in nearest[one]
-             if distance[one, two] < reach]
+             if distance[one, two] < reach[one]]
     axis.add_collection(LineCollection(lines, colors="black", linewidths=1.0))
 
 
