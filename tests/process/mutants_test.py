@@ -22,7 +22,7 @@ MUTANTS = {
     "not interleaved": ("motion", r"position and velocity of point \d+ do not belong together"),
     "velocity in mm/s": ("motion", r"position and velocity of point \d+ do not belong together"),
     "velocity sign": ("motion", r"position and velocity of point \d+ do not belong together"),
-    "work sign": ("work", r"interface_work_on_structure_J, grows by -.* \(-1 times it"),
+    "work sign": ("work", r"interface_work_on_structure_J, grows by -.* \(-(1|0.99\d) times it"),
     "gauge sign": ("gauge", r"the gauge 'tip' changes by .* \(-1 times it"),
     "account of the end": ("account", r"account.energy\[0\] of the first window is .*, and 0 in Hello"),
     "no heartbeat": ("heartbeat", r"no heartbeat within 3 s"),
