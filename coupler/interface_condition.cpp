@@ -26,11 +26,10 @@ template <int D>
 void find_answer(const Setup<D>& setup, const Surface<D>& surface, State<D>& state, Workspace<D>& window) {
   const std::size_t points = surface.position.size();
   if (state.start.area.empty()) state.start = {surface.position, surface.normal, surface.area};
-  window.stretch.resize(points);
   window.responding_mass.resize(points);
   for (std::size_t k = 0; k < points; ++k) {
-    window.stretch[k] = surface.area[k] / state.start.area[k];
-    window.responding_mass[k] = responding_mass(setup, window.duration, window.stretch[k], k);
+    const double stretch = surface.area[k] / state.start.area[k];
+    window.responding_mass[k] = responding_mass(setup, window.duration, stretch, k);
   }
   if (setup.algorithm.tests) {
     state.response.prepare(setup, state.start);
@@ -61,8 +60,9 @@ void set_robin_condition(const Setup<D>& setup, Workspace<D>& window) {
     // the force on the lumps and half by their motion, so that the equation stays symmetric. With s left out, a body that rests under p
     // is taken to give way by dt (1 - s) p/m in every window: where s > 1 that makes energy. A point that no pressure loads yields to
     // what the particles before it fill.
-    const double share = window.share[k] > least_share ? window.share[k] : 1, seen = window.seen_share[k];
-    const double quickness = window.share[k] > least_share ? share : seen > least_share ? seen : 1;
+    const bool loaded = window.share[k] > least_share;
+    const double share = loaded ? window.share[k] : 1;
+    const double quickness = loaded ? share : window.seen_share[k] > least_share ? window.seen_share[k] : 1;
     for (std::size_t c = k * per_point; c < (k + 1) * per_point; ++c) response.share[c] *= std::sqrt(quickness);
     // What the assumed load carries, less what is known of the answer; contacts are not the pressure's. A pressure in excess of this moves
     // the surface on from where it was predicted.

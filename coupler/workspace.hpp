@@ -19,7 +19,6 @@ struct Workspace {
   Surface<D> surface;                      ///< velocities: of the present iteration
   InterfaceParticles<D> particles;         ///< at their predicted positions
   InterfacePairs<D> pairs;                 ///< who sees whom
-  std::vector<double> stretch;             ///< of every surface point: its area over that at the start
   std::vector<double> responding_mass;     ///< with which each point answers a pressure, as a formula guesses it [kg/m^2]
   SurfaceAnswer answer;                    ///< how the surface is taken to answer the fluid
   std::vector<double> share;               ///< load of each point under a uniform pressure p, over p A
