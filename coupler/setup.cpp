@@ -18,20 +18,18 @@ constexpr Algorithm algorithms[] = {
      "the windows are too long for this body, use a smaller fluid.numerics.gravity_courant and courant"},
 };
 
-/// Mass behind a face, over that of a layer of fluid particles, up to which one pass is not enough.
-constexpr double lightest_of_one_pass = 0.5 * (1 + 1e-9);  // a plate of just this mass is one of them, whatever its rounding
 /// A light body follows the load at once, and what a window changes of it, above all which particles touch, is more than the coupling
 /// iterations can bring to agree in windows as long as the fluid alone takes them.
 constexpr double window_share_of_light = 0.5;
-/// Robin mass of a light surface when windows are repeated, in layers of fluid particles; from 2 to 12 the iterations are as many.
+/// Robin mass of a surface whose answer is not learnt when windows are repeated, in layers of fluid particles; from 2 to 12 the iterations are as many.
 /// Few motions of a light body answer with its mass, all others are held by its stiffness. A mass like the fluid's own lies between the
 /// two; the iterations find out what it gets wrong.
 constexpr double robin_layers = 5;
 
-bool any_body_is_light(const Case& scene, const SurfaceProperties& properties) {
+/// Whether a body has no more behind its faces than so many layers of fluid particles.
+bool any_body_is_below(double layers, const Case& scene, const SurfaceProperties& properties) {
   for (std::size_t b = 0; b < scene.structure->bodies.size(); ++b)
-    if (const double mass = section_mass(properties, b);
-        mass > 0 && mass <= lightest_of_one_pass * scene.fluid->density * scene.fluid->spacing)
+    if (const double mass = section_mass(properties, b); mass > 0 && mass <= layers * scene.fluid->density * scene.fluid->spacing)
       return true;
   return false;
 }
@@ -39,7 +37,7 @@ bool any_body_is_light(const Case& scene, const SurfaceProperties& properties) {
 Algorithm choose_algorithm(const Case& scene, const SurfaceProperties& properties) {
   for (Algorithm algorithm : algorithms) {
     if (algorithm.name != scene.coupling.algorithm) continue;
-    if (any_body_is_light(scene, properties)) algorithm.tests = false;
+    if (any_body_is_below(layers_of_lightest, scene, properties)) algorithm.tests = false;
     return algorithm;
   }
   return algorithms[0];
@@ -53,7 +51,7 @@ Setup<D>::Setup(const Case& scene, const SurfaceProperties& of_surface)
       algorithm(choose_algorithm(scene, of_surface)),
       scheme(scheme_of<D>(scene.coupling.scheme)),
       first_window(tern::first_window(scene)),
-      window_share(any_body_is_light(scene, of_surface) ? window_share_of_light : 1),
+      window_share(any_body_is_below(layers_of_light, scene, of_surface) ? window_share_of_light : 1),
       density(scene.fluid->density),
       spacing(scene.fluid->spacing),
       smoothing_length(scene.fluid->numerics.smoothing_length_ratio * scene.fluid->spacing),
@@ -66,6 +64,7 @@ Setup<D>::Setup(const Case& scene, const SurfaceProperties& of_surface)
       meetable(scene, of_surface.body),
       kernel(smoothing_length),
       fluid_weight(weight_of_fluid<D>(scene)) {
+  for (const double depth : moved_depths<D>(scene)) moved_mass.push_back(density * depth);
   for (const StructureBody& body : scene.structure->bodies) {
     body_density.push_back(body.density);
     body_name.push_back(body.name);

@@ -35,6 +35,7 @@ struct Setup {
   double window_share;                                                   ///< of the length that the fluid proposes, which a window takes
   double density, spacing, smoothing_length, contact_distance, courant;  ///< of the fluid; courant with window_share
   double robin_mass_factor, least_robin_mass;  ///< m_p = max(factor m_s, least), m_s the mass behind a face [kg/m^2]
+  std::vector<double> moved_mass;              ///< of the fluid that has to move with each body, m_a of stability/added_mass.hpp [kg/m^2]
   std::vector<double> body_density;
   std::vector<std::string> body_name;
   VectorExpression gravity;

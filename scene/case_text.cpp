@@ -138,19 +138,22 @@ std::string check_text(const Case& scene, const Costs& costs) {
 
 namespace {
 
-/// Whether "auto" begins with one pass a window, as far as that follows from the mass behind a face alone.
+/// What "auto" does in a window, as far as that follows from the mass behind a face.
 std::string algorithm_choice(const Case& scene, const Estimate& e) {
-  const double layer = 0.5 * scene.fluid->density * scene.fluid->spacing;
+  const double layer = scene.fluid->density * scene.fluid->spacing;
+  const auto words = [&](double mass) {
+    return mass <= layers_of_lightest * layer ? "every window is repeated, and half as long"
+           : mass <= layers_of_light * layer  ? "one pass a window, repeated where it is not enough, and windows half as long"
+                                              : "one pass a window, repeated where it is not enough";
+  };
   std::string text;
   for (std::size_t i = 0; i < e.bodies.size(); ++i) {
     const double mass = scene.structure->bodies[i].density * e.bodies[i].thickness;
+    const std::string with_one = words(mass), with_both = words(0.5 * mass);
     text += fmt::format(
-        "Behind a wet face of '{}' lie {:.3g} kg/m^2 ({:.3g} if the opposite one is wet as well), half a layer of fluid "
-        "particles has {:.3g}: {}.\n",
-        e.bodies[i].name, mass, 0.5 * mass, layer,
-        0.5 * mass > layer ? "one pass a window, repeated where it is not enough"
-        : mass <= layer    ? "it is light, so that every window is repeated"
-                           : "every window is repeated if both are wet");
+        "Behind a wet face of '{}' lie {:.3g} kg/m^2 ({:.3g} if the opposite one is wet as well), a layer of fluid particles has {:.3g}: "
+        "{}.\n",
+        e.bodies[i].name, mass, 0.5 * mass, layer, with_one == with_both ? with_one : with_one + "; if both are wet, " + with_both);
   }
   return text;
 }

@@ -180,18 +180,19 @@ void estimate_fluid(const Case& scene, Estimate& result) {
 
 constexpr double pressure_share = 0.4;  ///< of the cost of a step of the fluid, paid once more in each coupling iteration
 
-bool any_body_is_light(const Case& scene, const std::vector<BodyEstimate>& bodies) {
+bool any_body_is_below(double layers, const Case& scene, const std::vector<BodyEstimate>& bodies) {
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    if (0.5 * scene.structure->bodies[b].density * bodies[b].thickness <= 0.5 * scene.fluid->density * scene.fluid->spacing) return true;
+    if (0.5 * scene.structure->bodies[b].density * bodies[b].thickness <= layers * scene.fluid->density * scene.fluid->spacing) return true;
   return false;
 }
 
-/// Mean in a window. Bodies that are light for a layer of fluid particles take 3 to 10 (`./tern verify rising_disc rising_ball_3d`).
-double coupling_iterations(const Case& scene, bool light) {
-  constexpr double of_light = 6, of_heavy = 2;
+/// Mean in a window. The lightest bodies take 3 to 10 (`./tern verify rising_disc`), other light ones 1 to 4.
+double coupling_iterations(const Case& scene, const Estimate& result) {
+  constexpr double of_lightest = 6, of_light = 2, of_heavy = 2;
   const bool every_window = scene.coupling.algorithm == CouplingAlgorithm::implicit;
   if (!every_window && scene.coupling.algorithm != CouplingAlgorithm::automatic) return 1;
-  return light ? of_light : every_window ? of_heavy : 1;
+  if (result.lightest || (every_window && result.light)) return of_lightest;
+  return every_window ? of_heavy : result.light ? of_light : 1;
 }
 
 // The windows of a structure alone are equal parts of the time from one output to the next.
@@ -242,7 +243,8 @@ Estimate estimate_in(const Case& scene, const Costs& costs) {
       structure_particles += static_cast<double>(result.bodies.back().particles);
     }
     if (!scene.fluid) result.step = window_alone(scene, sub_step);
-    result.light = scene.fluid && any_body_is_light(scene, result.bodies);
+    result.light = scene.fluid && any_body_is_below(layers_of_light, scene, result.bodies);
+    result.lightest = scene.fluid && any_body_is_below(layers_of_lightest, scene, result.bodies);
     if (result.light) result.step *= 0.5;  // Setup::window_share
     if (scene.fluid) {
       result.motion_step = motion_step<D>(scene, result.bodies);
@@ -257,7 +259,7 @@ Estimate estimate_in(const Case& scene, const Costs& costs) {
   const double paid_sub_steps = integrator == Integrator::explicit_steps   ? result.sub_steps
                                 : integrator == Integrator::implicit_steps ? implicit_window
                                                                            : std::min(result.sub_steps, implicit_window);
-  result.iterations = scene.fluid && scene.structure ? coupling_iterations(scene, result.light) : 1;
+  result.iterations = scene.fluid && scene.structure ? coupling_iterations(scene, result) : 1;
   const double passes = !scene.fluid || scene.coupling.algorithm == CouplingAlgorithm::explicit_staggering ? 1 : 1 + result.iterations;
   const double solves = 1 + pressure_share * (result.iterations - 1);
   const auto particles = static_cast<double>(result.fluid_particles);

@@ -23,6 +23,10 @@ struct Costs {
 };
 inline constexpr double implicit_window = 19;  ///< cost of a window in implicit steps, in sub-steps
 
+/// Mass behind the faces of a body, in layers of fluid particles: at most so many, and windows are half as long; or, how it answers is not
+/// learnt, and every window is repeated. A plate of just this mass is one of them, whatever its rounding.
+inline constexpr double layers_of_light = 0.5 * (1 + 1e-9), layers_of_lightest = 0.05 * (1 + 1e-9);
+
 /// Throws InputOutputError, BadInput.
 Costs read_costs(const std::string& path);
 
@@ -52,7 +56,7 @@ struct Estimate {
   double steps = 0;  ///< in the whole run
   std::vector<BodyEstimate> bodies;
   double sub_steps = 0;                                      ///< of the structure in one step
-  bool light = false;                                        ///< a body is, for a layer of fluid particles: windows half as long
+  bool light = false, lightest = false;                      ///< the layers that a body has behind its faces are as few as that
   double iterations = 1;                                     ///< of the coupling in one step
   double memory = 0;                                         ///< all processes [bytes]
   double fluid_cpu = 0, structure_cpu = 0, coupler_cpu = 0;  ///< [s]

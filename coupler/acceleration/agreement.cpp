@@ -6,31 +6,41 @@
 namespace tern::coupler {
 namespace {
 
-constexpr double accepted_share = 0.1;     ///< of the change of velocity
-constexpr double least_of_fastest = 1e-3;  ///< of the fastest motion, as a change of velocity that counts
-constexpr double least_of_window = 0.01;   ///< the same of the speed that the window is made for
+constexpr double accepted_share = 0.1;    ///< of the change of velocity
+constexpr double accepted_load = 0.03;    ///< of the load
+constexpr double least_of_window = 3e-6;  ///< of the speed of one spacing per window
 
 }  // namespace
 
 template <int D>
 Disagreement disagreement(const Setup<D>& setup, const State<D>& state, const Workspace<D>& window, const SurfaceLoad<D>& answer,
                           const std::vector<Vector<D>>& velocity) {
+  struct Sums {
+    double size = 0, change = 0, load = 0, area = 0;  // of squares, but for the area
+  };
   const Surface<D>& surface = window.surface;
   LumpMotion<D> answered(window.answer.lumps, window.answer.mass, window.duration);
   for (std::size_t k = 0; k < surface.position.size(); ++k) answered.push(k, answer.force[k] - window.assumed_load.force[k]);
-  double size = 0, change = 0, fastest = 0, area = 0;
+  std::vector<Sums> sums(setup.moved_mass.size());
   for (std::size_t k = 0; k < surface.position.size(); ++k) {
     if (window.share[k] == 0) continue;  // dry
+    Sums& sum = sums[setup.properties.body[k]];
     const Vector<D>& n = surface.normal[k];
     const double a = surface.area[k], told = (surface.velocity[k] + answered.velocity(k)).dot(n);
     const double before = state.surface_velocity.empty() ? 0 : state.surface_velocity[k].dot(n);
-    size += a * std::pow(told - velocity[k].dot(n), 2);
-    change += a * std::pow(told - before, 2);
-    area += a;
-    fastest = std::max(fastest, velocity[k].norm());
+    sum.size += a * std::pow(told - velocity[k].dot(n), 2);
+    sum.change += a * std::pow(told - before, 2);
+    sum.load += std::pow(answer.force[k].dot(n), 2) / a;
+    sum.area += a;
   }
-  const double floor = std::max(least_of_fastest * fastest, least_of_window * setup.courant * setup.spacing / window.duration);
-  return {std::sqrt(size), accepted_share * std::max(std::sqrt(change), floor * std::sqrt(area))};
+  Disagreement worst;
+  for (std::size_t b = 0; b < sums.size(); ++b) {
+    const double of_load = accepted_load * window.duration / setup.moved_mass[b] * std::sqrt(sums[b].load);
+    const double least = least_of_window * setup.spacing / window.duration * std::sqrt(sums[b].area);
+    const Disagreement here{std::sqrt(sums[b].size), std::max({accepted_share * std::sqrt(sums[b].change), of_load, least})};
+    if (here.size * worst.accepted >= worst.size * here.accepted) worst = here;
+  }
+  return worst;
 }
 
 template Disagreement disagreement<2>(const Setup<2>&, const State<2>&, const Workspace<2>&, const SurfaceLoad<2>&,

@@ -10,15 +10,16 @@
 
 namespace tern::coupler {
 
-/// A difference of velocities of the surface that is small, normal components over the root of the area: a share of the change of
-/// velocity in this window, since the load is the inertia of the fluid times that change; but at least a small share of the fastest motion
-/// [m/s m^((D-1)/2)].
+/// Of the body with the largest: difference of the velocities of its surface, normal components over the root of the area, and what of it
+/// is accepted [m/s m^((D-1)/2)]. The fluid makes up for a difference e in the next window, by the load m_a e / dt. So e is accepted as a
+/// small share of the change of velocity in this window, for the load is the inertia of the fluid times that change; where it stands for
+/// a small part of the load that there is; and where a place that is off by e dt is the same place for all that particles resolve.
 struct Disagreement {
   double size = 0, accepted = 0;
   bool agrees() const { return size <= accepted; }
 };
 
-/// What the fluid takes the surface to have, u* and the answer of the lumps to f - x, against `velocity`; f answers the assumed load x.
+/// What the fluid takes the surface to have, u* and what the lumps make of f - x, against `velocity`; f answers the assumed load x.
 template <int D>
 Disagreement disagreement(const Setup<D>& setup, const State<D>& state, const Workspace<D>& window, const SurfaceLoad<D>& answer,
                           const std::vector<Vector<D>>& velocity);

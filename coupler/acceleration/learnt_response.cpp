@@ -7,9 +7,9 @@
 namespace tern::coupler {
 namespace {
 
-constexpr double kept = 0.8;                     ///< of what is known, per window
-constexpr double least_change = 1e-4;            ///< of a lump's square, over the mean of all, that shows something
-constexpr double lightest = 0.05, heaviest = 4;  ///< over the guess
+constexpr double kept = 0.8;                       ///< of what is known, per window
+constexpr double least_change = 1e-4;              ///< of a lump's square, over the mean of all, that shows something
+constexpr double lightest = 0.05, heaviest = 100;  ///< over the guess
 /// Widths on trial, in spacings of the fluid; 0: every point by itself. A wider lump than the last one no longer fits in the kernel.
 constexpr double widths[] = {0, 2.0 / 3, 1, 1.5, 2.25, 3.375};
 

@@ -44,7 +44,7 @@ Coupler<D> make_coupler(const Case& scene, const SurfaceProperties& properties) 
   Coupler<D> coupler(scene, properties);
   if (scene.coupling.algorithm == CouplingAlgorithm::automatic)
     log_info(coupler.setup().algorithm.tests ? "Coupling: one pass a window, and iterations where the sides do not agree after it."
-                                             : "Coupling: iterations in every window, because a body is light.");
+                                             : "Coupling: iterations in every window, because a body has next to no mass.");
   return coupler;
 }
 

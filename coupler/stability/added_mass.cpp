@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -26,6 +27,12 @@ Bounds<D> nothing() {
   return {Vector<D>::Constant(1e300), Vector<D>::Constant(-1e300)};
 }
 
+/// 1/k of the first bending mode [m].
+template <int D>
+double wave_length(const StructureBody& body) {
+  return free_length<D>(body) / 1.875104;
+}
+
 }  // namespace
 
 double section_mass(const SurfaceProperties& properties, std::size_t body) {
@@ -40,23 +47,28 @@ double section_mass(const SurfaceProperties& properties, std::size_t body) {
 
 template <int D>
 AddedMass predict_added_mass(const Case& scene, const SurfaceProperties& properties) {
-  auto water = nothing<D>();
-  for (const FluidBody& body : scene.fluid->bodies)
-    enclose<D>(water, fill_with_fluid<D>(body.shape, scene.fluid->spacing), scene.fluid->spacing, [](const Vector<D>&) { return true; });
-  const double depth = (water.max - water.min).minCoeff();
-
+  const std::vector<double> depths = moved_depths<D>(scene);
   AddedMass largest;
   for (std::size_t b = 0; b < scene.structure->bodies.size(); ++b) {
     const StructureBody& body = scene.structure->bodies[b];
     const double mass = section_mass(properties, b);
     if (mass == 0) continue;
-
-    const double wave = free_length<D>(body) / 1.875104;
-    AddedMass here{body.name, 0, std::min(depth, wave), depth < wave};
+    AddedMass here{body.name, 0, depths[b], depths[b] < wave_length<D>(body)};
     here.ratio = scene.fluid->density * here.length / mass;
     if (here.ratio > largest.ratio) largest = here;
   }
   return largest;
+}
+
+template <int D>
+std::vector<double> moved_depths(const Case& scene) {
+  auto water = nothing<D>();
+  for (const FluidBody& body : scene.fluid->bodies)
+    enclose<D>(water, fill_with_fluid<D>(body.shape, scene.fluid->spacing), scene.fluid->spacing, [](const Vector<D>&) { return true; });
+  const double extent = (water.max - water.min).minCoeff(), depth = extent > 0 ? extent : std::numeric_limits<double>::infinity();
+  std::vector<double> depths;
+  for (const StructureBody& body : scene.structure->bodies) depths.push_back(std::min(depth, wave_length<D>(body)));
+  return depths;
 }
 
 template <int D>
@@ -90,6 +102,8 @@ std::string describe(const AddedMass& added_mass) {
 
 template AddedMass predict_added_mass<2>(const Case&, const SurfaceProperties&);
 template AddedMass predict_added_mass<3>(const Case&, const SurfaceProperties&);
+template std::vector<double> moved_depths<2>(const Case&);
+template std::vector<double> moved_depths<3>(const Case&);
 template FluidWeight weight_of_fluid<2>(const Case&);
 template FluidWeight weight_of_fluid<3>(const Case&);
 

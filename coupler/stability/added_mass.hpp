@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <string>
+#include <vector>
 
 #include "proto/interface.hpp"
 #include "scene/case_file.hpp"
@@ -29,6 +30,10 @@ double section_mass(const SurfaceProperties& properties, std::size_t body);
 
 template <int D>
 AddedMass predict_added_mass(const Case& scene, const SurfaceProperties& properties);
+
+/// min(H, 1/k) of every body [m].
+template <int D>
+std::vector<double> moved_depths(const Case& scene);
 
 /// The fluid as it stands at the start, by its weight.
 struct FluidWeight {

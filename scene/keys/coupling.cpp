@@ -33,8 +33,8 @@ const Rows<CouplingCase>& coupling_rows() {
                                          {"implicit", CouplingAlgorithm::implicit}}),
        "", "\"auto\"", any,
        "auto: predict, project, correct, in the way in which the surface has been seen to answer, and repeated in windows after which "
-       "fluid and structure do not agree; where the mass behind a face is at most that of half a layer of fluid particles, as implicit and "
-       "in windows half as long. "
+       "fluid and structure do not agree; windows are half as long where the mass behind a face is at most that of half a layer of fluid "
+       "particles, and all repeated, as by implicit, where it is at most a twentieth. "
        "semi-implicit: one pass, with the masses of a formula, untested; implicit: repeated in every window until the loads agree; "
        "explicit: staggered, unstable where the fluid's added mass exceeds the mass of the structure. The last three are for studies."},
       {"acceleration", one_of(&CouplingCase::acceleration, {{"iqn-ils", Acceleration::iqn_ils}, {"aitken", Acceleration::aitken}}), "",

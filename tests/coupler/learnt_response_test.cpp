@@ -148,6 +148,16 @@ TEST(LearntResponse, FindsThatAThinPlateMovesAsAWhole) {
   }
 }
 
+// A stiff plate is held within a window: it answers as one of many times the mass of its section.
+// Seen to fail: with four times the guess as the heaviest.
+TEST(LearntResponse, FindsThatAStiffPlateHardlyAnswers) {
+  const Surface<2> surface = faces(0.2, 0.5 * dx, 0);
+  const std::vector<double> mass(surface.position.size(), 30 * guess);
+  Learner learner(surface);
+  learner.windows(50, points_of(surface, mass));
+  EXPECT_LT(learner.error(points_of(surface, mass)), 0.05);
+}
+
 // Seen to fail: without the limits.
 TEST(LearntResponse, StaysWithinLimitsOfTheGuess) {
   const Surface<2> surface = faces(0.2, 0.5 * dx, 0);
@@ -161,9 +171,9 @@ TEST(LearntResponse, StaysWithinLimitsOfTheGuess) {
   still.windows(3, points_of(surface, std::vector<double>(surface.position.size(), 1e9)));
   wild.windows(3, points_of(surface, std::vector<double>(surface.position.size(), 1e-9)));
   wrong.windows(3, points_of(surface, std::vector<double>(surface.position.size(), -20)));
-  EXPECT_NEAR(all(still), 4 * guessed, 1e-9);
+  EXPECT_NEAR(all(still), 100 * guessed, 1e-9);
   EXPECT_NEAR(all(wild), 0.05 * guessed, 1e-9);
-  EXPECT_NEAR(all(wrong), 4 * guessed, 1e-9);
+  EXPECT_NEAR(all(wrong), 100 * guessed, 1e-9);
 }
 
 // The lumps of a thick body know of one face alone, and bodies have none in common.

@@ -48,7 +48,7 @@ struct BothSides {
 std::vector<std::string> calls_of_one_window(BothSides sides, CouplingAlgorithm algorithm = CouplingAlgorithm::automatic) {
   Case c = scene(2, 0.1);
   c.coupling.algorithm = algorithm;
-  Coupler<2> coupler(c, properties(1, 1e3));
+  Coupler<2> coupler(c, properties(1, 1e6));
   run_window<2>(sides, sides, coupler, 0, to_ticks(1e-3));
   return sides.calls;
 }
