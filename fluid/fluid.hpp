@@ -8,6 +8,7 @@
 
 #include "fluid/boundary/boundary.hpp"
 #include "fluid/neighbours.hpp"
+#include "fluid/pressure/divergence_target.hpp"
 #include "fluid/pressure/pressure_system.hpp"
 #include "fluid/reference.hpp"
 #include "fluid/state.hpp"
@@ -104,7 +105,8 @@ class Fluid {
   Vector<D> gravity_at(double t, const Vector<D>& x) const { return reference_.gravity.at(t, x); }  ///< [m/s^2]
 
  private:
-  void compute_divergence();
+  /// div u* of the particles `only`, or with nullptr of all.
+  void compute_divergence(const std::vector<int>* only);
   /// Adds dt f/m to the velocity of the particles at the structure; whether any force is not 0.
   bool push(const std::vector<Vector<D>>& force);
   /// Corrects the pressure for what its equation has left of the divergence.
@@ -119,15 +121,17 @@ class Fluid {
   // Rebuilt every step.
   Window window_;
   Prediction<D> prediction_;
-  CellOrder<D> cells_;
+  RowOrder<D> rows_;
   Neighbours<D> neighbours_;
   Boundary<D> boundary_;
   Corrections<D> correction_;
   PackedVelocities<D> packed_;
   std::vector<double> divergence_, density_source_, divergence_target_;  ///< div u*, s, q
   std::vector<Vector<D>> projected_velocity_;                            ///< by the first solve of the window
+  std::vector<double> projected_divergence_;                             ///< and its divergence
   PressureSystem<D> system_;
   std::vector<int> at_structure_;                               ///< particles that see the structure
+  BesideStructure beside_structure_;                            ///< these and their neighbours
   std::vector<Vector<D>> images_;                               ///< of one particle in its walls
   bool pressure_prepared_ = false, velocity_complete_ = false;  ///< by the functions of this name, in this window
 

@@ -40,11 +40,11 @@ void classify_particles(const Constants<D>& constants, const Neighbours<D>& neig
     own = particle_class[i].marks();
     if ((own & (Mark::thin_support | Mark::too_few_neighbours)) == 0) return;
     const std::uint8_t marks = Mark::beside_surface | Mark::symmetric_gradient | (own & Mark::too_few_neighbours ? Mark::beside_spray : 0);
-    for (int k = neighbours.begin[i]; k < neighbours.begin[i] + neighbours.count[i]; ++k) {
-      std::uint8_t& other = particle_class[neighbours.column[k]].marks();
+    neighbours.for_each(i, [&](int j, float) {
+      std::uint8_t& other = particle_class[j].marks();
 #pragma omp atomic update
       other |= marks;
-    }
+    });
   });
 }
 

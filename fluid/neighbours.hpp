@@ -7,20 +7,34 @@
 #include <vector>
 
 #include "base/uninitialised.hpp"
+#include "fluid/lanes.hpp"
 #include "fluid/period.hpp"
 #include "fluid/reference.hpp"
+#include "fluid/row_grid.hpp"
 #include "sph/cell_grid.hpp"
 
 namespace tern::fluid {
 
 template <int D>
 struct Neighbours {
-  // Row i: entries begin[i] .. begin[i] + count[i] - 1. The next row begins at the next multiple of four; the entries before
-  // it are those of the particle itself with weight 0. Weights are in single precision, for their number; moment and kernel
+  // Row i: entries begin[i] .. begin[i] + length[i] - 1, in groups of four: particles that follow each other. Those of a group that are no
+  // neighbours, the particle itself among them, have the weight 0. Weights are in single precision, for their number; moment and kernel
   // gradient are sums of the rounded ones, in double precision, so that what is exact or antisymmetric stays so.
-  std::vector<int> begin, count;
-  UninitialisedVector<int> column;    ///< j
+  std::vector<int> begin, length;
+  std::vector<int> count;             ///< of neighbours
+  UninitialisedVector<int> first;     ///< of entries 4 g .. 4 g + 3: j of the first
   UninitialisedVector<float> weight;  ///< V_j |w'_ij| / (r_ij M_xx): V_j grad w_ij = weight (r_j - r_i) [1/m^2]
+  ByAxis<D> position;                 ///< r* [m]
+
+  /// j of entry k.
+  int column(int k) const { return first[k / lanes] + k % lanes; }
+
+  /// Calls visit(j, weight) for the neighbours of i.
+  template <class Visit>
+  void for_each(std::ptrdiff_t i, Visit&& visit) const {
+    for (int k = begin[i]; k < begin[i] + length[i]; ++k)
+      if (weight[k] != 0) visit(column(k), weight[k]);
+  }
 
   // Sums over fluid neighbours.
   std::vector<double> number_density;             ///< w(0) V + sum V w [-]
@@ -42,31 +56,28 @@ struct Neighbours {
     std::vector<int> affected;  ///< particles whose rows are looked at
     std::vector<int> listed;    ///< per particle: 0 if not affected, else 1 + the number of its sight, or more
   };
-  std::array<std::vector<float>, D> coordinate;                ///< by axis
-  std::vector<std::array<std::vector<double>, D>> row_offset;  ///< by thread
+  std::array<std::vector<float>, D> coordinate;  ///< by axis, from the corner of the grid
+  std::vector<ByAxis<D>> row_offset;             ///< by thread
   Cutting cutting;
 };
 
-/// Calls add(sum, k) for the entries k of row i with the two sums in turns, so that one need not wait for the other. The last
-/// entry may be one that fills up the row.
-template <int D, class Sum, class Add>
-void for_row_in_turns(const Neighbours<D>& neighbours, std::ptrdiff_t i, Sum& even, Sum& odd, Add&& add) {
-  const int last = neighbours.begin[i] + neighbours.count[i];
-  for (int k = neighbours.begin[i]; k < last; k += 2) {
-    add(even, k);
-    add(odd, k + 1);
-  }
+/// Calls add(j, weights) for the groups of row i: particles j .. j + 3 with these weights.
+template <int D, class Add>
+[[gnu::always_inline]] inline void for_groups(const Neighbours<D>& neighbours, std::ptrdiff_t i, Add&& add) {
+  const int* first = neighbours.first.data() + neighbours.begin[i] / lanes;
+  const float *weight = neighbours.weight.data() + neighbours.begin[i], *const end = weight + neighbours.length[i];
+  for (; weight < end; weight += lanes, ++first) add(*first, load(weight));
 }
 
 /// Finds pairs and sums for all particles at `position`, which must be sorted by `contents` of `grid` and lie within the
-/// period. A pair across its end has the column of the real particle and the weight of the nearest image.
+/// period. A pair across its end has the column of the real particle and the weight of the nearest image. Less than four particles have no
+/// neighbours: they are spray.
 template <int D>
-void find_neighbours(const Constants<D>& constants, const Period<D>& period, const CellGrid<D>& grid, const CellContents& contents,
+void find_neighbours(const Constants<D>& constants, const Period<D>& period, const RowGrid<D>& grid, const CellContents& contents,
                      const std::vector<Vector<D>>& position, Neighbours<D>& neighbours);
 
-/// Sums row i anew over its first n entries, which `column` holds already. `offset`: scratch.
+/// Sums row i anew, without the entries whose weight has been set to 0. `offset`: scratch.
 template <int D>
-void complete_row(const Constants<D>& constants, const Period<D>& period, const std::vector<Vector<D>>& position, int i, int n,
-                  std::array<std::vector<double>, D>& offset, Neighbours<D>& neighbours);
+void complete_row(const Constants<D>& constants, const Period<D>& period, int i, ByAxis<D>& offset, Neighbours<D>& neighbours);
 
 }  // namespace tern::fluid

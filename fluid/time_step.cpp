@@ -44,8 +44,8 @@ void Fluid<D>::begin_window(Ticks begin, Ticks duration) {
   prediction_.bulk_speed = fluid::largest_bulk_speed(state_);
   predict(reference_.gravity, window_, state_, prediction_);
   wrap_into_period(reference_.period, state_, prediction_);
-  sort_by_cell(reference_.constants.kernel.support(), state_, prediction_, cells_);
-  find_neighbours<D>(reference_.constants, reference_.period, cells_.grid, cells_.contents, prediction_.position, neighbours_);
+  sort_in_rows(reference_.constants.spacing, reference_.constants.kernel.support(), state_, prediction_, rows_);
+  find_neighbours<D>(reference_.constants, reference_.period, rows_.grid, rows_.contents, prediction_.position, neighbours_);
 }
 
 template <int D>
@@ -63,17 +63,17 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
 
   correct_moments(neighbours_, boundary_, state_.particle_class, correction_);  // M, C, C^F
   classify_particles(constants, neighbours_, boundary_, correction_, state_);   // free surface, spray
-  if (constants.viscosity > 0) {                                                // u* += dt nu lap u^n
+  by_axis<D>(state_.velocity, packed_.velocity);
+  if (constants.viscosity > 0) {  // u* += dt nu lap u^n
     state_.evaluations.viscosity += static_cast<long>(state_.size());
-    add_viscosity(constants, window_.duration, neighbours_, boundary_, prediction_.position, state_.velocity, prediction_.velocity);
+    add_viscosity<D>(constants, window_.duration, neighbours_, boundary_, prediction_.position, packed_.velocity, prediction_.velocity);
   }
-  compute_velocity_gradient(reference_.period, neighbours_, correction_, state_.particle_class, prediction_.position, state_.velocity,
-                            packed_);  // L
+  compute_velocity_gradient(reference_.period, neighbours_, correction_, state_.particle_class, packed_);  // L
   if (const double share = damped_share(reference_, window_.duration, prediction_.bulk_speed); share > 0) {
     state_.evaluations.noise_damping += static_cast<long>(state_.size());
     damp_velocity_noise(share, reference_.period, neighbours_, state_.particle_class, packed_, prediction_.velocity);
   }
-  compute_divergence();  // div u*
+  compute_divergence(nullptr);  // div u*
 
   pressure_prepared_ = false;
   prediction_.unprojected_velocity.clear();
@@ -105,7 +105,11 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
     if (first && load.repeats) prediction_.unprojected_velocity = prediction_.velocity;
     if (!first) return_to_unprojected_velocity(load.surface_velocity);
     const bool pushed = push(load.force);  // u* += dt a_dissipative
-    if (pushed || !first) compute_divergence();
+    if (pushed || !first) {
+      // Elsewhere nothing has changed since see_surface().
+      list_beside_structure(neighbours_, at_structure_, beside_structure_);
+      compute_divergence(&beside_structure_.list);
+    }
     if (first) {
       complete_pressure_matrix(constants, load, neighbours_, boundary_, correction_, prediction_, at_structure_, state_, system_);
       // Where no surface lets a region change its volume, its own mean density is the one to keep.
@@ -124,7 +128,7 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
   }
   if (first) drive_out_what_is_left();
   ScopedTimer timer(timing_.correction);
-  apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, packed_.motion, &at_structure_, true,
+  apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, &at_structure_, true,
                           prediction_.velocity);  // u** at the structure
   velocity_complete_ = false;
   InterfacePressure<D> pressure;
@@ -140,12 +144,11 @@ void Fluid<D>::drive_out_what_is_left() {
   const auto find_left = [&](std::vector<double>& left) {
     ScopedTimer timer(timing_.correction);
     projected_velocity_ = prediction_.velocity;
-    apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, packed_.motion, nullptr, false,
-                            projected_velocity_);
-    fluid::compute_divergence(reference_.period, neighbours_, boundary_, correction_, state_.particle_class, prediction_.position,
-                              projected_velocity_, packed_.motion, divergence_);
+    apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, nullptr, false, projected_velocity_);
+    fluid::compute_divergence<D>(reference_.period, neighbours_, boundary_, correction_, state_.particle_class, projected_velocity_,
+                                 nullptr, packed_.velocity, projected_divergence_);
     left.assign(system_.matrix.rows(), 0);
-    assemble_left_behind(reference_.constants, window_.duration, neighbours_, at_structure_, state_.particle_class, divergence_,
+    assemble_left_behind(reference_.constants, window_.duration, neighbours_, at_structure_, state_.particle_class, projected_divergence_,
                          divergence_target_, left);
     if (system_.body_tied.any()) system_.body_tied.subtract_means(left);  // the first solve has closed the sum over them
   };
@@ -162,7 +165,7 @@ void Fluid<D>::drive_out_what_is_left() {
 template <int D>
 void Fluid<D>::complete_velocity() {
   ScopedTimer timer(timing_.correction);
-  apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, packed_.motion, nullptr, true,
+  apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, nullptr, true,
                           prediction_.velocity);  // u** elsewhere
   velocity_complete_ = true;
 }
@@ -198,9 +201,9 @@ void Fluid<D>::pass_window() {
 }
 
 template <int D>
-void Fluid<D>::compute_divergence() {
-  fluid::compute_divergence(reference_.period, neighbours_, boundary_, correction_, state_.particle_class, prediction_.position,
-                            prediction_.velocity, packed_.motion, divergence_);
+void Fluid<D>::compute_divergence(const std::vector<int>* only) {
+  fluid::compute_divergence<D>(reference_.period, neighbours_, boundary_, correction_, state_.particle_class, prediction_.velocity, only,
+                               packed_.velocity, divergence_);
 }
 
 template <int D>
@@ -230,7 +233,7 @@ void Fluid<D>::return_to_unprojected_velocity(const std::vector<Vector<D>>& surf
   template void Fluid<D>::complete_velocity();                                          \
   template void Fluid<D>::end_window(const InterfaceForce<D>&);                         \
   template void Fluid<D>::pass_window();                                                \
-  template void Fluid<D>::compute_divergence();                                         \
+  template void Fluid<D>::compute_divergence(const std::vector<int>*);                  \
   template bool Fluid<D>::push(const std::vector<Vector<D>>&);                          \
   template void Fluid<D>::return_to_unprojected_velocity(const std::vector<Vector<D>>&);
 TERN_INSTANTIATE(2)

@@ -5,8 +5,9 @@
 #include <tuple>
 #include <vector>
 
-#include "fluid/motion/motion.hpp"
+#include "fluid/lanes.hpp"
 #include "fluid/particle_class.hpp"
+#include "fluid/row_grid.hpp"
 #include "sph/cell_grid.hpp"
 
 namespace tern::fluid {
@@ -26,10 +27,10 @@ struct Prediction {
   double bulk_speed = 0;                        ///< largest at the begin of the window, spray left out [m/s]
 };
 
-/// Order of the particles by cell.
+/// Order of the particles in rows.
 template <int D>
-struct CellOrder {
-  CellGrid<D> grid;
+struct RowOrder {
+  RowGrid<D> grid;
   CellContents contents;
   /// Scratch, by the type of field.
   std::tuple<std::vector<Vector<D>>, std::vector<double>, std::vector<std::uint32_t>, std::vector<ParticleClass>> sorted;
@@ -45,9 +46,10 @@ struct Corrections {
 /// Velocities as the sums over pairs read them.
 template <int D>
 struct PackedVelocities {
-  std::vector<Motion<D>> motion;                        ///< r* and u* when they were last packed
-  std::vector<std::array<Packed<D>, D>> half_gradient;  ///< half the velocity gradient, by column; zero where there is none
-  std::vector<double> strain_rate;                      ///< sqrt(2 E:E), E = (L + L^T)/2: that of a shear du/dy is |du/dy| [1/s]
+  ByAxis<D> velocity;                      ///< when it was last packed [m/s]
+  std::array<ByAxis<D>, D> half_gradient;  ///< [b][a]: half of du_a/dx_b; zero where there is none [1/s]
+  std::vector<double> strain_rate;         ///< sqrt(2 E:E), E = (L + L^T)/2: that of a shear du/dy is |du/dy| [1/s]
+  std::vector<double> has_gradient;        ///< 1 or 0
 };
 
 }  // namespace tern::fluid

@@ -79,8 +79,9 @@ class CellGrid {
 struct CellContents {
   std::vector<int> start, order, cell;
 
-  template <int D>
-  void fill(const CellGrid<D>& grid, std::span<const Vector<D>> points) {
+  /// `grid` numbers the cells: CellGrid, or another with the same functions.
+  template <int D, class Grid>
+  void fill(const Grid& grid, std::span<const Vector<D>> points) {
     const int n = static_cast<int>(points.size());
     start.assign(grid.count() + 1, 0);
     order.resize(n);

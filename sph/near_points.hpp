@@ -36,40 +36,50 @@ float near_limit2(double distance, double extent) {
   return static_cast<float>(limit * limit);
 }
 
+/// Bit m: point first + m is nearer than the square root of `limit2` to x + shift. Reads `near_lanes` coordinates.
+template <int D>
+unsigned near_bits(const std::array<std::vector<float>, D>& coordinate, int first, const std::array<float, D>& x,
+                   const std::array<float, D>& shift, float limit2) {
+#ifdef __AVX2__
+  __m256 distance2 = _mm256_setzero_ps();
+  for (int c = 0; c < D; ++c) {
+    const __m256 d =
+        _mm256_sub_ps(_mm256_sub_ps(_mm256_loadu_ps(coordinate[c].data() + first), _mm256_set1_ps(x[c])), _mm256_set1_ps(shift[c]));
+    distance2 = _mm256_fmadd_ps(d, d, distance2);
+  }
+  return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(distance2, _mm256_set1_ps(limit2), _CMP_LT_OQ)));
+#else
+  unsigned bits = 0;
+  for (int m = 0; m < near_lanes; ++m) {
+    float distance2 = 0;
+    for (int c = 0; c < D; ++c) {
+      const float d = coordinate[c][first + m] - x[c] - shift[c];
+      distance2 += d * d;
+    }
+    bits |= static_cast<unsigned>(distance2 < limit2) << m;
+  }
+  return bits;
+#endif
+}
+
 /// Appends to `near`, which holds `found` points so far, those of the points first .. last - 1 other than i that are nearer
 /// than the square root of `limit2` to x + shift; returns the new number. May read `near_lanes` coordinates beyond the last
 /// and write up to as many entries more than it keeps.
 template <int D>
 int keep_near(const std::array<std::vector<float>, D>& coordinate, int first, int last, int i, const std::array<float, D>& x,
               const std::array<float, D>& shift, float limit2, int found, int* near) {
-#ifdef __AVX2__
-  __m256 centre[D], away[D];
-  for (int c = 0; c < D; ++c) centre[c] = _mm256_set1_ps(x[c]), away[c] = _mm256_set1_ps(shift[c]);
-  const __m256 limit = _mm256_set1_ps(limit2);
   for (int k = first; k < last; k += near_lanes) {
-    __m256 distance2 = _mm256_setzero_ps();
-    for (int c = 0; c < D; ++c) {
-      const __m256 d = _mm256_sub_ps(_mm256_sub_ps(_mm256_loadu_ps(coordinate[c].data() + k), centre[c]), away[c]);
-      distance2 = _mm256_fmadd_ps(d, d, distance2);
-    }
-    unsigned bits = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(distance2, limit, _CMP_LT_OQ)));
+    unsigned bits = near_bits<D>(coordinate, k, x, shift, limit2);
     if (last - k < near_lanes) bits &= (1u << (last - k)) - 1;
     if (static_cast<unsigned>(i - k) < near_lanes) bits &= ~(1u << (i - k));
+#ifdef __AVX2__
     const __m128i places = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(set_bits[bits].data()));
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(near + found), _mm256_add_epi32(_mm256_set1_epi32(k), _mm256_cvtepu8_epi32(places)));
     found += std::popcount(bits);
-  }
 #else
-  for (int k = first; k < last; ++k) {
-    float distance2 = 0;
-    for (int c = 0; c < D; ++c) {
-      const float d = coordinate[c][k] - x[c] - shift[c];
-      distance2 += d * d;
-    }
-    near[found] = k;
-    found += (distance2 < limit2) & (k != i);
-  }
+    for (; bits != 0; bits &= bits - 1) near[found++] = k + std::countr_zero(bits);
 #endif
+  }
   return found;
 }
 

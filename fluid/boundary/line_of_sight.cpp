@@ -84,18 +84,16 @@ void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& per
   // neighbours that do; those are collected on the way.
   neighbours.row_offset.resize(std::max<std::size_t>(1, neighbours.row_offset.size()));
   for (std::size_t a = 0; a < affected.size(); ++a) {
-    const int i = affected[a], first = neighbours.begin[i];
-    int kept = 0;
-    for (int k = 0; k < neighbours.count[i]; ++k) {
-      const int j = neighbours.column[first + k];
-      if (blocked_by(i, j) || blocked_by(j, i)) {
-        if (!listed[j]) affected.push_back(j), listed[j] = viewers + 1;
-        continue;
-      }
-      neighbours.column[first + kept++] = j;
+    const int i = affected[a];
+    bool any_cut = false;
+    for (int k = neighbours.begin[i]; k < neighbours.begin[i] + neighbours.length[i]; ++k) {
+      const int j = neighbours.column(k);
+      if (neighbours.weight[k] == 0 || !(blocked_by(i, j) || blocked_by(j, i))) continue;
+      if (!listed[j]) affected.push_back(j), listed[j] = viewers + 1;
+      neighbours.weight[k] = 0;
+      any_cut = true;
     }
-    if (kept == neighbours.count[i]) continue;
-    complete_row<D>(constants, period, position, i, kept, neighbours.row_offset[0], neighbours);
+    if (any_cut) complete_row<D>(constants, period, i, neighbours.row_offset[0], neighbours);
   }
   neighbours.beside_body.reserve(n);
   neighbours.beside_body.insert(neighbours.beside_body.end(), affected.begin(), affected.end());

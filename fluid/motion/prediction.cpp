@@ -1,8 +1,16 @@
 #include "fluid/motion/prediction.hpp"
 
+#include <algorithm>
+
 #include "base/parallel.hpp"
 
 namespace tern::fluid {
+namespace {
+
+/// Of a row, in spacings: of what sums over pairs read together, most are neighbours.
+constexpr double row_width(int dimension) { return dimension == 2 ? 1.5 : 2; }
+
+}  // namespace
 
 template <int D>
 void predict(const Gravity<D>& gravity, const Window& window, const State<D>& state, Prediction<D>& prediction) {
@@ -34,7 +42,7 @@ void wrap_into_period(const Period<D>& period, State<D>& state, Prediction<D>& p
 }
 
 template <int D>
-void sort_by_cell(double width, State<D>& state, Prediction<D>& prediction, CellOrder<D>& cells) {
+void sort_in_rows(double spacing, double support, State<D>& state, Prediction<D>& prediction, RowOrder<D>& rows) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
   struct Box {
     Vector<D> low, high;
@@ -47,26 +55,35 @@ void sort_by_cell(double width, State<D>& state, Prediction<D>& prediction, Cell
       [](const Box& a, const Box& b) {
         return Box{a.low.cwiseMin(b.low), a.high.cwiseMax(b.high)};
       });
-  cells.grid.reset(box.low, box.high, width);
-  cells.contents.template fill<D>(cells.grid, prediction.position);
+  rows.grid.reset(box.low, box.high, support, row_width(D) * spacing);
+  CellContents& contents = rows.contents;
+  contents.template fill<D>(rows.grid, prediction.position);
+  const auto before = [&](int a, int b) {
+    const double x = prediction.position[a][0], y = prediction.position[b][0];
+    return x < y || (x == y && state.id[a] < state.id[b]);
+  };
+  parallel_for(rows.grid.count(), n, [&](int cell) {
+    const auto first = contents.order.begin() + contents.start[cell], last = contents.order.begin() + contents.start[cell + 1];
+    if (last - first > 1) std::sort(first, last, before);
+  });
   const auto reorder = [&](auto& values, auto& scratch) {
     scratch.resize(n);
-    parallel_for(n, [&](std::ptrdiff_t i) { scratch[i] = values[cells.contents.order[i]]; });
+    parallel_for(n, [&](std::ptrdiff_t i) { scratch[i] = values[contents.order[i]]; });
     values.swap(scratch);
   };
   for_each_particle_field(
-      state, [&]<class T>(const char*, const char*, std::vector<T>& values) { reorder(values, std::get<std::vector<T>>(cells.sorted)); });
+      state, [&]<class T>(const char*, const char*, std::vector<T>& values) { reorder(values, std::get<std::vector<T>>(rows.sorted)); });
   for (auto* values : {&prediction.position, &prediction.velocity, &prediction.gravity})
-    reorder(*values, std::get<std::vector<Vector<D>>>(cells.sorted));
-  // Particles now lie in cell order, so the cell lists are the identity.
-  parallel_for(n, [&](std::ptrdiff_t i) { cells.contents.order[i] = static_cast<int>(i); });
+    reorder(*values, std::get<std::vector<Vector<D>>>(rows.sorted));
+  // Particles now lie in this order, so the cell lists are the identity.
+  parallel_for(n, [&](std::ptrdiff_t i) { contents.order[i] = static_cast<int>(i); });
 }
 
 template void predict<2>(const Gravity<2>&, const Window&, const State<2>&, Prediction<2>&);
 template void predict<3>(const Gravity<3>&, const Window&, const State<3>&, Prediction<3>&);
 template void wrap_into_period<2>(const Period<2>&, State<2>&, Prediction<2>&);
 template void wrap_into_period<3>(const Period<3>&, State<3>&, Prediction<3>&);
-template void sort_by_cell<2>(double, State<2>&, Prediction<2>&, CellOrder<2>&);
-template void sort_by_cell<3>(double, State<3>&, Prediction<3>&, CellOrder<3>&);
+template void sort_in_rows<2>(double, double, State<2>&, Prediction<2>&, RowOrder<2>&);
+template void sort_in_rows<3>(double, double, State<3>&, Prediction<3>&, RowOrder<3>&);
 
 }  // namespace tern::fluid

@@ -15,8 +15,8 @@ void predict(const Gravity<D>& gravity, const Window& window, const State<D>& st
 template <int D>
 void wrap_into_period(const Period<D>& period, State<D>& state, Prediction<D>& prediction);
 
-/// Puts all fields of the particles in the order of cells as wide as `width` [m].
+/// Puts all fields of the particles in the order of rows for this spacing and support [m]. The order depends on positions and labels alone.
 template <int D>
-void sort_by_cell(double width, State<D>& state, Prediction<D>& prediction, CellOrder<D>& cells);
+void sort_in_rows(double spacing, double support, State<D>& state, Prediction<D>& prediction, RowOrder<D>& rows);
 
 }  // namespace tern::fluid

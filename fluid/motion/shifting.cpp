@@ -105,7 +105,7 @@ void shift_particles(const Constants<D>& constants, double duration, const Neigh
     position[i] += shift;
     if (particle_class[i].has(ParticleClass::symmetric_gradient)) return;  // no other term changes the sum of the momenta here
     for (int b = 0; b < D; ++b)
-      for (int a = 0; a < D; ++a) velocity[i][a] += packed.half_gradient[i][b][a] * shift[b];
+      for (int a = 0; a < D; ++a) velocity[i][a] += packed.half_gradient[b][a][i] * shift[b];
   });
 }
 

@@ -37,28 +37,36 @@ void damp_velocity_noise(double share, const Period<D>& space, const Neighbours<
                          std::vector<Vector<D>>& velocity) {
   if (share == 0) return;
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(velocity.size());
-  const std::vector<Motion<D>>& motion = packed.motion;
-  const std::vector<std::array<Packed<D>, D>>& half_gradient = packed.half_gradient;
   space.specialise([&](auto periodic) {
-    const PackedPeriod<decltype(periodic)::value, D> period(space);
+    const LanePeriod<decltype(periodic)::value, D> period(space);
     parallel_for(n, [&](std::ptrdiff_t i) {
       if (!particle_class[i].has(ParticleClass::corrected_gradient)) return;
-      const Packed<D> x = motion[i].position, u = motion[i].velocity;
-      const std::array<Packed<D>, D> own = half_gradient[i];
+      std::array<double, D> x, u;
+      std::array<std::array<double, D>, D> own;
+      for (int c = 0; c < D; ++c) {
+        x[c] = neighbours.position[c][i], u[c] = packed.velocity[c][i];
+        for (int a = 0; a < D; ++a) own[c][a] = packed.half_gradient[c][a][i];
+      }
       const double rate = packed.strain_rate[i];
-      Packed<D> even = Packed<D>::Zero(), odd = Packed<D>::Zero();
-      for_row_in_turns(neighbours, i, even, odd, [&](Packed<D>& change, int k) {
-        const int j = neighbours.column[k];
-        const Packed<D> r = period.between(x, motion[j].position);
-        Packed<D> jump = motion[j].velocity - u;
-        for (int b = 0; b < D; ++b) jump -= (own[b] + half_gradient[j][b]) * r[b];
-        const double part = (jump * r).sum(), size = std::abs(part);
-        const double smooth = 0.5 * resolved * (rate + packed.strain_rate[j]) * (r * r).sum() + 1e-300;
-        const double unresolved = part * (size / std::max(size, smooth));
-        const double exchange = particle_class[j].has(ParticleClass::corrected_gradient) ? neighbours.weight[k] * unresolved : 0;
-        change += exchange * r;
+      std::array<Four, D> change{};
+      for_groups(neighbours, i, [&](int j, Four weight) __attribute__((always_inline)) {
+        std::array<Four, D> r, jump;
+        Four r2{}, part{};
+        for (int c = 0; c < D; ++c) {
+          r[c] = period.between(x[c], neighbours.position[c].data() + j, c);
+          jump[c] = load(packed.velocity[c].data() + j) - u[c];
+          r2 += r[c] * r[c];
+        }
+        for (int b = 0; b < D; ++b)
+          for (int a = 0; a < D; ++a) jump[a] -= (own[b][a] + load(packed.half_gradient[b][a].data() + j)) * r[b];
+        for (int c = 0; c < D; ++c) part += jump[c] * r[c];
+        const Four size = part < 0 ? -part : part;
+        const Four smooth = 0.5 * resolved * (rate + load(packed.strain_rate.data() + j)) * r2 + 1e-300;
+        const Four unresolved = part * (size / (size > smooth ? size : smooth));
+        const Four exchange = weight * load(packed.has_gradient.data() + j) * unresolved;
+        for (int c = 0; c < D; ++c) change[c] += exchange * r[c];
       });
-      for (int c = 0; c < D; ++c) velocity[i][c] += share * (even[c] + odd[c]);
+      for (int c = 0; c < D; ++c) velocity[i][c] += share * sum(change[c]);
     });
   });
 }

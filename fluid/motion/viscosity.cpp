@@ -18,33 +18,31 @@ constexpr double least_height = 1.0 / 6;  ///< of h, for y_ik: keeps the limit o
 
 template <int D>
 void add_viscosity(const Constants<D>& constants, double duration, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
-                   const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& velocity,
-                   std::vector<Vector<D>>& predicted_velocity) {
+                   const std::vector<Vector<D>>& position, const ByAxis<D>& velocity, std::vector<Vector<D>>& predicted_velocity) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
   const double scale = 2 * duration * constants.viscosity;
   const double least = least_height * constants.kernel.smoothing_length();
   const Faces<D>& faces = boundary.seen_walls();
   parallel_for(n, [&](std::ptrdiff_t i) {
-    const Vector<D> u = velocity[i];
-    Vector<D> sum = Vector<D>::Zero();
-    const int last = neighbours.begin[i] + neighbours.count[i];
-    for (int k = neighbours.begin[i]; k < last; ++k) {
-      const Vector<D>& other = velocity[neighbours.column[k]];
-      for (int c = 0; c < D; ++c) sum[c] += neighbours.weight[k] * (other[c] - u[c]);
-    }
+    std::array<Four, D> sums{};
+    for_groups(neighbours, i, [&](int j, Four weight) __attribute__((always_inline)) {
+      for (int c = 0; c < D; ++c) sums[c] += weight * (load(velocity[c].data() + j) - velocity[c][i]);
+    });
+    Vector<D> total, u;
+    for (int c = 0; c < D; ++c) total[c] = sum(sums[c]), u[c] = velocity[c][i];
     for (int entry = boundary.wall_rows.begin[i]; entry < boundary.wall_rows.begin[i] + boundary.wall_rows.count[i]; ++entry) {
       const int k = boundary.wall_rows.face[entry];
       if (boundary.walls.slips(k)) continue;
       const double height = std::max((position[i] - faces.position[k]).dot(faces.normal[k]), least);
-      sum += std::max(boundary.wall_rows.weight[entry], 0.0) / height * (faces.velocity[k] - u);
+      total += std::max(boundary.wall_rows.weight[entry], 0.0) / height * (faces.velocity[k] - u);
     }
-    predicted_velocity[i] += scale * sum;
+    predicted_velocity[i] += scale * total;
   });
 }
 
 template void add_viscosity<2>(const Constants<2>&, double, const Neighbours<2>&, const Boundary<2>&, const std::vector<Vector<2>>&,
-                               const std::vector<Vector<2>>&, std::vector<Vector<2>>&);
+                               const ByAxis<2>&, std::vector<Vector<2>>&);
 template void add_viscosity<3>(const Constants<3>&, double, const Neighbours<3>&, const Boundary<3>&, const std::vector<Vector<3>>&,
-                               const std::vector<Vector<3>>&, std::vector<Vector<3>>&);
+                               const ByAxis<3>&, std::vector<Vector<3>>&);
 
 }  // namespace tern::fluid

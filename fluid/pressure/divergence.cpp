@@ -25,15 +25,17 @@ double trace_of_product(const Matrix<D>& a, const Matrix<D>& b) {
 template <int D>
 void compute_divergence(const Period<D>& space, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
                         const Corrections<D>& correction, const std::vector<ParticleClass>& particle_class,
-                        const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& velocity, std::vector<Motion<D>>& motion,
+                        const std::vector<Vector<D>>& velocity, const std::vector<int>* only, ByAxis<D>& packed,
                         std::vector<double>& divergence) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(velocity.size());
   divergence.resize(n);
-  pack<D>(position, velocity, motion);
+  const std::ptrdiff_t rows = only ? static_cast<std::ptrdiff_t>(only->size()) : n;
+  by_axis<D>(velocity, packed);
   space.specialise([&](auto periodic) {
-    const PackedPeriod<decltype(periodic)::value, D> period(space);
-    parallel_for(n, [&](std::ptrdiff_t i) {
-      const Matrix<D> sum = velocity_gradient_sum(neighbours, period, motion, i);
+    const LanePeriod<decltype(periodic)::value, D> period(space);
+    parallel_for(rows, [&](std::ptrdiff_t m) {
+      const std::ptrdiff_t i = only ? (*only)[m] : m;
+      const Matrix<D> sum = velocity_gradient_sum<decltype(periodic)::value, D>(neighbours, period, packed, i);
       if (!boundary.sees_face(i)) {
         divergence[i] =
             particle_class[i].has(ParticleClass::symmetric_gradient) ? sum.trace() : trace_of_product<D>(sum, correction.fluid[i]);
@@ -47,10 +49,10 @@ void compute_divergence(const Period<D>& space, const Neighbours<D>& neighbours,
 }
 
 template void compute_divergence<2>(const Period<2>&, const Neighbours<2>&, const Boundary<2>&, const Corrections<2>&,
-                                    const std::vector<ParticleClass>&, const std::vector<Vector<2>>&, const std::vector<Vector<2>>&,
-                                    std::vector<Motion<2>>&, std::vector<double>&);
+                                    const std::vector<ParticleClass>&, const std::vector<Vector<2>>&, const std::vector<int>*, ByAxis<2>&,
+                                    std::vector<double>&);
 template void compute_divergence<3>(const Period<3>&, const Neighbours<3>&, const Boundary<3>&, const Corrections<3>&,
-                                    const std::vector<ParticleClass>&, const std::vector<Vector<3>>&, const std::vector<Vector<3>>&,
-                                    std::vector<Motion<3>>&, std::vector<double>&);
+                                    const std::vector<ParticleClass>&, const std::vector<Vector<3>>&, const std::vector<int>*, ByAxis<3>&,
+                                    std::vector<double>&);
 
 }  // namespace tern::fluid

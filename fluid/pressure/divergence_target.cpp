@@ -20,18 +20,30 @@ namespace tern::fluid {
 template <int D>
 void set_divergence_target(double duration, const Neighbours<D>& neighbours, const std::vector<int>& at_structure,
                            const PackedVelocities<D>& velocities, const std::vector<double>& density_source, std::vector<double>& target) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(velocities.half_gradient.size());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(velocities.strain_rate.size());
   target.resize(n);
   const auto source = [&](std::ptrdiff_t i) { return density_source.empty() ? 0 : density_source[i]; };
   parallel_for(n, [&](std::ptrdiff_t i) {
     double quarter = 0;  // of tr(L L)
     for (int a = 0; a < D; ++a)
-      for (int b = 0; b < D; ++b) quarter += velocities.half_gradient[i][b][a] * velocities.half_gradient[i][a][b];
+      for (int b = 0; b < D; ++b) quarter += velocities.half_gradient[b][a][i] * velocities.half_gradient[a][b][i];
     target[i] = source(i) + 2 * duration * quarter;
   });
   for_each_beside_structure(neighbours, at_structure, [&](int i) { target[i] = source(i); });
 }
 
+template <int D>
+void list_beside_structure(const Neighbours<D>& neighbours, const std::vector<int>& at_structure, BesideStructure& beside) {
+  beside.list.clear();
+  beside.listed.assign(neighbours.begin.size(), 0);
+  for_each_beside_structure(neighbours, at_structure, [&](int i) {
+    if (!beside.listed[i]) beside.list.push_back(i);
+    beside.listed[i] = 1;
+  });
+}
+
+template void list_beside_structure<2>(const Neighbours<2>&, const std::vector<int>&, BesideStructure&);
+template void list_beside_structure<3>(const Neighbours<3>&, const std::vector<int>&, BesideStructure&);
 template void set_divergence_target<2>(double, const Neighbours<2>&, const std::vector<int>&, const PackedVelocities<2>&,
                                        const std::vector<double>&, std::vector<double>&);
 template void set_divergence_target<3>(double, const Neighbours<3>&, const std::vector<int>&, const PackedVelocities<3>&,

@@ -1,9 +1,9 @@
 #pragma once
 // What the pressure drives the divergence of the velocity to.
 
+#include <cstdint>
 #include <vector>
 
-#include "fluid/motion/motion.hpp"
 #include "fluid/neighbours.hpp"
 #include "fluid/workspace.hpp"
 
@@ -21,8 +21,16 @@ template <int D, class What>
 void for_each_beside_structure(const Neighbours<D>& neighbours, const std::vector<int>& at_structure, What&& what) {
   for (int i : at_structure) {
     what(i);
-    for (int k = neighbours.begin[i]; k < neighbours.begin[i] + neighbours.count[i]; ++k) what(neighbours.column[k]);
+    neighbours.for_each(i, [&](int j, float) { what(j); });
   }
 }
+
+/// The particles at the structure and their neighbours, each once.
+struct BesideStructure {
+  std::vector<int> list;
+  std::vector<std::uint8_t> listed;  ///< by particle
+};
+template <int D>
+void list_beside_structure(const Neighbours<D>& neighbours, const std::vector<int>& at_structure, BesideStructure& beside);
 
 }  // namespace tern::fluid

@@ -5,40 +5,41 @@
 // there is no copy of them. x is in double precision for the equation and in single inside the preconditioner. So the matrix is exactly
 // symmetric and exact on constants.
 // Neighbours that are no unknowns lie in the lists too. Their x is 0: with it the sum over all of a row is the sum over unknowns and the
-// part of c_i that ties x_i to them.
+// part of c_i that ties x_i to them. So do particles that are no neighbours; their weight is 0.
 
 #include <algorithm>
 #include <cstddef>
 #include <vector>
 
 #include "base/parallel.hpp"
+#include "fluid/neighbours.hpp"
 
 namespace tern::fluid {
 
 class EdgeMatrix {
  public:
-  static constexpr int unit = 4;  ///< edges computed at a time: rows of pairs are filled up to a whole number of it with weight 0
-
   int rows() const { return rows_; }
   /// c_i, with what ties row i to neighbours that are no unknowns.
   const std::vector<float>& constant() const { return constant_; }
   const std::vector<float>& diagonal() const { return diagonal_; }
 
-  /// Starts a matrix of n rows over lists of pairs whose rows begin at `begin`. The lists must outlive its use and stay as they are.
-  void reset(int n, const int* begin, const int* column, const float* weight, double scale) {
-    rows_ = n;
-    begin_ = begin;
-    column_ = column;
-    weight_ = weight;
+  /// Starts a matrix over lists of pairs. They must outlive its use and stay as they are.
+  template <int D>
+  void reset(const Neighbours<D>& neighbours, double scale) {
+    rows_ = static_cast<int>(neighbours.begin.size());
+    begin_ = neighbours.begin.data();
+    length_of_list_ = neighbours.length.data();
+    first_ = neighbours.first.data();
+    weight_ = neighbours.weight.data();
     scale_ = scale;
-    for (auto* v : {&constant_, &apart_, &diagonal_}) v->resize(n);
-    length_.resize(n);
+    for (auto* v : {&constant_, &apart_, &diagonal_}) v->resize(rows_);
+    length_.resize(rows_);
   }
 
-  /// Row i of an unknown with n pairs, c_i = apart + to_fixed; `to_fixed`: its edges to neighbours that are no unknowns.
-  void set_row(int i, int n, double apart, double to_fixed) {
+  /// Row i of an unknown, c_i = apart + to_fixed; `to_fixed`: its edges to neighbours that are no unknowns.
+  void set_row(int i, double apart, double to_fixed) {
     const float* const weight = weight_ + begin_[i];
-    length_[i] = (n + unit - 1) & -unit;
+    length_[i] = length_of_list_[i];
     double sum = 0;
 #pragma omp simd reduction(+ : sum)
     for (int k = 0; k < length_[i]; ++k) sum += weight[k];
@@ -57,7 +58,7 @@ class EdgeMatrix {
   template <class Visit>
   void for_edges(int i, Visit&& visit) const {
     for (int k = begin_[i]; k < begin_[i] + length_[i]; ++k)
-      if (weight_[k] != 0 && length_[column_[k]] > 0) visit(column_[k], static_cast<float>(scale_ * weight_[k]));
+      if (const int j = first_[k / lanes] + k % lanes; weight_[k] != 0 && length_[j] > 0) visit(j, static_cast<float>(scale_ * weight_[k]));
   }
 
   /// y = A x, for x that is 0 where there is no unknown. T = double for the equation, float inside the preconditioner.
@@ -68,23 +69,25 @@ class EdgeMatrix {
   }
 
  private:
-  /// sum_j w_ij (x_i - x_j), four edges in a register and two registers in turns, so that one sum need not wait for the other.
+  /// sum_j w_ij (x_i - x_j), four edges at a time and two sums in turns, so that one need not wait for the other.
   template <class T>
   T sum_row(int i, const T* x) const {
-    typedef T Four __attribute__((vector_size(unit * sizeof(T))));
-    typedef float Weights __attribute__((vector_size(unit * sizeof(float)), aligned(sizeof(float))));
-    const Four own = x[i] - Four{};
-    const int *column = column_ + begin_[i], *const end = column + length_[i];
-    const float* weight = weight_ + begin_[i];
-    const auto add_next = [&](Four& sum) {
-      const Four other = {x[column[0]], x[column[1]], x[column[2]], x[column[3]]};
-      sum += __builtin_convertvector(*reinterpret_cast<const Weights*>(weight), Four) * (own - other);
-      column += unit;
-      weight += unit;
+    typedef T Numbers __attribute__((vector_size(lanes * sizeof(T)), aligned(sizeof(T))));
+    const Numbers own = x[i] - Numbers{};
+    const int* first = first_ + begin_[i] / lanes;
+    const float *weight = weight_ + begin_[i], *const end = weight + length_[i];
+    const auto add_next = [&](Numbers& sum) {
+      const Numbers other = *reinterpret_cast<const Numbers*>(x + *first);
+      if constexpr (sizeof(T) == sizeof(float))
+        sum += *reinterpret_cast<const Numbers*>(weight) * (own - other);
+      else
+        sum += load(weight) * (own - other);
+      ++first;
+      weight += lanes;
     };
-    Four even = {}, odd = {};
-    if (length_[i] % (2 * unit) != 0) add_next(odd);
-    while (column < end) {
+    Numbers even = {}, odd = {};
+    if (length_[i] % (2 * lanes) != 0) add_next(odd);
+    while (weight < end) {
       add_next(even);
       add_next(odd);
     }
@@ -93,10 +96,10 @@ class EdgeMatrix {
   }
 
   int rows_ = 0;
-  const int *begin_ = nullptr, *column_ = nullptr;
+  const int *begin_ = nullptr, *length_of_list_ = nullptr, *first_ = nullptr;
   const float* weight_ = nullptr;
   double scale_ = 1;
-  std::vector<int> length_;  ///< pairs of a row, filled up; 0 of what is no unknown
+  std::vector<int> length_;  ///< entries of a row; 0 of what is no unknown
   std::vector<float> constant_, apart_, diagonal_;
 };
 

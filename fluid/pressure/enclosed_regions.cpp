@@ -44,9 +44,11 @@ void find_enclosed_regions(const Neighbours<D>& neighbours, const std::vector<Pa
   int loose = 0;
   // Rows are in the order of the particles, so the ties a sweep brings along are at the end it comes from.
   const auto tied_at = [&](int i, bool from_the_end) {
-    const int first = neighbours.begin[i], last = first + neighbours.count[i] - 1;
-    for (int k = 0; k <= last - first; ++k)
-      if (tied[neighbours.column[from_the_end ? last - k : first + k]]) return true;
+    const int first = neighbours.begin[i], last = first + neighbours.length[i] - 1;
+    for (int n_th = 0; n_th <= last - first; ++n_th) {
+      const int k = from_the_end ? last - n_th : first + n_th;
+      if (tied[neighbours.column(k)] && neighbours.weight[k] != 0) return true;
+    }
     return false;
   };
   const auto sweep_over = [&](int i, bool backwards) {
@@ -74,13 +76,12 @@ void find_enclosed_regions(const Neighbours<D>& neighbours, const std::vector<Pa
     region[start] = number;
     for (std::size_t next = 0; next < queue.size(); ++next) {
       const int i = queue[next];
-      for (int k = neighbours.begin[i]; k < neighbours.begin[i] + neighbours.count[i]; ++k) {
-        const int j = neighbours.column[k];
+      neighbours.for_each(i, [&](int j, float) {
         reaches_tie = reaches_tie || tied[j];
-        if (!particle_class[j].pressure_unknown() || tied[j] || region[j] >= 0) continue;
+        if (!particle_class[j].pressure_unknown() || tied[j] || region[j] >= 0) return;
         region[j] = number;
         queue.push_back(j);
-      }
+      });
     }
     if (reaches_tie)
       for (int i : queue) region[i] = -1, tied[i] = 1;

@@ -26,8 +26,8 @@ constexpr double stiffest = 2.7;
 
 template <int D>
 void apply_pressure_gradient(const Reference<D>& reference, double duration, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
-                             const Corrections<D>& correction, const State<D>& state, const std::vector<Motion<D>>& motion,
-                             const std::vector<int>* only, bool with_order, std::vector<Vector<D>>& velocity) {
+                             const Corrections<D>& correction, const State<D>& state, const std::vector<int>* only, bool with_order,
+                             std::vector<Vector<D>>& velocity) {
   const Constants<D>& constants = reference.constants;
   const bool at_structure = only != nullptr;
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(at_structure ? only->size() : state.size());
@@ -36,22 +36,25 @@ void apply_pressure_gradient(const Reference<D>& reference, double duration, con
   const double most = constants.density / (2 * stiffest) * std::pow(constants.kernel.smoothing_length() / duration, 2);
   const double* pressure = state.pressure.data();
   reference.period.specialise([&](auto periodic) {
-    const PackedPeriod<decltype(periodic)::value, D> period(reference.period);
+    const LanePeriod<decltype(periodic)::value, D> period(reference.period);
     const auto apply = [&](auto ordered) {
       parallel_for(n, [&](std::ptrdiff_t m) {
         const std::ptrdiff_t i = at_structure ? (*only)[m] : m;
         if (!state.particle_class[i].pressure_unknown() || boundary.sees_structure(i) != at_structure) return;
-        const Packed<D> x = motion[i].position;
+        std::array<double, D> x;
+        for (int c = 0; c < D; ++c) x[c] = neighbours.position[c][i];
         const double p = pressure[i];
-        double least = p;
-        Packed<D> even = Packed<D>::Zero(), odd = Packed<D>::Zero();
-        for_row_in_turns(neighbours, i, even, odd, [&](Packed<D>& sum, int k) {
-          const int j = neighbours.column[k];
-          if constexpr (decltype(ordered)::value) least = std::min(least, pressure[j]);
-          sum += neighbours.weight[k] * (pressure[j] - p) * period.between(x, motion[j].position);
-        });
+        Four lowest = p - Four{};
+        std::array<Four, D> sums{};
+        for_groups(
+            neighbours, i, [&](int j, Four weight) __attribute__((always_inline)) {
+              const Four other = load(pressure + j), weighted = weight * (other - p);
+              if constexpr (decltype(ordered)::value) lowest = (weight > 0) & (other < lowest) ? other : lowest;
+              for (int c = 0; c < D; ++c) sums[c] += weighted * period.between(x[c], neighbours.position[c].data() + j, c);
+            });
+        const double least = std::min({lowest[0], lowest[1], lowest[2], lowest[3]});
         Vector<D> difference;
-        for (int c = 0; c < D; ++c) difference[c] = even[c] + odd[c];
+        for (int c = 0; c < D; ++c) difference[c] = sum(sums[c]);
         const Vector<D> kernel_gradient =
             neighbours.kernel_gradient[i] + boundary.sums.wall_gradient[i] + boundary.sums.unborne_gradient[i];
         if (boundary.sees_face(i)) {
@@ -77,10 +80,8 @@ void apply_pressure_gradient(const Reference<D>& reference, double duration, con
 }
 
 template void apply_pressure_gradient<2>(const Reference<2>&, double, const Neighbours<2>&, const Boundary<2>&, const Corrections<2>&,
-                                         const State<2>&, const std::vector<Motion<2>>&, const std::vector<int>*, bool,
-                                         std::vector<Vector<2>>&);
+                                         const State<2>&, const std::vector<int>*, bool, std::vector<Vector<2>>&);
 template void apply_pressure_gradient<3>(const Reference<3>&, double, const Neighbours<3>&, const Boundary<3>&, const Corrections<3>&,
-                                         const State<3>&, const std::vector<Motion<3>>&, const std::vector<int>*, bool,
-                                         std::vector<Vector<3>>&);
+                                         const State<3>&, const std::vector<int>*, bool, std::vector<Vector<3>>&);
 
 }  // namespace tern::fluid

@@ -41,7 +41,6 @@ void assemble_row(const Constants<D>& constants, double yields, const State<D>& 
   }
   const double volume = constants.volume;
   const double full = constants.lattice.laplacian_weight / constants.lattice.gradient_moment;
-  const int first = neighbours.begin[i], count = neighbours.count[i];
   double constant = volume * missing_support(state, correction, i) * full + yields;
   if (state.particle_class[i].has(ParticleClass::yields_to_level))
     constant += 4 * volume *
@@ -50,9 +49,10 @@ void assemble_row(const Constants<D>& constants, double yields, const State<D>& 
                     .squaredNorm();
   double to_spray = 0;
   if (state.particle_class[i].has(ParticleClass::beside_spray))
-    for (int k = first; k < first + count; ++k)
-      if (!state.particle_class[neighbours.column[k]].pressure_unknown()) to_spray += 2 * volume * neighbours.weight[k];
-  matrix.set_row(i, count, constant, to_spray);
+    neighbours.for_each(i, [&](int j, float weight) {
+      if (!state.particle_class[j].pressure_unknown()) to_spray += 2 * volume * weight;
+    });
+  matrix.set_row(i, constant, to_spray);
 }
 
 /// Finds which enclosed regions bodies tie, and marks their particles with the symmetric gradient.
@@ -93,7 +93,7 @@ template <int D>
 void assemble_pressure_matrix(const Constants<D>& constants, const State<D>& state, const Neighbours<D>& neighbours,
                               const Boundary<D>& boundary, const Corrections<D>& correction, EdgeMatrix& matrix) {
   const int n = static_cast<int>(state.size());
-  matrix.reset(n, neighbours.begin.data(), neighbours.column.data(), neighbours.weight.data(), 2 * constants.volume);
+  matrix.reset(neighbours, 2 * constants.volume);
   parallel_for(n, [&](int i) {
     if (!boundary.sees_structure(i)) assemble_row(constants, 0, state, neighbours, boundary, correction, i, matrix);
   });

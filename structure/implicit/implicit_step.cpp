@@ -14,8 +14,11 @@
 namespace tern::structure {
 namespace {
 
-/// Newton's method ends when it moves no particle by more than this share of the spacing.
-constexpr double tolerance = 1e-7;
+/// Newton's method ends when it moves no particle by more than this share of the way that the fastest goes in the time h: the velocity is
+/// known to that share of the largest then, and the coupling iterates to the same (coupling.tolerance), ...
+constexpr double tolerance = 1e-4;
+/// ... or than this share of the spacing, for bodies at rest.
+constexpr double tolerance_at_rest = 1e-7;
 constexpr int most_iterations = 14;  // with one factor
 constexpr int most_halvings = 6;
 constexpr std::size_t most_updates = 6;  // kept while the factor is
@@ -108,11 +111,12 @@ void ImplicitStep<D>::set_memory(const Reference<D>& reference, const ImplicitMe
 }
 
 template <int D>
-bool ImplicitStep<D>::solve(const Reference<D>& reference, double h, const Eigen::VectorXd& predictor, const Eigen::VectorXd& constant,
-                            State<D>& state, Workspace<D>& work) {
+bool ImplicitStep<D>::solve(const Reference<D>& reference, double h, double speed, const Eigen::VectorXd& predictor,
+                            const Eigen::VectorXd& constant, State<D>& state, Workspace<D>& work) {
   const auto& rows = tangent_.free_rows();
   double spacing = std::numeric_limits<double>::max();
   for (const Body& body : reference.bodies) spacing = std::min(spacing, body.spacing);
+  const double small = std::max(tolerance * h * speed, tolerance_at_rest * spacing);
   Eigen::VectorXd inertia(predictor.size());
   for (std::size_t n = 0; n < rows.size(); ++n)
     inertia.template segment<D>(static_cast<Eigen::Index>(n) * D).setConstant(reference.mass[rows[n]] / (h * h));
@@ -147,7 +151,7 @@ bool ImplicitStep<D>::solve(const Reference<D>& reference, double h, const Eigen
       const double before = size(residual);
       for (int halving = 0; halving < most_halvings; ++halving, share *= 0.5) {
         next = d + share * step;
-        accepted = evaluate(next, next_residual) && (size(next_residual) < before || share * largest <= tolerance * spacing);
+        accepted = evaluate(next, next_residual) && (size(next_residual) < before || share * largest <= small);
         if (accepted) break;
       }
       if (!accepted) break;
@@ -155,7 +159,7 @@ bool ImplicitStep<D>::solve(const Reference<D>& reference, double h, const Eigen
       update.product = update.moved.dot(update.change);
       d = next;
       residual = next_residual;
-      if (share * largest <= tolerance * spacing) {
+      if (share * largest <= small) {
         memory_.excess += std::max(0, iteration + 1 - expected_iterations);
         return true;
       }
@@ -195,9 +199,10 @@ bool ImplicitStep<D>::advance(const Reference<D>& reference, double dt, State<D>
 
   drift_clamps(reference, work, g * dt, state);
   const Eigen::VectorXd straight = d_n + 2 * h * v_n;
+  const double speed = v_n.size() > 0 ? v_n.cwiseAbs().maxCoeff() : 0;
   if (done) {
     scatter<D>(rows, guess(0, dt, straight), state.displacement);
-    done = solve(reference, h, straight, f_n + 2 * external, state, work);
+    done = solve(reference, h, speed, straight, f_n + 2 * external, state, work);
   }
   if (done) {
     const Eigen::VectorXd d_g = gather<D>(rows, state.displacement);
@@ -208,7 +213,7 @@ bool ImplicitStep<D>::advance(const Reference<D>& reference, double dt, State<D>
     drift_clamps(reference, work, (1 - g) * dt, state);
     const Eigen::VectorXd straight_on = d_g + (1 - g) * dt * v_g;
     scatter<D>(rows, guess(1, dt, straight_on), state.displacement);
-    done = solve(reference, h, d_hat + h * v_hat, external, state, work);
+    done = solve(reference, h, speed, d_hat + h * v_hat, external, state, work);
     if (done) {
       const Eigen::VectorXd d = gather<D>(rows, state.displacement);
       memory_.bend[0] = d_g - straight;

@@ -25,9 +25,10 @@ class ImplicitStep {
   void set_memory(const Reference<D>& reference, const ImplicitMemory<D>& memory, State<D> state, Workspace<D>& work);
 
  private:
-  /// Solves M (d - predictor)/h^2 - f(d) = constant, from the d in `state` on; leaves d and f(d) there.
-  bool solve(const Reference<D>& reference, double h, const Eigen::VectorXd& predictor, const Eigen::VectorXd& constant, State<D>& state,
-             Workspace<D>& work);
+  /// Solves M (d - predictor)/h^2 - f(d) = constant, from the d in `state` on; leaves d and f(d) there. `speed`: largest component of a
+  /// velocity at the begin of the step [m/s].
+  bool solve(const Reference<D>& reference, double h, double speed, const Eigen::VectorXd& predictor, const Eigen::VectorXd& constant,
+             State<D>& state, Workspace<D>& work);
 
   /// Makes the tangent and its factor at the deformation in `work`, that of `displacement`; false when that is not possible.
   bool renew(const Reference<D>& reference, double h, const RowVectors<D>& displacement, const Workspace<D>& work);

@@ -220,14 +220,14 @@ TEST(ConvexCorner, IsThatOfAPlateToo) {
   int past = 0;
   for (int i = 0; i < static_cast<int>(x.size()); ++i) {
     if (x[i][0] > left || x[i][1] > tip) continue;  // before the plate
-    for (int entry = neighbours.begin[i]; entry < neighbours.begin[i] + neighbours.count[i]; ++entry) {
-      const Vector<2>& other = x[neighbours.column[entry]];
-      if (other[0] <= left) continue;
+    neighbours.for_each(i, [&](int j, float) {
+      const Vector<2>& other = x[j];
+      if (other[0] <= left) return;
       ++past;
       // Where the line leaves the slab of the plate it is above its tip.
       EXPECT_GT(x[i][1] + (other[1] - x[i][1]) * std::min(1.0, (right - x[i][0]) / (other[0] - x[i][0])), tip - 1e-9)
           << x[i].transpose() << " sees " << other.transpose();
-    }
+    });
   }
   EXPECT_GT(past, 4);
 }

@@ -32,8 +32,7 @@ int crossing_pairs(const Fluid<2>& fluid) {
   const auto& x = fluid.state().position;
   const auto& pairs = fluid.neighbours();
   int crossing = 0;
-  for (std::size_t i = 0; i < x.size(); ++i)
-    for (int k = pairs.begin[i]; k < pairs.begin[i] + pairs.count[i]; ++k) crossing += (x[i][0] < 0.525) != (x[pairs.column[k]][0] < 0.525);
+  for (std::size_t i = 0; i < x.size(); ++i) pairs.for_each(i, [&](int j, float) { crossing += (x[i][0] < 0.525) != (x[j][0] < 0.525); });
   return crossing;
 }
 
@@ -120,8 +119,9 @@ TEST(Spray, IsANeighbourAtZeroPressureLikeTheMissingPartOfASupport) {
     if (fluid.state().particle_class[i].spray()) continue;
     const double deficit = 1 - pairs.moment[i].trace() / 2;
     double expected = deficit > 0.08 ? k.volume * deficit * full : 0;
-    for (int e = pairs.begin[i]; e < pairs.begin[i] + pairs.count[i]; ++e)
-      if (fluid.state().particle_class[pairs.column[e]].spray()) expected += 2 * k.volume * pairs.weight[e], ++beside_spray;
+    pairs.for_each(i, [&](int j, float weight) {
+      if (fluid.state().particle_class[j].spray()) expected += 2 * k.volume * weight, ++beside_spray;
+    });
     EXPECT_NEAR(fluid.pressure_matrix().constant()[i], expected, 1e-6 * (expected + k.volume));
   }
   EXPECT_GE(beside_spray, 3);

@@ -40,16 +40,14 @@ double linear_gradient_error(int n, double level = 0) {
   State<D> state = fluid.state();
   for (std::size_t i = 0; i < state.size(); ++i) state.pressure[i] = 7 + slope.dot(state.position[i]);
   std::vector<Vector<D>> velocity(state.size(), Vector<D>::Zero());
-  std::vector<Motion<D>> motion;
-  pack<D>(state.position, velocity, motion);
   const bool with_order = level != 0;  // which is not exact, by intention
-  apply_pressure_gradient(fluid.reference(), dt, fluid.neighbours(), fluid.boundary(), fluid.correction(), state, motion, nullptr,
-                          with_order, velocity);
+  apply_pressure_gradient(fluid.reference(), dt, fluid.neighbours(), fluid.boundary(), fluid.correction(), state, nullptr, with_order,
+                          velocity);
   std::vector<Vector<D>> expected(state.size(), -dt * slope / density);
   if (with_order) {
     for (double& p : state.pressure) p += level;
     expected.assign(state.size(), Vector<D>::Zero());
-    apply_pressure_gradient(fluid.reference(), dt, fluid.neighbours(), fluid.boundary(), fluid.correction(), state, motion, nullptr, true,
+    apply_pressure_gradient(fluid.reference(), dt, fluid.neighbours(), fluid.boundary(), fluid.correction(), state, nullptr, true,
                             expected);
   }
   double largest = 0;
@@ -105,9 +103,7 @@ double stiffest_vibration(double slope, double smoothing_length_ratio) {
     state = fluid.state();
     for (std::size_t i = 0; i < state.size(); ++i) state.pressure[i] = slope * state.position[i][1];
     std::vector<Vector<D>> velocity(state.size(), Vector<D>::Zero());
-    std::vector<Motion<D>> motion;
-    pack<D>(state.position, velocity, motion);
-    apply_pressure_gradient(fluid.reference(), dt, fluid.neighbours(), fluid.boundary(), fluid.correction(), state, motion, nullptr, true,
+    apply_pressure_gradient(fluid.reference(), dt, fluid.neighbours(), fluid.boundary(), fluid.correction(), state, nullptr, true,
                             velocity);
     double along = 0, square = 0;
     for (std::size_t i = 0; i < state.size(); ++i) {
@@ -158,10 +154,10 @@ double adjoint_error(int n) {
   step(fluid, dt);
   std::vector<Vector<D>> before(fluid.state().size());
   for (std::size_t i = 0; i < before.size(); ++i) before[i] = state.velocity[fluid.state().id[i]];
-  std::vector<Motion<D>> motion;
+  ByAxis<D> packed;
   std::vector<double> divergence;
-  compute_divergence(fluid.period(), fluid.neighbours(), fluid.boundary(), fluid.correction(), fluid.state().particle_class,
-                     fluid.prediction().position, before, motion, divergence);
+  compute_divergence<D>(fluid.period(), fluid.neighbours(), fluid.boundary(), fluid.correction(), fluid.state().particle_class, before,
+                        nullptr, packed, divergence);
   double power = 0, work = 0, size = 0;
   for (std::size_t i = 0; i < fluid.state().size(); ++i) {
     const Vector<D>& u = before[i];

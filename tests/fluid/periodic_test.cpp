@@ -19,8 +19,7 @@ std::vector<std::map<std::uint32_t, double>> pairs_by_label(const Fluid<D>& flui
   std::vector<std::map<std::uint32_t, double>> rows(fluid.state().size());
   const auto& pairs = fluid.neighbours();
   const auto& id = fluid.state().id;
-  for (std::size_t i = 0; i < id.size(); ++i)
-    for (int k = pairs.begin[i]; k < pairs.begin[i] + pairs.count[i]; ++k) rows[id[i]][id[pairs.column[k]]] = pairs.weight[k];
+  for (std::size_t i = 0; i < id.size(); ++i) pairs.for_each(i, [&](int j, float weight) { rows[id[i]][id[j]] = weight; });
   return rows;
 }
 
@@ -137,8 +136,7 @@ TEST(PeriodicChannel, IsDividedByAnObstacleAtTheEndOfThePeriod) {
   solve(fluid, 1e-4);
   const auto& x = fluid.state().position;
   const auto& pairs = fluid.neighbours();
-  for (std::size_t i = 0; i < x.size(); ++i)
-    for (int k = pairs.begin[i]; k < pairs.begin[i] + pairs.count[i]; ++k) ASSERT_LT(std::abs(x[pairs.column[k]][0] - x[i][0]), 0.5);
+  for (std::size_t i = 0; i < x.size(); ++i) pairs.for_each(i, [&](int j, float) { ASSERT_LT(std::abs(x[j][0] - x[i][0]), 0.5); });
   run(fluid, 0.1, [] {});
   EXPECT_EQ(fluid.leaked(), 0u);
 }

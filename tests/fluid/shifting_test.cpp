@@ -32,7 +32,8 @@ struct Shifted {
     for (const auto& x : position) velocity.push_back(gradient * x + common);
     change = velocity;
     PackedVelocities<D> packed;
-    compute_velocity_gradient(fluid.period(), fluid.neighbours(), fluid.correction(), particle_class, position, velocity, packed);
+    by_axis<D>(velocity, packed.velocity);
+    compute_velocity_gradient(fluid.period(), fluid.neighbours(), fluid.correction(), particle_class, packed);
     shift_particles(fluid.reference().constants, dt, fluid.neighbours(), fluid.boundary(), fluid.correction(), particle_class, packed,
                     position, after, change);
     for (std::size_t i = 0; i < position.size(); ++i) {

@@ -37,8 +37,8 @@ class Block {
   /// After a step.
   std::vector<Vector<D>> damped(std::vector<Vector<D>> velocity) const {
     PackedVelocities<D> packed;
-    compute_velocity_gradient(fluid_.period(), fluid_.neighbours(), fluid_.correction(), fluid_.state().particle_class, position(),
-                              velocity, packed);
+    by_axis<D>(velocity, packed.velocity);
+    compute_velocity_gradient(fluid_.period(), fluid_.neighbours(), fluid_.correction(), fluid_.state().particle_class, packed);
     damp_velocity_noise(share(velocity), fluid_.period(), fluid_.neighbours(), fluid_.state().particle_class, packed, velocity);
     return velocity;
   }

@@ -34,7 +34,9 @@ struct ViscousChange {
     position = fluid.prediction().position;
     for (const auto& x : position) velocity.push_back(field(x));
     change.assign(position.size(), Vector<D>::Zero());
-    add_viscosity(fluid.constants(), dt, fluid.neighbours(), fluid.boundary(), position, velocity, change);
+    ByAxis<D> packed;
+    by_axis<D>(velocity, packed);
+    add_viscosity<D>(fluid.constants(), dt, fluid.neighbours(), fluid.boundary(), position, packed, change);
   }
   std::vector<Vector<D>> position, velocity, change;
 };

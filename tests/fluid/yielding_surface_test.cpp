@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "fixtures/fluid_scenes.hpp"
+#include "fluid/pressure/divergence.hpp"
 
 namespace tern::fluid::testing {
 namespace {
@@ -101,6 +102,67 @@ TEST(YieldingSurface, TakesFewIterations) {
       EXPECT_TRUE(solve.converged);
       EXPECT_LE(solve.iterations, 10);
     }
+}
+
+/// A window with this force on each particle at the plate, `times` times.
+Fluid<2> pushed(const Vector<2>& force, int times) {
+  Fluid<2> fluid = waters(0.4, 0.4);
+  const Surface<2> surface = plate();
+  fluid.begin_window(0, to_ticks(dt));
+  const auto particles = fluid.see_surface(surface);
+  InterfaceCondition<2> load;
+  load.force.assign(particles.id.size(), force);
+  load.reference_pressure.assign(surface.position.size(), 0);
+  load.repeats = times > 1;
+  for (int n = 0; n < times; ++n) {
+    fluid.solve_pressure(load);
+    load.surface_velocity = surface.velocity;
+  }
+  return fluid;
+}
+
+// Forces change the divergence beside the plate, and only there it is computed anew. The change of the source is compared with the
+// divergence of the change of velocity, computed of all particles. Seen to fail: with the rows of the particles at the plate alone (0.55 of
+// the largest change).
+TEST(ForcesAtTheStructure, ChangeTheSourceByTheirDivergence) {
+  const Vector<2> force(3, 1);
+  const Fluid<2> with = pushed(force, 1), without = pushed({0, 0}, 1);
+  const std::size_t n = with.state().size();
+  std::vector<Vector<2>> change(n, Vector<2>::Zero()), none = change;
+  for (std::size_t i = 0; i < n; ++i)
+    if (with.boundary().sees_structure(static_cast<std::ptrdiff_t>(i))) change[i] = dt / with.constants().mass * force;
+  const auto divergence_of = [&](const std::vector<Vector<2>>& velocity) {
+    ByAxis<2> packed;
+    std::vector<double> divergence;
+    compute_divergence<2>(with.period(), with.neighbours(), with.boundary(), with.correction(), with.state().particle_class, velocity,
+                          nullptr, packed, divergence);
+    return divergence;
+  };
+  const std::vector<double> after = divergence_of(change), before = divergence_of(none);
+  double largest = 0, error = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!with.state().particle_class[i].pressure_unknown()) continue;
+    const double expected = -with.constants().mass / dt * (after[i] - before[i]);
+    const double found = with.pressure_source()[i] - without.pressure_source()[i];
+    largest = std::max(largest, std::abs(expected));
+    error = std::max(error, std::abs(found - expected));
+  }
+  std::printf("[ largest change %.3g, error %.1e of it ]\n", largest, error / largest);
+  EXPECT_GT(largest, 0);
+  EXPECT_LT(error, 1e-6 * largest);  // dt is rounded to whole ticks
+}
+
+// A window that is repeated has the source of the first time and what that has left behind, which is little. Measured: 0.114. Seen to
+// fail: with the divergence that the first solve has left in place of that of u* (0.40).
+TEST(ForcesAtTheStructure, MeetTheSameVelocityInARepeatedWindow) {
+  const Fluid<2> once = pushed({3, 1}, 1), twice = pushed({3, 1}, 2);
+  double change = 0, size = 0;
+  for (std::size_t i = 0; i < once.state().size(); ++i) {
+    change += std::pow(twice.pressure_source()[i] - once.pressure_source()[i], 2);
+    size += std::pow(once.pressure_source()[i], 2);
+  }
+  std::printf("[ change of the source %.3f ]\n", std::sqrt(change / size));
+  EXPECT_LT(std::sqrt(change / size), 0.2);
 }
 
 }  // namespace
