@@ -163,7 +163,7 @@ std::string shell_text(const StructureBody& body) {
   try {
     shell.is_shell = true;
     fit = shell_fit<D>(shell);
-    shell.spacing = body.is_shell ? body.spacing : std::max(fit.thickness, fit.length / (fit.clamped_ends == 2 ? 30 : 18));
+    shell.spacing = body.is_shell ? body.spacing : std::max(fit.thickness, fit.length / fit.wanted_particles);
     fit = shell_fit<D>(shell);
   } catch (const BadInput&) {
     return "";

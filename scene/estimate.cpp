@@ -64,6 +64,7 @@ BodyEstimate estimate_body(const Case& scene, const StructureBody& body) {
   result.thickness = thin_section<D>(body);
   if (body.is_shell) {
     const MidSurface<D> surface = mid_surface<D>(body);
+    result.thickness = surface.thickness;
     result.wave_speed = shell_wave_speed(body);
     result.sub_step = shell_sub_step<D>(scene.structure->numerics.courant, body.spacing, surface.thickness, result.wave_speed);
   }

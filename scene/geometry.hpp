@@ -47,13 +47,15 @@ bool contains(const Shape& shape, const Vector<D>& x);
 template <int D>
 Bounds<D> bounding_box(const Shape& shape);
 
-/// Points of a lattice inside a shape, kept as runs along x: as much memory as there are rows, however many points.
+/// Points of a lattice inside a shape, kept as runs along x: as much memory as there are rows, however many points. Points off the lattice
+/// are runs of one.
 template <int D>
 class LatticePoints {
  public:
   struct Run {
     std::array<long, 3> index;  ///< of its first point
     long count;
+    long off_lattice = -1;  ///< which of the points off the lattice it is, -1: none
   };
   class Iterator {
    public:
@@ -95,6 +97,12 @@ class LatticePoints {
     size_ += static_cast<std::size_t>(run.count);
   }
 
+  void add_off_lattice(const Vector<D>& x) {
+    const long n = static_cast<long>(off_lattice_.size());
+    off_lattice_.push_back(x);
+    add({{n, 0, 0}, 1, n});
+  }
+
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
   Iterator begin() const { return {this, 0}; }
@@ -103,6 +111,7 @@ class LatticePoints {
   const Vector<D>& step() const { return step_; }
   /// A point of a run, counted from its first.
   Vector<D> at(const Run& run, long in_run) const {
+    if (run.off_lattice >= 0) return off_lattice_[run.off_lattice];
     Vector<D> x;
     for (int d = 0; d < D; ++d) x[d] = corner_[d] + (static_cast<double>(run.index[d] + (d == 0 ? in_run : 0)) + 0.5) * step_[d];
     return x;
@@ -111,6 +120,7 @@ class LatticePoints {
  private:
   Vector<D> corner_, step_;
   std::vector<Run> runs_;
+  std::vector<Vector<D>> off_lattice_;
   std::size_t size_ = 0;
 };
 

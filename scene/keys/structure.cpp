@@ -38,6 +38,9 @@ const Rows<StructureBody>& body_rows() {
       {"clamp", &StructureBody::clamps, "", "[]", any,
        "Particles inside any of these shapes are fixed; one layer of them is enough. The outermost ones are moved onto the face of the "
        "region. Where fluid can come to it, its surface is wet."},
+      {"hinge", &StructureBody::hinges, "", "[]", any,
+       "Of a shell: each of these shapes contains one edge of its mid-surface and holds it in its place; the edge may turn. None reaches "
+       "farther into the body than its thickness."},
       {"material", one_of(&StructureBody::material, structure::material_keys()), "", "\"neo_hookean\"", any,
        "Law of the material: " + material_meanings() + "."},
       {"model", one_of(&StructureBody::is_shell, {{"solid", false}, {"shell", true}}), "", absent, any,
@@ -84,8 +87,13 @@ const Rows<StructureNumerics>& numerics_rows() {
 void check_shells(const StructureCase& structure, int dimension, const Setting& table) {
   for (std::size_t i = 0; i < structure.bodies.size(); ++i) {
     const StructureBody& body = structure.bodies[i];
-    if (!body.is_shell) continue;
     const std::string& where = table.at("body").items[i].where;
+    if (!body.is_shell && !body.hinges.empty())
+      throw BadInput(
+          fmt::format("{}: the solid '{}' has a hinge, but only the edge of a shell is thin enough to turn in one; clamp it, or "
+                      "make it a shell (model = \"shell\").",
+                      where, body.name));
+    if (!body.is_shell) continue;
     if (structure.numerics.integrator == Integrator::implicit_steps)
       throw BadInput(
           fmt::format("{}: the shell '{}' moves in explicit steps only; set structure.numerics.integrator to \"explicit\", or leave it "
@@ -126,7 +134,8 @@ StructureCase read_structure(const Setting& table, int dimension, bool coupled, 
     for (const Setting& clamp : clamps->items) structure.clamps.push_back(read_clamp(clamp, dimension, folder));
   for (const ClampCase& clamp : structure.clamps)
     for (StructureBody& body : structure.bodies)
-      if (body.name == clamp.body) body.clamps.push_back(clamp.region);
+      if (body.name == clamp.body) (clamp.is_hinge ? body.hinges : body.clamps).push_back(clamp.region);
+  for (StructureBody& body : structure.bodies) body.clamps.insert(body.clamps.end(), body.hinges.begin(), body.hinges.end());
   if (const Setting* loads = table.find("load"))
     for (const Setting& load : loads->items) structure.loads.push_back(read_load(load));
   if (coupled) structure.numerics.integrator = Integrator::automatic;  // unless the case says another

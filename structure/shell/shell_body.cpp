@@ -35,27 +35,6 @@ Matrix<D> turn_rate(double spin, const std::array<double, 3>& axis, const Matrix
 }  // namespace
 
 template <int D>
-ShellParticles<D> shell_particles_of(const StructureBody& body) {
-  const MidSurface<D> surface = mid_surface<D>(body);
-  ShellRectangle<D> rectangle;
-  rectangle.corner[surface.across] = surface.middle;
-  rectangle.frame.setZero();
-  rectangle.count = surface.count;
-  for (int n = 0; n < D - 1; ++n) {
-    rectangle.corner[surface.along[n]] = surface.low[n];
-    rectangle.frame(surface.along[n], n) = 1;
-    rectangle.length[n] = surface.high[n] - surface.low[n];
-    for (int end = 0; end < 2; ++end)
-      if (surface.clamped[n][end]) rectangle.edges[n][end] = {ShellEdge::Kind::clamp, 0};
-  }
-  if constexpr (D == 2)
-    rectangle.frame.col(1) << -rectangle.frame(1, 0), rectangle.frame(0, 0);
-  else
-    rectangle.frame.col(2) = rectangle.frame.col(0).cross(rectangle.frame.col(1));
-  return rectangle_particles(rectangle);
-}
-
-template <int D>
 void shell_derivatives(const Reference<D>& reference, const State<D>& state, Workspace<D>& work) {
   for (std::size_t s = 0; s < reference.shells.size(); ++s) {
     const ShellBody<D>& shell = reference.shells[s];
@@ -263,7 +242,6 @@ ShellStress<D> shell_stress(const ShellBody<D>& shell, const Workspace<D>& work,
 }
 
 #define TERN_INSTANTIATE(D)                                                                                    \
-  template ShellParticles<D> shell_particles_of<D>(const StructureBody&);                                      \
   template void shell_derivatives<D>(const Reference<D>&, const State<D>&, Workspace<D>&);                     \
   template void shell_internal_forces<D>(const Reference<D>&, double, State<D>&, Workspace<D>&);               \
   template void damp_shells<D>(Reference<D>&, double);                                                         \

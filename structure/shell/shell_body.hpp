@@ -5,10 +5,6 @@
 
 namespace tern::structure {
 
-/// Particles on the mid-surface of a body of the case.
-template <int D>
-ShellParticles<D> shell_particles_of(const StructureBody& body);
-
 /// The derivatives of every shell from the displacement.
 template <int D>
 void shell_derivatives(const Reference<D>& reference, const State<D>& state, Workspace<D>& work);

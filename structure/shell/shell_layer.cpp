@@ -59,35 +59,15 @@ Eigen::MatrixXd fit(const std::vector<Offset<D>>& offsets, bool with_slopes) {
 }  // namespace
 
 template <int D>
-ShellParticles<D> rectangle_particles(const ShellRectangle<D>& rectangle) {
-  using Kind = ShellEdge::Kind;
+ShellParticles<D> shell_particles(const MidSurface<D>& surface) {
   ShellParticles<D> particles;
-  std::array<int, 2> size{1, 1}, first{0, 0};
-  for (int a = 0; a < D - 1; ++a) {
-    const bool low = rectangle.edges[a][0].kind != Kind::free, high = rectangle.edges[a][1].kind != Kind::free;
-    size[a] = rectangle.count[a] + low + high;
-    first[a] = low ? 1 : 0;
-    particles.spacing[a] = rectangle.length[a] / (rectangle.count[a] + 0.5 * (low + high));
-  }
-  for (int n = 0; n < size[0] * size[1]; ++n) {
-    const std::array<int, 2> cell{n % size[0], n / size[0]};
-    Vector<D> x = rectangle.corner;
-    double area = 1;
-    ShellEdge edge;
-    for (int a = 0; a < D - 1; ++a) {
-      x += (cell[a] + (first[a] == 0 ? 0.5 : 0)) * particles.spacing[a] * rectangle.frame.col(a);
-      area *= particles.spacing[a];
-      const int end = cell[a] == 0 ? 0 : cell[a] == size[a] - 1 ? 1 : -1;
-      if (end < 0 || rectangle.edges[a][end].kind == Kind::free) continue;
-      area *= 0.5;
-      if (edge.kind != Kind::clamp) edge = rectangle.edges[a][end];
-    }
-    if (D == 2 && edge.kind == Kind::hinge) area = 0;
-    particles.position.push_back(x);
-    particles.frame.push_back(rectangle.frame);
-    particles.area.push_back(area);
-    particles.held.push_back(edge.kind != Kind::free);
-    particles.clamp.push_back(edge.kind == Kind::clamp ? edge.clamp : -1);
+  for (int a = 0; a < D - 1; ++a) particles.spacing[a] = surface.spacing(a);
+  for (const SurfaceCell<D>& cell : cells_of(surface)) {
+    particles.position.push_back(cell.place.position);
+    particles.frame.push_back(cell.place.frame);
+    particles.area.push_back(cell.area);
+    particles.held.push_back(cell.edge != EdgeKind::free);
+    particles.clamp.push_back(cell.edge == EdgeKind::clamp ? 0 : -1);
   }
   return particles;
 }
@@ -158,8 +138,8 @@ ShellLayer<D> make_shell_layer(const std::string& name, ShellParticles<D> partic
   return layer;
 }
 
-template ShellParticles<2> rectangle_particles<2>(const ShellRectangle<2>&);
-template ShellParticles<3> rectangle_particles<3>(const ShellRectangle<3>&);
+template ShellParticles<2> shell_particles<2>(const MidSurface<2>&);
+template ShellParticles<3> shell_particles<3>(const MidSurface<3>&);
 template struct ShellLayer<2>;
 template struct ShellLayer<3>;
 template ShellLayer<2> make_shell_layer<2>(const std::string&, ShellParticles<2>, const Material&, double);

@@ -140,9 +140,18 @@ TEST_F(CaseFile, RefusesWhatAShellDoesNotModel) {
                  {"'plate' is not a box", "model it as a solid"});
   expect_refused(changed("max = [0.9, 0] } }]", "max = [0.75, 0] } }]"), {"clamp that is not a box over one whole edge"});
   expect_refused(changed("max = [0.9, 0] } }]", "max = [0.9, -0.11] } }]"), {"clamp that is not a box over one whole edge"});
+  // A hinge.
+  const auto hinged = [&](const std::string& region) { return changed("poisson_ratio", "hinge = [" + region + "]\npoisson_ratio"); };
+  expect_refused(hinged("{ box = { min = [0.7, 0.4], max = [0.8, 0.6] } }"),
+                 {"'plate'", "reaches farther into it than its thickness, 0.02 m"});
+  expect_refused(hinged("{ box = { min = [0.7, 0.51], max = [0.8, 0.6] } }"), {"'plate'", "holds none of its edges"});
+  expect_refused(replaced(small_case, "poisson_ratio", "hinge = [{ box = { min = [0.6, 0.49], max = [0.9, 0.6] } }]\npoisson_ratio"),
+                 {"the solid 'plate' has a hinge", "model = \"shell\""});
+  EXPECT_EQ(estimate(read(hinged("{ box = { min = [0.7, 0.49], max = [0.8, 0.6] } }"))).bodies[0].clamped, 2);
   expect_refused(changed("poisson_ratio", "material = \"mooney_rivlin\"\npoisson_ratio"), {"mooney_rivlin", "no law of a layer"});
   expect_refused(changed("spacing = 0.025\n", "spacing = 0.15\n"), {"has 3 free particles over 0.5 m in direction y", "at most 0.111 m"});
-  expect_refused(changed("at = [0.75, 0.5]", "at = [0.76, 0.5]"), {"'tip'", "is not on the mid-surface of the shell 'plate', x = 0.75 m"});
+  expect_refused(changed("at = [0.75, 0.5]", "at = [0.76, 0.5]"),
+                 {"'tip'", "is not on the mid-surface of the shell 'plate', but 0.01 m beside it"});
 }
 
 // Deflection under a uniform load that is missing without shear: 0.8/(1 - nu) (t/L)^2 of a cantilever, 9.6/(1 - nu) (t/L)^2 between two

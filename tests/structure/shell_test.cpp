@@ -299,6 +299,23 @@ TEST(Shell, FirstFrequencyOfAClampedPlateConvergesInSecondOrderToThinPlateTheory
   EXPECT_GT(std::log2(coarse / fine), 1.7);
 }
 
+/// First bending frequency over that of Euler and Bernoulli, which is (root/L)^2 sqrt(EI/(rho t)). `rigid`: motions without energy.
+double first_bending_frequency(int count, Edge low, Edge high, double root, int rigid) {
+  constexpr double t = 1e-3;
+  auto model = line(1, t, count, shell_material(1e9, 0), low, high);
+  return std::sqrt(model.squared_frequencies(1e-7)[rigid]) / (root * root * std::sqrt(1e9 * t * t / 12 / 1000));
+}
+
+// Seen to fail: with half a cell of area on the hinge, with a slope that it holds.
+TEST(Shell, HingedLinesSwingAtTheFrequenciesOfThinBeamTheory) {
+  EXPECT_NEAR(first_bending_frequency(18, Edge::hinge, Edge::hinge, std::numbers::pi, 0), 1, 3e-3);
+  EXPECT_NEAR(first_bending_frequency(18, Edge::hinge, Edge::free, 3.926602, 1), 1, 2e-3);
+  EXPECT_NEAR(first_bending_frequency(18, Edge::clamp, Edge::hinge, 3.926602, 0), 1, 7e-3);
+  const double coarse = first_bending_frequency(9, Edge::clamp, Edge::hinge, 3.926602, 0) - 1;
+  const double fine = first_bending_frequency(36, Edge::clamp, Edge::hinge, 3.926602, 0) - 1;
+  EXPECT_GT(0.5 * std::log2(coarse / fine), 1.7);
+}
+
 double first_axial_frequency(int count) {
   auto model = line(1, 0.01, count, shell_material(1e6, 0), Edge::clamp);
   for (std::size_t i = 0; i < model.x.size(); ++i) model.is_fixed[2 * i + 1] = true;
@@ -323,6 +340,25 @@ double middle_of_a_square(int count, Edge edge) {
 TEST(Shell, SquarePlatesClampedAndSimplySupportedApproachThinPlateTheory) {
   EXPECT_NEAR(middle_of_a_square(15, Edge::clamp), 0.001336, 2e-6);  // .0012653 in the limit
   EXPECT_NEAR(middle_of_a_square(15, Edge::hinge), 0.004111, 2e-6);  // .00406
+}
+
+/// Largest deflection of a line of length 1 under a uniform load, over the load, times EI.
+double sag(int count, Edge low, Edge high) {
+  constexpr double t = 1e-3, ei = 1e9 * t * t * t / 12;
+  auto model = line(1, t, count, shell_material(1e9, 0), low, high);
+  model.load = [](const auto& m, auto& force) {
+    for (std::size_t i = 0; i < force.size(); ++i) force[i][1] += 1e-6 * m.layer.particles.area[i];
+  };
+  for (std::size_t i = 0; i < model.x.size(); ++i) model.is_fixed[2 * i] = true;
+  model.newton(1e-7);
+  double largest = 0;
+  for (const auto& x : model.x) largest = std::max(largest, std::abs(x[1]));
+  return largest * ei / 1e-6;
+}
+
+TEST(Shell, ALineBetweenHingesOrAClampAndAHingeSagsAsItShould) {
+  EXPECT_NEAR(sag(39, Edge::hinge, Edge::hinge) * 384 / 5, 1, 2e-3);
+  EXPECT_NEAR(sag(39, Edge::clamp, Edge::hinge) * 184.6, 1, 5e-3);
 }
 
 /// Rows of the free end of a line: x(tip) = sum_j position_j x_j, x'(tip) = sum_j slope_j x_j.
