@@ -13,6 +13,10 @@ void shell_derivatives(const Reference<D>& reference, const State<D>& state, Wor
 template <int D>
 void shell_internal_forces(const Reference<D>& reference, double time_s, State<D>& state, Workspace<D>& work);
 
+/// The same of the elastic forces alone, without viscosity; false when a mid-surface has been torn or has collapsed.
+template <int D>
+bool shell_elastic_forces(const Reference<D>& reference, State<D>& state, Workspace<D>& work);
+
 /// Power of the clamps that turn, of their couple alone [W/m^(3-D)], by the stresses of the last shell_internal_forces().
 template <int D>
 double shell_clamp_power(const Reference<D>& reference, const Workspace<D>& work);
