@@ -1,9 +1,11 @@
 #pragma once
-// Solid shapes: boxes, polygons (2D), balls and their union and difference. Coordinates in m.
+// Solid shapes: boxes, polygons (2D), balls, thin ones with a thickness (rings and lines in 2D, tubes in 3D), and their union and
+// difference. Coordinates in m.
 
 #include <array>
 #include <cstddef>
 #include <iterator>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,12 +15,19 @@
 namespace tern {
 
 struct Shape {
-  enum class Kind { box, polygon, ball, union_of, difference };
+  enum class Kind { box, polygon, ball, ring, line, tube, union_of, difference };
+  static constexpr double whole_turn = 2 * std::numbers::pi;
+
   Kind kind = Kind::box;
   std::array<double, 3> min{}, max{};           ///< box
-  std::vector<std::array<double, 2>> vertices;  ///< polygon, any orientation, not self-intersecting
-  std::array<double, 3> center{};               ///< ball
-  double radius = 0;                            ///< ball
+  std::vector<std::array<double, 2>> vertices;  ///< polygon, any orientation, not self-intersecting; line
+  std::array<double, 3> center{};               ///< ball, ring, tube
+  double radius = 0;                            ///< ball; ring and tube: halfway through the thickness
+  double thickness = 0;                         ///< ring, line, tube
+  double begin = 0, end = whole_turn;           ///< ring, tube: angles between which they are [rad]
+  double length = 0;                            ///< tube: along its axis, half on each side of the centre
+  int axis = 2;                                 ///< tube: x, y or z; angles are counted from the next of these to the one after it
+  bool closed = false;                          ///< line: from the last corner back to the first
   std::vector<Shape> parts;                     ///< union_of: all; difference: the first minus the others
 };
 

@@ -21,18 +21,25 @@ struct SurfacePlace {
   Matrix<D> frame;  ///< columns: the directions of the coordinates, then the normal
 };
 
-/// A rectangle of its coordinates s, which are lengths along it, laid into space.
+/// A rectangle of its coordinates s, which are lengths along it, laid into space: flat; rolled up about the axis of a circle or of a tube,
+/// where the last coordinate goes round; or along a path in the plane.
 template <int D>
 struct MidSurface {
+  enum class Kind { flat, round, path } kind = Kind::flat;
   double thickness = 0;                                ///< [m]
   std::array<double, D - 1> low{}, high{};             ///< of s, between its clamps [m]
   std::array<std::array<EdgeKind, 2>, D - 1> edges{};  ///< at both ends of each coordinate
   std::array<int, D - 1> count{};                      ///< free particles along each coordinate
-  Vector<D> origin = Vector<D>::Zero();                ///< where s = 0
-  Matrix<D> axes = Matrix<D>::Identity();              ///< directions of s, then the normal
+  std::array<bool, D - 1> closed{};                    ///< the end of a coordinate is its beginning
+  Vector<D> origin = Vector<D>::Zero();                ///< flat: where s = 0; round: the centre, of a tube where it begins
+  Matrix<D> axes = Matrix<D>::Identity();              ///< flat: directions of s, then the normal; round: axis, and where angles are 0
+  double radius = 0, begin = 0;                        ///< round: its radius [m], and its angle where s = 0
+  std::vector<Vector<D>> corners;                      ///< path: closed, the last is the first again
+  std::vector<double> corner_at;                       ///< their s [m]
+  double reach = 0;                                    ///< path: its direction is that from `reach` before to `reach` after a place [m]
 
   SurfacePlace<D> at(const std::array<double, D - 1>& s) const;
-  /// Distance of x from it, on the side of the normal [m].
+  /// Distance of x from it [m].
   double height(const Vector<D>& x) const;
 
   double length(int n) const { return high[n] - low[n]; }
@@ -41,8 +48,8 @@ struct MidSurface {
   double spacing(int n) const { return length(n) / (count[n] + 0.5 * held_ends(n)); }
 };
 
-/// Throws BadInput where the body cannot be modelled as a shell: other than a box, or held by clamps that do not end at a whole edge, or by
-/// hinges that do not hold one.
+/// Throws BadInput where the body cannot be modelled as a shell: of another shape, with a sharp corner, held by clamps that do not end at a
+/// whole edge, or by hinges that do not hold one.
 template <int D>
 MidSurface<D> mid_surface(const StructureBody& body);
 
@@ -64,7 +71,7 @@ struct ShellFit {
   std::string held;                  ///< in words: how its ends in that direction are held
   int count = 0;                     ///< free particles along it
   double without_shear = 0;          ///< share of its deflection under a uniform load that is missing without transverse shear
-  double by_spacing = 0;             ///< share of its deflection that the spacing adds, about
+  double by_spacing = 0;             ///< share of its deflection that the spacing adds, about; negative: takes away
   double wanted_particles = 0;       ///< along it, for a spacing that adds 1.5 %
 };
 inline constexpr double most_without_shear = 0.02;  ///< a body with more is better a solid
@@ -79,7 +86,7 @@ template <int D>
 LatticePoints<D> fill_body(const StructureBody& body);
 
 /// Longest side [m] of what no clamp holds: of a solid the box around its free particles with their half spacings, of a shell its
-/// mid-surface between clamps. Throws as mid_surface() does.
+/// mid-surface between clamps; a quarter of the way round a ring, half a wave of its first motion. Throws as mid_surface() does.
 template <int D>
 double free_length(const StructureBody& body);
 

@@ -53,6 +53,8 @@ struct ShellParticles {
   std::vector<bool> held;                         ///< on a clamped or hinged edge: its motion is prescribed
   std::vector<std::int32_t> clamp;                ///< of its edge: index of Reference::clamps, their number without a name; -1: none
   std::array<double, shell_slopes<D>> spacing{};  ///< along e_a [m]
+  std::array<int, shell_slopes<D>> size{};        ///< particles along e_a, the first fastest
+  std::array<bool, shell_slopes<D>> closed{};     ///< the first of them is beside the last
 };
 
 /// The cells of a mid-surface.

@@ -247,6 +247,27 @@ TEST(ShellBody, AClampThatTurnsWavesItAsItWavesASolid) {
   EXPECT_LT(distance<2>(in_plane, path_of_tip<2>(waved<2>(line), tip)), 0.01);
 }
 
+// The account of implicit windows closes with their length: to 3.1, 1.2 and 0.37 % of the largest energy in windows of 1, 0.5 and
+// 0.25 ms. Seen to fail: with the work of the couple of the clamp left out.
+TEST(ShellBody, AClampThatTurnsWavesItInImplicitStepsToo) {
+  const auto by_explicit_steps = path_of_tip<2>(waved<2>(shell_plate()), {0.598, 0.0885, 0});
+  Case c = waved<2>(shell_plate());
+  c.structure->numerics.integrator = Integrator::implicit_steps;
+  Structure<2> structure(c);
+  const auto point = structure.material_point("plate", {0.598, 0.0885, 0});
+  std::vector<Vector<2>> path;
+  double most = 0, off = 0;
+  for (int n = 1; n <= 1600; ++n) {
+    structure.trial(structure.time(), to_ticks(0.25e-3));
+    const Energies e = structure.energies();
+    most = std::max(most, e.kinetic + e.strain);
+    off = std::max(off, std::abs(e.kinetic + e.strain - e.clamp_work));
+    if (n % 40 == 0) path.push_back(structure.displacement(point));
+  }
+  EXPECT_LT(off, 5e-3 * most);
+  EXPECT_LT(distance<2>(path, by_explicit_steps), 5e-3);
+}
+
 /// Forces on the rows of a body that its clamp has turned and moved as a whole and carries on round, bent and stretched along y by
 /// `bend` y^2 [1/m].
 template <int D>
@@ -341,9 +362,102 @@ void expect_power(const Case& c) {
     }
 }
 
+/// The plate rolled up to an arc that is held at one end, or to a ring.
+Case shell_arc(bool closed) {
+  Case c = shell_plate();
+  StructureBody& body = c.structure->bodies[0];
+  body.shape.kind = Shape::Kind::ring;
+  body.shape.center = {0.598, 0.04};
+  body.shape.radius = 0.03;
+  body.shape.thickness = 0.004;
+  if (!closed) body.shape.end = 2.5;
+  body.clamps.clear();
+  if (!closed) body.clamps = {box({0.62, 0.03, 0}, {0.635, 0.045, 0})};
+  return c;
+}
+
+Case shell_tube(bool closed) {
+  Case c = shell_strip();
+  StructureBody& body = c.structure->bodies[0];
+  body.shape.kind = Shape::Kind::tube;
+  body.shape.axis = 1;
+  body.shape.center = {0.598, 0.04, 0.02};
+  body.shape.length = 0.05;
+  body.shape.radius = 0.03;
+  body.shape.thickness = 0.004;
+  if (!closed) body.shape.begin = 0.3, body.shape.end = 2.5;
+  body.clamps = {box({0.5, 0, -0.1}, {0.7, 0.02, 0.1})};
+  return c;
+}
+
 TEST(ShellBody, ForcesOnItsFacesHaveThePowerOfTheirPoints) {
   expect_power<2>(shell_plate());
   expect_power<3>(shell_strip());
+  for (const bool closed : {false, true}) {
+    expect_power<2>(shell_arc(closed));
+    expect_power<3>(shell_tube(closed));
+  }
+}
+
+/// At rest the surface is that of the shape, also turned and moved as a whole.
+template <int D>
+void expect_surface_at_rest(const Case& c) {
+  const Reference<D> reference = build_reference<D>(*c.structure);
+  const SurfaceAttachment<D> attachment = attach_surface(reference, c);
+  const Body& body = reference.bodies[0];
+  const auto sampled = sample_surface<D>(body.shape, body.spacing);
+  State<D> state = state_at_rest(reference, attachment.row.size());
+  Workspace<D> work = workspace_for(reference);
+  Matrix<D> turn = Matrix<D>::Identity();
+  turn.template topLeftCorner<2, 2>() = Eigen::Rotation2D<double>(0.7).toRotationMatrix();
+  for (const bool turned : {false, true}) {
+    const Matrix<D> r = turned ? turn : Matrix<D>(Matrix<D>::Identity());
+    set_rows<D>(reference, state.displacement, [&](const Vector<D>& x) { return Vector<D>(r * x - x); });
+    deformation_gradient(reference, state, work);
+    const Surface<D> surface = present_surface(attachment, reference, state, work);
+    std::size_t found = 0;
+    for (std::size_t k = 0; k < surface.position.size(); ++k) {
+      if (attachment.clamp[k] >= 0) continue;
+      double nearest = 1;
+      std::size_t which = 0;
+      for (std::size_t j = 0; j < sampled.position.size(); ++j)
+        if (const double distance = (r * sampled.position[j] - surface.position[k]).norm(); distance < nearest)
+          nearest = distance, which = j;
+      ++found;
+      ASSERT_LT(nearest, 1e-12) << k;
+      EXPECT_LT((r * sampled.normal[which] - surface.normal[k]).norm(), 1e-11);
+      EXPECT_NEAR(surface.area[k], sampled.area[which], 1e-11 * sampled.area[which]);
+    }
+    EXPECT_GE(found, 29u);
+  }
+}
+
+// Seen to fail: with the normal and the area of a flat reference.
+TEST(ShellBody, ItsSurfaceAtRestIsThatOfItsShape) {
+  expect_surface_at_rest<2>(shell_plate());
+  expect_surface_at_rest<3>(shell_strip());
+  for (const bool closed : {false, true}) {
+    expect_surface_at_rest<2>(shell_arc(closed));
+    expect_surface_at_rest<3>(shell_tube(closed));
+  }
+}
+
+// The clamp ends the arc where its face at y = 0.045 cuts the mid-surface, the tube 5 mm from its end.
+TEST(ShellBody, ClampsEndWhatIsBentWhereTheyEnd) {
+  const MidSurface<2> arc = mid_surface<2>(shell_arc(false).structure->bodies[0]);
+  EXPECT_EQ(arc.edges[0][0], EdgeKind::clamp);
+  EXPECT_EQ(arc.edges[0][1], EdgeKind::free);
+  EXPECT_NEAR(arc.low[0], 0.03 * std::asin(0.005 / 0.03), 1e-9);
+  const MidSurface<3> tube = mid_surface<3>(shell_tube(true).structure->bodies[0]);
+  EXPECT_EQ(tube.edges[0][0], EdgeKind::clamp);
+  EXPECT_NEAR(tube.low[0], 0.005, 1e-9);
+  EXPECT_TRUE(tube.closed[1]);
+  StructureBody pinned = shell_arc(false).structure->bodies[0];
+  pinned.clamps = pinned.hinges = {box({0.62, 0.03, 0}, {0.635, 0.0405, 0})};
+  EXPECT_EQ(mid_surface<2>(pinned).edges[0][0], EdgeKind::hinge);
+  pinned.clamps = {box({0.58, 0.06, 0}, {0.59, 0.07, 0})};  // in its middle
+  pinned.hinges.clear();
+  EXPECT_THROW(mid_surface<2>(pinned), BadInput);
 }
 
 // Of a body that is free all round, one held at one edge, and one held at two edges that meet.
@@ -370,6 +484,8 @@ TEST(ShellBody, HasTheParticlesThatItsCaseIsCheckedWith) {
                                {box({0.59, -0.02, 0}, {0.61, 0, 0}), box({0.59, 0.08, 0}, {0.61, 0.1, 0})});
   expect_the_same_particles<3>(shell_strip().structure->bodies[0],
                                {box({0.59, -0.02, -0.01}, {0.61, 0, 0.06}), box({0.59, -0.02, 0.04}, {0.61, 0.1, 0.06})});
+  expect_the_same_particles<2>(shell_arc(false).structure->bodies[0], {box({0.62, 0.03, 0}, {0.635, 0.045, 0})});
+  expect_the_same_particles<3>(shell_tube(true).structure->bodies[0], {box({0.5, 0, -0.1}, {0.7, 0.02, 0.1})});
 }
 
 // Seen to fail: without the work of a hinge in the account.
