@@ -77,7 +77,7 @@ StructureCase shell(const char* law, bool bent) {
   return structure;
 }
 
-// Seen to fail: without any one of the four terms of d2rho, without the geometric part of the cell term or of the stretch.
+// Seen to fail: without the terms p.(dx_,1 x dx_,2) or (rho/l^2)(|dc|^2 - (n.dc)^2) of d2rho.
 TEST(Tangent, IsTheDerivativeOfTheElasticForceOfAShell) {
   for (const char* law : {"st_venant_kirchhoff", "neo_hookean"})
     for (const bool bent : {false, true}) {

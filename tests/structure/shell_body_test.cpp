@@ -152,7 +152,7 @@ void expect_propped(Case c, double width, bool clamped) {
   EXPECT_NEAR(all.moment[2] - 0.09 * all.force[0] + 0.09 * top.force[0], (clamped ? 0.125 : 0) * 0.09 * load, 0.02 * 0.09 * load);
 }
 
-// Seen to fail: with a hinge that holds the slope, with one whose rows are not named.
+// Seen to fail: with a hinge that holds the slope.
 TEST(ShellBody, AHingeBearsAForceAndNoMoment) {
   for (const bool clamped : {true, false}) {
     expect_propped<2>(shell_plate(), 1, clamped);
@@ -432,7 +432,7 @@ void expect_surface_at_rest(const Case& c) {
   }
 }
 
-// Seen to fail: with the normal and the area of a flat reference.
+// Seen to fail: with the gradient as of a flat reference.
 TEST(ShellBody, ItsSurfaceAtRestIsThatOfItsShape) {
   expect_surface_at_rest<2>(shell_plate());
   expect_surface_at_rest<3>(shell_strip());
