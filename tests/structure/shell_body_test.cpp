@@ -488,7 +488,6 @@ TEST(ShellBody, HasTheParticlesThatItsCaseIsCheckedWith) {
   expect_the_same_particles<3>(shell_tube(true).structure->bodies[0], {box({0.5, 0, -0.1}, {0.7, 0.02, 0.1})});
 }
 
-// Seen to fail: without the work of a hinge in the account.
 TEST(ShellBody, AHingeThatMovesTakesItsEdgeAlongAndItsWorkIsCounted) {
   Case c = shell_plate();
   StructureBody& body = c.structure->bodies[0];
