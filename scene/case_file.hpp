@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -71,8 +72,12 @@ struct StructureBody : MaterialParameters {
   Shape shape;
   double spacing = 0;         ///< dx_s [m]
   double mass_damping = 0;    ///< [1/s]; 0 = not evaluated
-  std::vector<Shape> clamps;  ///< particles inside are clamped; regions of the named clamps included
+  std::vector<Shape> clamps;  ///< particles inside are held; regions of the named clamps included, and last the hinges
+  std::vector<Shape> hinges;  ///< of a shell: they hold an edge in its place and let it turn
   VectorExpression velocity;  ///< initial velocity [m/s] in x, y, z
+
+  /// Clamps that hold the slope as well.
+  std::span<const Shape> rigid_clamps() const { return {clamps.data(), clamps.size() - hinges.size()}; }
 };
 
 /// Length of the patches of a body's surface: its spacing, or a whole part of it where the fluid's particles are smaller, to which
@@ -87,6 +92,7 @@ struct ClampCase {
   std::string body;
   Shape region;
   std::optional<RigidMotion> motion;  ///< absent for a fixed clamp
+  bool is_hinge = false;              ///< holds an edge of a shell in its place alone
 };
 
 /// What acts on a body from outside, by expressions in t and the place in the undeformed body.

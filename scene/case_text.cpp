@@ -166,7 +166,7 @@ std::string shell_text(const StructureBody& body) {
   try {
     shell.is_shell = true;
     fit = shell_fit<D>(shell);
-    shell.spacing = body.is_shell ? body.spacing : std::max(fit.thickness, fit.length / (fit.clamped_ends == 2 ? 30 : 18));
+    shell.spacing = body.is_shell ? body.spacing : std::max(fit.thickness, fit.length / fit.wanted_particles);
     fit = shell_fit<D>(shell);
   } catch (const BadInput&) {
     return "";
@@ -174,8 +174,9 @@ std::string shell_text(const StructureBody& body) {
   const bool is_thin = fit.without_shear <= most_without_shear;
   if (!is_thin && !body.is_shell) return "";
   const std::string numbers =
-      fmt::format("{} thicknesses long, it bends {:.2g} % too little without transverse shear, and {:.2g} % too much at {} particles",
-                  ratio(fit.length / fit.thickness), 100 * fit.without_shear, 100 * fit.by_spacing, fit.count);
+      fmt::format("{} thicknesses long, it bends {:.2g} % too little without transverse shear, and {:.2g} % too {} at {} particles {}",
+                  ratio(fit.length / fit.thickness), 100 * fit.without_shear, 100 * std::abs(fit.by_spacing),
+                  fit.by_spacing > 0 ? "much" : "little", fit.count, fit.held);
   if (body.is_shell) return fmt::format("  {}: {}{}.\n", body.name, numbers, is_thin ? "" : "; it would better be a solid");
   return fmt::format("  '{}' could be a shell (model = \"shell\", spacing = {:.2g}) of {} particles: {}.\n", body.name, shell.spacing,
                      fill_body<D>(shell).size(), numbers);

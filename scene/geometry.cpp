@@ -1,5 +1,5 @@
 // Solids as signed functions: negative inside, zero on the boundary, positive outside.
-//   box, ball, polygon: the signed distance;  union: min over parts;  difference: max(first, -others).
+//   box, ball, polygon, ring, line, tube: the signed distance;  union: min over parts;  difference: max(first, -others).
 
 #include "scene/geometry.hpp"
 
@@ -22,6 +22,138 @@ double polygon_distance(const std::vector<std::array<double, 2>>& vertices, doub
     if ((a[1] > y) != (b[1] > y) && x < a[0] + ex * (y - a[1]) / ey) inside = !inside;
   }
   return inside ? -nearest : nearest;
+}
+
+/// Of a product: `across` and `along` are the signed distances to two sets whose boundaries are at right angles.
+double distance_to_product(double across, double along) {
+  if (across > 0 && along > 0) return std::hypot(across, along);
+  return std::max(across, along);
+}
+
+/// x and y of a ring; of a tube the coordinates across its axis.
+template <int D>
+std::array<double, 2> in_plane(const Shape& shape, const Vector<D>& x) {
+  const int first = D == 2 ? 0 : (shape.axis + 1) % 3, second = D == 2 ? 1 : (shape.axis + 2) % 3;
+  return {x[first] - shape.center[first], x[second] - shape.center[second]};
+}
+
+bool is_whole_ring(const Shape& shape) { return shape.end - shape.begin >= Shape::whole_turn * (1 - 1e-12); }
+
+/// x and y from the centre.
+double ring_distance(const Shape& shape, double x, double y) {
+  const double across = std::abs(std::hypot(x, y) - shape.radius) - 0.5 * shape.thickness;
+  if (is_whole_ring(shape)) return across;
+  // From the middle of the arc: the nearer end is where the angle has the same sign.
+  const double middle = 0.5 * (shape.begin + shape.end), half = 0.5 * (shape.end - shape.begin);
+  const double u = x * std::cos(middle) + y * std::sin(middle), v = std::abs(-x * std::sin(middle) + y * std::cos(middle));
+  const double angle = std::atan2(v, u);
+  const double beyond = v * std::cos(half) - u * std::sin(half);    // distance from the plane of the end
+  const double outwards = u * std::cos(half) + v * std::sin(half);  // along it, from the centre
+  const double of_end = std::abs(outwards - shape.radius) - 0.5 * shape.thickness;
+  if (angle > half) return of_end > 0 ? std::hypot(of_end, beyond) : std::abs(beyond);
+  if (across > 0) return across;
+  return std::max(across, outwards > 0 ? beyond : across);
+}
+
+double line_distance(const Shape& shape, double x, double y) {
+  const std::size_t count = shape.vertices.size(), segments = shape.closed ? count : count - 1;
+  double nearest = std::numeric_limits<double>::max(), beyond = 0, across = 0, inner_end = std::numeric_limits<double>::max();
+  bool is_past = false;
+  for (std::size_t i = 0; i < segments; ++i) {
+    const auto &a = shape.vertices[i], &b = shape.vertices[(i + 1) % count];
+    const double length = std::hypot(b[0] - a[0], b[1] - a[1]), ex = (b[0] - a[0]) / length, ey = (b[1] - a[1]) / length;
+    const double along = (x - a[0]) * ex + (y - a[1]) * ey, off = std::abs(-(x - a[0]) * ey + (y - a[1]) * ex);
+    const bool before = !shape.closed && i == 0 && along < 0, after = !shape.closed && i + 1 == segments && along > length;
+    const double distance = std::hypot(std::max({0.0, -along, along - length}), off);
+    if (!shape.closed && off <= 0.5 * shape.thickness && along >= 0 && along <= length) {
+      if (i == 0) inner_end = std::min(inner_end, along);
+      if (i + 1 == segments) inner_end = std::min(inner_end, length - along);
+    }
+    if (distance >= nearest) continue;
+    nearest = distance;
+    is_past = before || after;
+    beyond = before ? -along : along - length;
+    across = off - 0.5 * shape.thickness;
+  }
+  if (is_past) return across > 0 ? std::hypot(across, beyond) : beyond;
+  const double side = nearest - 0.5 * shape.thickness;
+  return side < 0 ? std::max(side, -inner_end) : side;
+}
+
+template <int D>
+double thin_distance(const Shape& shape, const Vector<D>& x) {
+  if (shape.kind == Shape::Kind::line) return line_distance(shape, x[0], x[1]);
+  const auto [u, v] = in_plane<D>(shape, x);
+  const double across = ring_distance(shape, u, v);
+  if (D == 2) return across;
+  return distance_to_product(across, std::abs(x[shape.axis] - shape.center[shape.axis]) - 0.5 * shape.length);
+}
+
+/// Where a ray from x with this direction meets the line through `a` along `e`, both in the plane.
+void add_crossing(double ax, double ay, double ex, double ey, double x, double y, double dx, double dy, std::vector<double>& at) {
+  const double rate = ey * dx - ex * dy;
+  if (rate != 0) at.push_back((ey * (ax - x) - ex * (ay - y)) / rate);
+}
+
+template <int D>
+void add_crossings_of_thin(const Shape& shape, const Vector<D>& x, const Vector<D>& direction, std::vector<double>& at) {
+  if (shape.kind == Shape::Kind::line) {
+    const std::size_t count = shape.vertices.size(), segments = shape.closed ? count : count - 1;
+    for (std::size_t i = 0; i < segments; ++i) {
+      const auto &a = shape.vertices[i], &b = shape.vertices[(i + 1) % count];
+      const double length = std::hypot(b[0] - a[0], b[1] - a[1]), ex = (b[0] - a[0]) / length, ey = (b[1] - a[1]) / length;
+      for (const double z : {-0.5 * shape.thickness, 0.5 * shape.thickness})
+        add_crossing(a[0] - z * ey, a[1] + z * ex, ex, ey, x[0], x[1], direction[0], direction[1], at);
+      for (const auto& end : {a, b}) add_crossing(end[0], end[1], -ey, ex, x[0], x[1], direction[0], direction[1], at);
+    }
+    return;
+  }
+  const auto [u, v] = in_plane<D>(shape, x);
+  const int first = D == 2 ? 0 : (shape.axis + 1) % 3, second = D == 2 ? 1 : (shape.axis + 2) % 3;
+  const double du = direction[first], dv = direction[second], squared = du * du + dv * dv;
+  for (const double z : {-0.5 * shape.thickness, 0.5 * shape.thickness}) {
+    const double half = u * du + v * dv, root = half * half - squared * (u * u + v * v - std::pow(shape.radius + z, 2));
+    if (squared == 0 || root < 0) continue;
+    at.push_back((-half - std::sqrt(root)) / squared);
+    at.push_back((-half + std::sqrt(root)) / squared);
+  }
+  if (!is_whole_ring(shape))
+    for (const double angle : {shape.begin, shape.end}) add_crossing(0, 0, std::cos(angle), std::sin(angle), u, v, du, dv, at);
+  if (D == 3 && direction[shape.axis] != 0)
+    for (const double end : {-0.5, 0.5})
+      at.push_back((shape.center[shape.axis] + end * shape.length - x[shape.axis]) / direction[shape.axis]);
+}
+
+template <int D>
+Bounds<D> bounds_of_thin(const Shape& shape) {
+  Bounds<D> bounds;
+  if (shape.kind == Shape::Kind::line) {
+    bounds.min.setConstant(std::numeric_limits<double>::max());
+    bounds.max = -bounds.min;
+    for (const auto& vertex : shape.vertices)
+      for (int d = 0; d < 2; ++d) {
+        bounds.min[d] = std::min(bounds.min[d], vertex[d] - 0.5 * shape.thickness);
+        bounds.max[d] = std::max(bounds.max[d], vertex[d] + 0.5 * shape.thickness);
+      }
+    return bounds;
+  }
+  const int first = D == 2 ? 0 : (shape.axis + 1) % 3, second = D == 2 ? 1 : (shape.axis + 2) % 3;
+  for (int d = 0; d < D; ++d) bounds.min[d] = bounds.max[d] = shape.center[d];
+  if (D == 3) bounds.min[shape.axis] -= 0.5 * shape.length, bounds.max[shape.axis] += 0.5 * shape.length;
+  std::vector<double> angles{shape.begin, shape.end};
+  for (double quarter = std::ceil(shape.begin / (0.25 * Shape::whole_turn)); quarter * 0.25 * Shape::whole_turn < shape.end; ++quarter)
+    angles.push_back(quarter * 0.25 * Shape::whole_turn);
+  bool is_first = true;
+  for (const double angle : angles)
+    for (const double r : {shape.radius - 0.5 * shape.thickness, shape.radius + 0.5 * shape.thickness}) {
+      const double u = shape.center[first] + r * std::cos(angle), v = shape.center[second] + r * std::sin(angle);
+      bounds.min[first] = is_first ? u : std::min(bounds.min[first], u);
+      bounds.max[first] = is_first ? u : std::max(bounds.max[first], u);
+      bounds.min[second] = is_first ? v : std::min(bounds.min[second], v);
+      bounds.max[second] = is_first ? v : std::max(bounds.max[second], v);
+      is_first = false;
+    }
+  return bounds;
 }
 
 template <int D>
@@ -53,6 +185,9 @@ void add_ray_crossings(const Shape& shape, const Vector<D>& x, const Vector<D>& 
       at.push_back(-half + std::sqrt(root));
       return;
     }
+    case Shape::Kind::ring:
+    case Shape::Kind::line:
+    case Shape::Kind::tube: return add_crossings_of_thin<D>(shape, x, direction, at);
     case Shape::Kind::union_of:
     case Shape::Kind::difference:
       for (const Shape& part : shape.parts) add_ray_crossings<D>(part, x, direction, at);
@@ -79,6 +214,9 @@ double signed_distance(const Shape& shape, const Vector<D>& x) {
       for (int d = 0; d < D; ++d) squared += std::pow(x[d] - shape.center[d], 2);
       return std::sqrt(squared) - shape.radius;
     }
+    case Shape::Kind::ring:
+    case Shape::Kind::line:
+    case Shape::Kind::tube: return thin_distance<D>(shape, x);
     case Shape::Kind::union_of: {
       double value = std::numeric_limits<double>::max();
       for (const Shape& part : shape.parts) value = std::min(value, signed_distance<D>(part, x));
@@ -116,6 +254,9 @@ Bounds<D> bounding_box(const Shape& shape) {
         bounds.max[d] = shape.center[d] + shape.radius;
       }
       break;
+    case Shape::Kind::ring:
+    case Shape::Kind::line:
+    case Shape::Kind::tube: return bounds_of_thin<D>(shape);
     case Shape::Kind::union_of:
       bounds = bounding_box<D>(shape.parts.front());
       for (const Shape& part : shape.parts) {

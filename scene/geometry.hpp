@@ -1,9 +1,11 @@
 #pragma once
-// Solid shapes: boxes, polygons (2D), balls and their union and difference. Coordinates in m.
+// Solid shapes: boxes, polygons (2D), balls, thin ones with a thickness (rings and lines in 2D, tubes in 3D), and their union and
+// difference. Coordinates in m.
 
 #include <array>
 #include <cstddef>
 #include <iterator>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,12 +15,19 @@
 namespace tern {
 
 struct Shape {
-  enum class Kind { box, polygon, ball, union_of, difference };
+  enum class Kind { box, polygon, ball, ring, line, tube, union_of, difference };
+  static constexpr double whole_turn = 2 * std::numbers::pi;
+
   Kind kind = Kind::box;
   std::array<double, 3> min{}, max{};           ///< box
-  std::vector<std::array<double, 2>> vertices;  ///< polygon, any orientation, not self-intersecting
-  std::array<double, 3> center{};               ///< ball
-  double radius = 0;                            ///< ball
+  std::vector<std::array<double, 2>> vertices;  ///< polygon, any orientation, not self-intersecting; line
+  std::array<double, 3> center{};               ///< ball, ring, tube
+  double radius = 0;                            ///< ball; ring and tube: halfway through the thickness
+  double thickness = 0;                         ///< ring, line, tube
+  double begin = 0, end = whole_turn;           ///< ring, tube: angles between which they are [rad]
+  double length = 0;                            ///< tube: along its axis, half on each side of the centre
+  int axis = 2;                                 ///< tube: x, y or z; angles are counted from the next of these to the one after it
+  bool closed = false;                          ///< line: from the last corner back to the first
   std::vector<Shape> parts;                     ///< union_of: all; difference: the first minus the others
 };
 
@@ -47,13 +56,15 @@ bool contains(const Shape& shape, const Vector<D>& x);
 template <int D>
 Bounds<D> bounding_box(const Shape& shape);
 
-/// Points of a lattice inside a shape, kept as runs along x: as much memory as there are rows, however many points.
+/// Points of a lattice inside a shape, kept as runs along x: as much memory as there are rows, however many points. Points off the lattice
+/// are runs of one.
 template <int D>
 class LatticePoints {
  public:
   struct Run {
     std::array<long, 3> index;  ///< of its first point
     long count;
+    long off_lattice = -1;  ///< which of the points off the lattice it is, -1: none
   };
   class Iterator {
    public:
@@ -95,6 +106,12 @@ class LatticePoints {
     size_ += static_cast<std::size_t>(run.count);
   }
 
+  void add_off_lattice(const Vector<D>& x) {
+    const long n = static_cast<long>(off_lattice_.size());
+    off_lattice_.push_back(x);
+    add({{n, 0, 0}, 1, n});
+  }
+
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
   Iterator begin() const { return {this, 0}; }
@@ -103,6 +120,7 @@ class LatticePoints {
   const Vector<D>& step() const { return step_; }
   /// A point of a run, counted from its first.
   Vector<D> at(const Run& run, long in_run) const {
+    if (run.off_lattice >= 0) return off_lattice_[run.off_lattice];
     Vector<D> x;
     for (int d = 0; d < D; ++d) x[d] = corner_[d] + (static_cast<double>(run.index[d] + (d == 0 ? in_run : 0)) + 0.5) * step_[d];
     return x;
@@ -111,6 +129,7 @@ class LatticePoints {
  private:
   Vector<D> corner_, step_;
   std::vector<Run> runs_;
+  std::vector<Vector<D>> off_lattice_;
   std::size_t size_ = 0;
 };
 

@@ -4,89 +4,382 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "base/error.hpp"
 
 namespace tern {
+namespace {
 
-double thickness_of_box(const Shape& shape, int dimension) {
-  double least = shape.max[0] - shape.min[0];
-  for (int d = 1; d < dimension; ++d) least = std::min(least, shape.max[d] - shape.min[d]);
-  return least;
-}
+constexpr double round_off = 1e-6;  // of the spacing
 
+/// A layer that turns by more than this within a spacing, ten particles round a circle, has no curvature that its particles could tell.
+constexpr double largest_turn = 0.2 * std::numbers::pi;
+
+/// The mid-surface of a box, halfway through its shortest side, without what holds it.
 template <int D>
-MidSurface<D> mid_surface(const StructureBody& body) {
-  const Shape& shape = body.shape;
-  if (shape.kind != Shape::Kind::box)
-    throw BadInput(
-        fmt::format("The shell '{}' is not a box; only a box has a mid-surface here. Make it one, or model it as a solid.", body.name));
+MidSurface<D> middle_of_box(const Shape& shape) {
+  int across = 0;
+  for (int d = 1; d < D; ++d)
+    if (shape.max[d] - shape.min[d] < shape.max[across] - shape.min[across]) across = d;
   MidSurface<D> surface;
-  surface.thickness = thickness_of_box(shape, D);
-  while (shape.max[surface.across] - shape.min[surface.across] > surface.thickness) ++surface.across;
-  surface.middle = 0.5 * (shape.min[surface.across] + shape.max[surface.across]);
-  for (int d = 0, n = 0; d < D; ++d)
-    if (d != surface.across) surface.along[n++] = d;
-  for (int n = 0; n < D - 1; ++n) {
-    surface.low[n] = shape.min[surface.along[n]];
-    surface.high[n] = shape.max[surface.along[n]];
+  surface.thickness = shape.max[across] - shape.min[across];
+  surface.origin[across] = 0.5 * (shape.min[across] + shape.max[across]);
+  surface.axes.setZero();
+  for (int d = 0, n = 0; d < D; ++d) {
+    if (d == across) continue;
+    surface.low[n] = shape.min[d];
+    surface.high[n] = shape.max[d];
+    surface.axes(d, n++) = 1;
   }
-  for (const Shape& clamp : body.clamps) {
-    int ends = 0, end = 0, direction = 0;
-    const int across = surface.across;
-    bool is_whole = clamp.kind == Shape::Kind::box && clamp.min[across] <= shape.min[across] && clamp.max[across] >= shape.max[across];
-    for (int n = 0; n < D - 1 && is_whole; ++n) {
-      const int d = surface.along[n];
-      const bool low = clamp.min[d] <= shape.min[d], high = clamp.max[d] >= shape.max[d];
-      if (low && high) continue;
-      is_whole = low ? clamp.max[d] >= shape.min[d] : high && clamp.min[d] <= shape.max[d];
-      ++ends;
-      direction = n;
-      end = low ? 0 : 1;
-    }
-    if (!is_whole || ends != 1)
-      throw BadInput(
-          fmt::format("The shell '{}' is held by a clamp that is not a box over one whole edge; let it reach across the thickness "
-                      "and beyond both ends of the edge, or model the body as a solid.",
-                      body.name));
-    const int d = surface.along[direction];
-    surface.clamped[direction][end] = true;
-    if (end == 0)
-      surface.low[direction] = std::max(surface.low[direction], clamp.max[d]);
-    else
-      surface.high[direction] = std::min(surface.high[direction], clamp.min[d]);
-  }
-  for (int n = 0; n < D - 1; ++n) {
-    const double length = surface.high[n] - surface.low[n], held = 0.5 * (surface.clamped[n][0] + surface.clamped[n][1]);
-    surface.count[n] = static_cast<int>(std::lround(length / body.spacing - held));
-    if (surface.count[n] < 4)
-      throw BadInput(
-          fmt::format("The shell '{}' has {} free particles over {:.3g} m in direction {}, but needs at least 4 (15 for an error of "
-                      "6 % in bending); use a spacing of at most {:.3g} m.",
-                      body.name, std::max(surface.count[n], 0), length, "xyz"[surface.along[n]], std::max(length, 0.0) / (4 + held)));
-  }
+  if constexpr (D == 2)
+    surface.axes.col(1) << -surface.axes(1, 0), surface.axes(0, 0);
+  else
+    surface.axes.col(2) = surface.axes.col(0).cross(surface.axes.col(1));
   return surface;
 }
 
-// Of a strip of length L under a uniform load, with the rigidity E' t^3/12 and the shear stiffness 5/6 G t: deflection by shear over that
-// by bending is E'/G (t/L)^2 times 0.4 at the end of a cantilever, 4.8 halfway between two clamps, 0.96 halfway between two supports.
+/// A circle or a tube, or a part of one.
+template <int D>
+MidSurface<D> middle_of_round(const Shape& shape) {
+  MidSurface<D> surface;
+  surface.kind = MidSurface<D>::Kind::round;
+  surface.thickness = shape.thickness;
+  surface.radius = shape.radius;
+  surface.begin = shape.begin;
+  for (int d = 0; d < D; ++d) surface.origin[d] = shape.center[d];
+  surface.axes.setZero();
+  if constexpr (D == 3) {
+    surface.origin[shape.axis] -= 0.5 * shape.length;
+    surface.high[0] = shape.length;
+    for (int a = 0; a < 3; ++a) surface.axes((shape.axis + a) % 3, a) = 1;
+  } else {
+    surface.axes.setIdentity();
+  }
+  surface.high[D - 2] = shape.radius * (shape.end - shape.begin);
+  surface.closed[D - 2] = shape.end - shape.begin >= Shape::whole_turn * (1 - 1e-12);
+  return surface;
+}
+
+template <int D>
+MidSurface<D> middle_of_line(const StructureBody& body) {
+  const Shape& shape = body.shape;
+  MidSurface<D> surface;
+  surface.kind = MidSurface<D>::Kind::path;
+  surface.thickness = shape.thickness;
+  surface.closed[0] = shape.closed;
+  surface.reach = 0.5 * body.spacing;
+  const std::size_t count = shape.vertices.size() + (shape.closed ? 1 : 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto& vertex = shape.vertices[i % shape.vertices.size()];
+    Vector<D> x = Vector<D>::Zero();
+    x[0] = vertex[0], x[1] = vertex[1];
+    surface.corner_at.push_back(i == 0 ? 0 : surface.corner_at.back() + (x - surface.corners.back()).norm());
+    surface.corners.push_back(x);
+  }
+  surface.high[0] = surface.corner_at.back();
+  return surface;
+}
+
+template <int D>
+MidSurface<D> bare_surface(const StructureBody& body) {
+  const Shape::Kind kind = body.shape.kind;
+  if (kind == Shape::Kind::box) return middle_of_box<D>(body.shape);
+  if (kind == (D == 2 ? Shape::Kind::ring : Shape::Kind::tube)) return middle_of_round<D>(body.shape);
+  if (D == 2 && kind == Shape::Kind::line) return middle_of_line<D>(body);
+  throw BadInput(fmt::format("The shell '{}' has no mid-surface, which only a box{} has. Make it one, or model it as a solid.", body.name,
+                             D == 2 ? ", a ring or a line" : " or a tube"));
+}
+
+/// Along which coordinate, in words.
+template <int D>
+std::string direction_of(const MidSurface<D>& surface, int n) {
+  using Kind = typename MidSurface<D>::Kind;
+  if (surface.kind == Kind::path) return "along it";
+  if (surface.kind == Kind::round) return n == D - 2 ? "round it" : "along its axis";
+  int axis = 0;
+  surface.axes.col(n).cwiseAbs().maxCoeff(&axis);
+  return fmt::format("in direction {}", "xyz"[axis]);
+}
+
+/// Which coordinate an axis of the box is.
+template <int D>
+int axis_of(const MidSurface<D>& surface, int n) {
+  int axis = 0;
+  surface.axes.col(n).cwiseAbs().maxCoeff(&axis);
+  return axis;
+}
+
+/// Ends the free part of a box at the face of a clamp.
+template <int D>
+void clamp_box(const StructureBody& body, const Shape& clamp, MidSurface<D>& surface) {
+  const Shape& shape = body.shape;
+  int ends = 0, end = 0, direction = 0;
+  const int across = axis_of(surface, D - 1);
+  bool is_whole = clamp.kind == Shape::Kind::box && clamp.min[across] <= shape.min[across] && clamp.max[across] >= shape.max[across];
+  for (int n = 0; n < D - 1 && is_whole; ++n) {
+    const int d = axis_of(surface, n);
+    const bool low = clamp.min[d] <= shape.min[d], high = clamp.max[d] >= shape.max[d];
+    if (low && high) continue;
+    is_whole = low ? clamp.max[d] >= shape.min[d] : high && clamp.min[d] <= shape.max[d];
+    ++ends;
+    direction = n;
+    end = low ? 0 : 1;
+  }
+  if (!is_whole || ends != 1)
+    throw BadInput(
+        fmt::format("The shell '{}' is held by a clamp that is not a box over one whole edge; let it reach across the thickness "
+                    "and beyond both ends of the edge, or model the body as a solid.",
+                    body.name));
+  const int d = axis_of(surface, direction);
+  surface.edges[direction][end] = EdgeKind::clamp;
+  if (end == 0)
+    surface.low[direction] = std::max(surface.low[direction], clamp.max[d]);
+  else
+    surface.high[direction] = std::min(surface.high[direction], clamp.min[d]);
+}
+
+/// Places on the line across the mid-surface where coordinate n has this value.
+template <int D>
+std::vector<Vector<D>> line_across(const MidSurface<D>& surface, int n, double value) {
+  constexpr int pieces = 64;
+  std::vector<Vector<D>> line;
+  std::array<double, D - 1> s{};
+  s[n] = value;
+  for (int k = 0; k <= (D == 2 ? 0 : pieces); ++k) {
+    const int other = D - 2 - n;
+    if constexpr (D == 3) s[other] = surface.low[other] + k * surface.length(other) / pieces;
+    line.push_back(surface.at(s).position);
+  }
+  return line;
+}
+
+/// Ends the free part of another mid-surface where it leaves the region of a clamp.
+template <int D>
+void clamp_bent(const StructureBody& body, const Shape& clamp, MidSurface<D>& surface) {
+  const auto holds = [&](const Vector<D>& x) { return contains<D>(clamp, x); };
+  const double step = 0.25 * body.spacing;
+  int found = 0;
+  bool is_clean = true;
+  const MidSurface<D> bare = surface;
+  for (int n = 0; n < D - 1; ++n)
+    for (int end = 0; end < 2 && !bare.closed[n]; ++end) {
+      const double from = end == 0 ? bare.low[n] : bare.high[n], inwards = end == 0 ? 1 : -1, length = bare.length(n);
+      const auto whole = [&](double depth) {
+        const auto line = line_across(bare, n, from + inwards * depth);
+        return std::all_of(line.begin(), line.end(), holds);
+      };
+      const auto any = [&](double depth) {
+        const auto line = line_across(bare, n, from + inwards * depth);
+        return std::any_of(line.begin(), line.end(), holds);
+      };
+      if (!whole(0)) continue;
+      ++found;
+      double held = 0;
+      while (held < length && whole(held + step)) held += step;
+      double out = held + step;
+      for (int k = 0; k < 50; ++k) (whole(0.5 * (held + out)) ? held : out) = 0.5 * (held + out);
+      for (double beyond = held + step; beyond < length; beyond += step) is_clean &= !any(beyond);
+      surface.edges[n][end] = EdgeKind::clamp;
+      if (end == 0)
+        surface.low[n] = std::max(surface.low[n], from + held);
+      else
+        surface.high[n] = std::min(surface.high[n], from - held);
+    }
+  if (found != 1 || !is_clean)
+    throw BadInput(
+        fmt::format("The shell '{}' is held by a clamp that does not hold one end of it from its edge to a line across; correct its shape, "
+                    "or model the body as a solid.",
+                    body.name));
+}
+
+/// Marks the edge that a hinge holds.
+template <int D>
+void hinge(const StructureBody& body, const Shape& region, MidSurface<D>& surface) {
+  const auto holds = [&](const Vector<D>& x) { return signed_distance<D>(region, x) <= round_off * body.spacing; };
+  int found = 0;
+  for (int n = 0; n < D - 1; ++n)
+    for (int end = 0; end < 2 && !surface.closed[n]; ++end) {
+      const double edge = end == 0 ? surface.low[n] : surface.high[n], inwards = end == 0 ? 1 : -1;
+      const auto line = line_across(surface, n, edge);
+      if (!std::all_of(line.begin(), line.end(), holds)) continue;
+      ++found;
+      const auto inner = line_across(surface, n, edge + inwards * surface.thickness * (1 + round_off));
+      const bool deep = std::any_of(inner.begin() + (D == 3), inner.end() - (D == 3), holds);
+      if (deep)
+        throw BadInput(
+            fmt::format("The shell '{}' has a hinge that reaches farther into it than its thickness, {:.3g} m; a hinge holds an edge only: "
+                        "make it smaller, or a clamp.",
+                        body.name, surface.thickness));
+      EdgeKind& kind = surface.edges[n][end];
+      kind = std::max(kind, EdgeKind::hinge);
+    }
+  if (found != 1)
+    throw BadInput(fmt::format(
+        "The shell '{}' has a hinge that holds {} of its edges as a whole; each hinge has to contain one edge of the mid-surface, "
+        "from corner to corner.",
+        body.name, found == 0 ? "none" : "several"));
+}
+
+}  // namespace
+
+template <int D>
+SurfacePlace<D> MidSurface<D>::at(const std::array<double, D - 1>& s) const {
+  SurfacePlace<D> place{origin, axes};
+  if (kind == Kind::flat) {
+    for (int n = 0; n < D - 1; ++n) place.position += s[n] * axes.col(n);
+    return place;
+  }
+  Vector<D> along = Vector<D>::Zero();
+  if (kind == Kind::round) {
+    const double angle = begin + s[D - 2] / radius;
+    const Vector<D>&first = axes.col(D - 2), &second = axes.col(D - 1);
+    along = std::cos(angle) * second - std::sin(angle) * first;
+    place.position += radius * (std::cos(angle) * first + std::sin(angle) * second);
+    if (D == 3) place.position += s[0] * axes.col(0);
+  } else {
+    const double total = corner_at.back();
+    const auto point = [&](double at) {
+      if (closed[0]) at -= total * std::floor(at / total);
+      const auto next = std::upper_bound(corner_at.begin() + 1, corner_at.end() - 1, at) - corner_at.begin();
+      const double share = (at - corner_at[next - 1]) / (corner_at[next] - corner_at[next - 1]);
+      return Vector<D>(corners[next - 1] + std::clamp(share, 0.0, 1.0) * (corners[next] - corners[next - 1]));
+    };
+    place.position = point(s[0]);
+    along = (point(s[0] + reach) - point(s[0] - reach)).normalized();
+  }
+  place.frame.col(D - 2) = along;
+  if constexpr (D == 2)
+    place.frame.col(1) << -along[1], along[0];
+  else
+    place.frame.col(2) = place.frame.col(0).cross(along);
+  return place;
+}
+
+template <int D>
+double MidSurface<D>::height(const Vector<D>& x) const {
+  if (kind == Kind::flat) return std::abs((x - origin).dot(axes.col(D - 1)));
+  if (kind == Kind::round) return std::abs(std::hypot((x - origin).dot(axes.col(D - 2)), (x - origin).dot(axes.col(D - 1))) - radius);
+  double least = std::numeric_limits<double>::max();
+  for (std::size_t i = 1; i < corners.size(); ++i) {
+    const Vector<D> along = corners[i] - corners[i - 1], from = x - corners[i - 1];
+    least = std::min(least, (from - std::clamp(from.dot(along) / along.squaredNorm(), 0.0, 1.0) * along).norm());
+  }
+  return least;
+}
+
+namespace {
+
+/// Refuses a path that turns too much within a spacing.
+template <int D>
+void check_corners(const StructureBody& body, const MidSurface<D>& surface) {
+  const double dx = surface.spacing(0), inset = surface.closed[0] ? 0 : dx;
+  double largest = 0;
+  Vector<D> where = Vector<D>::Zero();
+  for (double s = surface.low[0] + inset; s <= surface.high[0] - inset; s += 0.25 * dx) {
+    const Vector<D> x = surface.at({s}).position, before = x - surface.at({s - dx}).position, after = surface.at({s + dx}).position - x;
+    const double turn = std::acos(std::clamp(before.dot(after) / (before.norm() * after.norm()), -1.0, 1.0));
+    if (turn > largest) largest = turn, where = x;
+  }
+  constexpr double degree = std::numbers::pi / 180;
+  if (largest > largest_turn * (1 + round_off))
+    throw BadInput(
+        fmt::format("The shell '{}' turns by {:.0f} degrees within a spacing, {:.3g} m, at ({:.4g}, {:.4g}) m, but can by {:.0f} at most: "
+                    "round the corner off, with more than {:.3g} m, use a smaller spacing, or make two bodies of it.",
+                    body.name, largest / degree, dx, where[0], where[1], largest_turn / degree, dx / largest_turn));
+}
+
+}  // namespace
+
+template <int D>
+MidSurface<D> mid_surface(const StructureBody& body) {
+  using Kind = typename MidSurface<D>::Kind;
+  MidSurface<D> surface = bare_surface<D>(body);
+  for (const Shape& clamp : body.rigid_clamps())
+    surface.kind == Kind::flat ? clamp_box(body, clamp, surface) : clamp_bent(body, clamp, surface);
+  for (const Shape& region : body.hinges) hinge(body, region, surface);
+  for (int n = 0; n < D - 1; ++n) {
+    const double held = 0.5 * surface.held_ends(n), length = surface.length(n);
+    surface.count[n] = static_cast<int>(std::lround(length / body.spacing - held));
+    int least = 4;
+    if (surface.kind == Kind::round && n == D - 2)
+      least = std::max(least, static_cast<int>(std::ceil(length / (surface.radius * largest_turn) - held - round_off)));
+    if (surface.count[n] < least)
+      throw BadInput(fmt::format(
+          "The shell '{}' has {} free particles over {:.3g} m {}, but needs at least {} (15 for an error of "
+          "6 % in bending); use a spacing of at most {:.3g} m.",
+          body.name, std::max(surface.count[n], 0), length, direction_of(surface, n), least, std::max(length, 0.0) / (least + held)));
+  }
+  if (surface.kind == Kind::path) check_corners(body, surface);
+  return surface;
+}
+
+template <int D>
+std::vector<SurfaceCell<D>> cells_of(const MidSurface<D>& surface) {
+  std::array<int, 2> size{1, 1};
+  for (int a = 0; a < D - 1; ++a) size[a] = surface.count[a] + surface.held_ends(a);
+  std::vector<SurfaceCell<D>> cells;
+  for (int n = 0; n < size[0] * size[1]; ++n) {
+    const std::array<int, 2> index{n % size[0], n / size[0]};
+    std::array<double, D - 1> s{};
+    SurfaceCell<D> cell{{}, 1, EdgeKind::free};
+    for (int a = 0; a < D - 1; ++a) {
+      s[a] = surface.low[a] + (index[a] + (surface.edges[a][0] == EdgeKind::free ? 0.5 : 0)) * surface.spacing(a);
+      cell.area *= surface.spacing(a);
+      const int end = index[a] == 0 ? 0 : index[a] == size[a] - 1 ? 1 : -1;
+      if (end < 0 || surface.edges[a][end] == EdgeKind::free) continue;
+      cell.area *= 0.5;
+      cell.edge = std::max(cell.edge, surface.edges[a][end]);
+    }
+    if (D == 2 && cell.edge == EdgeKind::hinge) cell.area = 0;
+    cell.place = surface.at(s);
+    cells.push_back(cell);
+  }
+  return cells;
+}
+
+namespace {
+
+/// What is known of a strip by how its ends are held.
+struct StripKind {
+  const char* held;
+  double shear;    ///< deflection by shear over that by bending, in E'/G (t/L)^2
+  double spacing;  ///< deflection that the spacing adds, times the squared number of particles; measured
+};
+
+// Of a strip of length L under a uniform load, with the rigidity E' t^3/12 and the shear stiffness 5/6 G t, at the end of a cantilever or
+// where it sags most. A strip that is free at one end, or both, and not clamped at the other bends as between supports.
+// A ring bends in four half waves; its curvature, not its slope, is what the spacing makes it too stiff by.
+StripKind strip_kind(const std::array<EdgeKind, 2>& edges, bool closed) {
+  if (closed) return {"round it", 0.96, -52};
+  const int clamps = (edges[0] == EdgeKind::clamp) + (edges[1] == EdgeKind::clamp);
+  const int hinges = (edges[0] == EdgeKind::hinge) + (edges[1] == EdgeKind::hinge);
+  if (clamps == 2) return {"between two clamps", 4.8, 13};
+  if (clamps == 1 && hinges == 1) return {"between a clamp and a hinge", 2.65, 5};
+  if (clamps == 1) return {"from its clamp on", 0.4, 0.4};
+  if (hinges == 2) return {"between two hinges", 0.96, 2};
+  return {hinges == 1 ? "from its hinge on" : "from edge to edge", 0.96, 0.4};
+}
+
+}  // namespace
+
 template <int D>
 ShellFit shell_fit(const StructureBody& body) {
   const MidSurface<D> surface = mid_surface<D>(body);
   const double nu = body.poisson_ratio, modulus_over_shear = D == 2 && body.plane_stress ? 2 * (1 + nu) : 2 / (1 - nu);
   ShellFit worst;
   for (int n = 0; n < D - 1; ++n) {
+    const StripKind kind = strip_kind(surface.edges[n], surface.closed[n]);
     ShellFit fit;
     fit.thickness = surface.thickness;
-    fit.length = surface.high[n] - surface.low[n];
-    fit.clamped_ends = surface.clamped[n][0] + surface.clamped[n][1];
+    fit.length = surface.length(n) * (surface.closed[n] ? 0.25 : 1);
+    fit.held = kind.held;
     fit.count = surface.count[n];
-    constexpr double shear[] = {0.96, 4.8, 0.4};  // free at both ends, clamped at both, clamped at one
-    constexpr double spacing[] = {0.4, 13, 0.4};  // measured, times the squared number of particles
-    const int kind = fit.clamped_ends == 2 ? 1 : fit.clamped_ends == 1 ? 2 : 0;
-    fit.without_shear = shear[kind] * modulus_over_shear * std::pow(fit.thickness / fit.length, 2);
-    fit.by_spacing = spacing[kind] / std::pow(fit.count, 2);
-    if (n == 0 || fit.without_shear + fit.by_spacing > worst.without_shear + worst.by_spacing) worst = fit;
+    fit.without_shear = kind.shear * modulus_over_shear * std::pow(fit.thickness / fit.length, 2);
+    fit.by_spacing = kind.spacing / std::pow(fit.count, 2);
+    fit.wanted_particles = std::max(18.0, std::sqrt(std::abs(kind.spacing) / 0.015));
+    if (n == 0 || fit.without_shear + std::abs(fit.by_spacing) > worst.without_shear + std::abs(worst.by_spacing)) worst = fit;
   }
   return worst;
 }
@@ -94,20 +387,8 @@ ShellFit shell_fit(const StructureBody& body) {
 template <int D>
 LatticePoints<D> fill_body(const StructureBody& body) {
   if (!body.is_shell) return fill_lattice<D>(body.shape, body.spacing);
-  const MidSurface<D> surface = mid_surface<D>(body);
-  Vector<D> low, step;
-  std::array<long, 3> count{1, 1, 1};
-  low[surface.across] = body.shape.min[surface.across];
-  step[surface.across] = surface.thickness;
-  for (int n = 0; n < D - 1; ++n) {
-    const int d = surface.along[n], held = surface.clamped[n][0] + surface.clamped[n][1];
-    step[d] = (surface.high[n] - surface.low[n]) / (surface.count[n] + 0.5 * held);
-    low[d] = surface.low[n] - (surface.clamped[n][0] ? 0.5 * step[d] : 0);
-    count[d] = surface.count[n] + held;
-  }
-  LatticePoints<D> points(low, step);
-  for (long k = 0; k < count[2]; ++k)
-    for (long j = 0; j < count[1]; ++j) points.add({{0, j, k}, count[0]});
+  LatticePoints<D> points(bounding_box<D>(body.shape).min, Vector<D>::Constant(body.spacing));
+  for (const SurfaceCell<D>& cell : cells_of(mid_surface<D>(body))) points.add_off_lattice(cell.place.position);
   return points;
 }
 
@@ -116,7 +397,7 @@ double free_length(const StructureBody& body) {
   double longest = 0;
   if (body.is_shell) {
     const MidSurface<D> surface = mid_surface<D>(body);
-    for (int n = 0; n < D - 1; ++n) longest = std::max(longest, surface.high[n] - surface.low[n]);
+    for (int n = 0; n < D - 1; ++n) longest = std::max(longest, surface.length(n) * (surface.closed[n] ? 0.25 : 1));
     return longest;
   }
   const Vector<D> half = Vector<D>::Constant(0.5 * body.spacing);
@@ -128,10 +409,12 @@ double free_length(const StructureBody& body) {
   return (high - low).maxCoeff();
 }
 
-#define TERN_INSTANTIATE(D)                                     \
-  template MidSurface<D> mid_surface<D>(const StructureBody&);  \
-  template ShellFit shell_fit<D>(const StructureBody&);         \
-  template LatticePoints<D> fill_body<D>(const StructureBody&); \
+#define TERN_INSTANTIATE(D)                                               \
+  template struct MidSurface<D>;                                          \
+  template MidSurface<D> mid_surface<D>(const StructureBody&);            \
+  template std::vector<SurfaceCell<D>> cells_of<D>(const MidSurface<D>&); \
+  template ShellFit shell_fit<D>(const StructureBody&);                   \
+  template LatticePoints<D> fill_body<D>(const StructureBody&);           \
   template double free_length<D>(const StructureBody&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

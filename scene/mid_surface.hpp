@@ -1,36 +1,78 @@
 #pragma once
-// The mid-surface of a thin body that is modelled as a shell: a box, halfway through its thinnest direction.
+// The mid-surface of a thin body that is modelled as a shell, and its particles.
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "scene/case_file.hpp"
 #include "scene/geometry.hpp"
 
 namespace tern {
 
+/// How an edge is held: a hinge holds the place, a clamp the slope as well.
+enum class EdgeKind { free, hinge, clamp };
+
+/// A place on a mid-surface.
 template <int D>
-struct MidSurface {
-  int across = 0;                                    ///< direction of the thickness
-  double thickness = 0, middle = 0;                  ///< [m]; where along `across` the mid-surface is
-  std::array<int, D - 1> along{};                    ///< the other directions
-  std::array<double, D - 1> low{}, high{};           ///< between its clamps [m]
-  std::array<std::array<bool, 2>, D - 1> clamped{};  ///< at both ends of each direction
-  std::array<int, D - 1> count{};                    ///< free particles along each direction at the body's spacing
+struct SurfacePlace {
+  Vector<D> position;
+  Matrix<D> frame;  ///< columns: the directions of the coordinates, then the normal
 };
 
-/// Throws BadInput where the body cannot be modelled as a shell: other than a box, or held by clamps that do not end at a whole edge.
+/// A rectangle of its coordinates s, which are lengths along it, laid into space: flat; rolled up about the axis of a circle or of a tube,
+/// where the last coordinate goes round; or along a path in the plane.
+template <int D>
+struct MidSurface {
+  enum class Kind { flat, round, path } kind = Kind::flat;
+  double thickness = 0;                                ///< [m]
+  std::array<double, D - 1> low{}, high{};             ///< of s, between its clamps [m]
+  std::array<std::array<EdgeKind, 2>, D - 1> edges{};  ///< at both ends of each coordinate
+  std::array<int, D - 1> count{};                      ///< free particles along each coordinate
+  std::array<bool, D - 1> closed{};                    ///< the end of a coordinate is its beginning
+  Vector<D> origin = Vector<D>::Zero();                ///< flat: where s = 0; round: the centre, of a tube where it begins
+  Matrix<D> axes = Matrix<D>::Identity();              ///< flat: directions of s, then the normal; round: axis, and where angles are 0
+  double radius = 0, begin = 0;                        ///< round: its radius [m], and its angle where s = 0
+  std::vector<Vector<D>> corners;                      ///< path: closed, the last is the first again
+  std::vector<double> corner_at;                       ///< their s [m]
+  double reach = 0;                                    ///< path: its direction is that from `reach` before to `reach` after a place [m]
+
+  SurfacePlace<D> at(const std::array<double, D - 1>& s) const;
+  /// Distance of x from it [m].
+  double height(const Vector<D>& x) const;
+
+  double length(int n) const { return high[n] - low[n]; }
+  int held_ends(int n) const { return (edges[n][0] != EdgeKind::free) + (edges[n][1] != EdgeKind::free); }
+  /// The first free particle is a whole spacing from a held edge, half a spacing from a free one [m].
+  double spacing(int n) const { return length(n) / (count[n] + 0.5 * held_ends(n)); }
+};
+
+/// Throws BadInput where the body cannot be modelled as a shell: of another shape, with a sharp corner, held by clamps that do not end at a
+/// whole edge, or by hinges that do not hold one.
 template <int D>
 MidSurface<D> mid_surface(const StructureBody& body);
+
+/// The cell of a particle on a mid-surface.
+template <int D>
+struct SurfaceCell {
+  SurfacePlace<D> place;
+  double area;    ///< half of a cell on a held edge; 2D: a hinge has none [m^(D-1)]
+  EdgeKind edge;  ///< that the particle stands on; where two meet, a clamp comes before a hinge
+};
+
+/// The first coordinate runs fastest.
+template <int D>
+std::vector<SurfaceCell<D>> cells_of(const MidSurface<D>& surface);
 
 /// How well one layer of particles stands for a body.
 struct ShellFit {
   double length = 0, thickness = 0;  ///< of the free length in the direction that fits worst [m]
-  int clamped_ends = 0;              ///< of that direction
+  std::string held;                  ///< in words: how its ends in that direction are held
   int count = 0;                     ///< free particles along it
   double without_shear = 0;          ///< share of its deflection under a uniform load that is missing without transverse shear
-  double by_spacing = 0;             ///< share of its deflection that the spacing adds, about
+  double by_spacing = 0;             ///< share of its deflection that the spacing adds, about; negative: takes away
+  double wanted_particles = 0;       ///< along it, for a spacing that adds 1.5 %
 };
 inline constexpr double most_without_shear = 0.02;  ///< a body with more is better a solid
 
@@ -38,13 +80,13 @@ inline constexpr double most_without_shear = 0.02;  ///< a body with more is bet
 template <int D>
 ShellFit shell_fit(const StructureBody& body);
 
-/// The particles of a body. Those of a shell are one layer on its mid-surface: the held ones stand on the edges of its clamps, the first
-/// free one a whole spacing from a held edge, half a spacing from a free one. Throws as mid_surface() does.
+/// The particles of a body. Those of a shell are one layer on its mid-surface: the held ones stand on its held edges. Throws as
+/// mid_surface() does.
 template <int D>
 LatticePoints<D> fill_body(const StructureBody& body);
 
 /// Longest side [m] of what no clamp holds: of a solid the box around its free particles with their half spacings, of a shell its
-/// mid-surface between clamps. Throws as mid_surface() does.
+/// mid-surface between clamps; a quarter of the way round a ring, half a wave of its first motion. Throws as mid_surface() does.
 template <int D>
 double free_length(const StructureBody& body);
 
@@ -61,8 +103,5 @@ template <int D>
 double shell_sub_step(double courant, double spacing, double thickness, double wave_speed) {
   return courant * spacing / wave_speed * std::min(1.0, (D == 2 ? 7.0 / 3 : 2.0) * spacing / thickness);
 }
-
-/// The shortest side of a box [m].
-double thickness_of_box(const Shape& shape, int dimension);
 
 }  // namespace tern

@@ -20,8 +20,8 @@ enum class ParameterType {
   point,        ///< list of D numbers
   expression,   ///< number or expression text
   expressions,  ///< list of D numbers or expression texts
-  vertices,     ///< list of at least 3 points [x, y]
-  shape,        ///< table with exactly one of box, polygon, ball, union, difference
+  vertices,     ///< list of at least 2 points [x, y]
+  shape,        ///< table with exactly one of box, polygon, ball, ring, line, tube, union, difference
   shapes,       ///< list of shapes
 };
 

@@ -278,16 +278,21 @@ class PlacementCheck {
       const StructureBody& body = structure()[i];
       if (body.is_shell) {
         const ShellFit fit = shell_fit<D>(body);
-        const char* end = fit.clamped_ends == 2 ? "between two clamps" : fit.clamped_ends == 1 ? "from its clamp on" : "from edge to edge";
         if (fit.without_shear > most_without_shear)
           scene_.warnings.push_back(
               fmt::format("{}: the shell '{}' is {:.3g} thicknesses long {}; without transverse shear it bends {:.2g} % too little. As a "
                           "solid (model = \"solid\", a spacing of {:.3g} m) it would not.",
-                          where_body(i), body.name, fit.length / fit.thickness, end, 100 * fit.without_shear, fit.thickness / 4));
-        if (fit.by_spacing > most_by_spacing)
+                          where_body(i), body.name, fit.length / fit.thickness, fit.held, 100 * fit.without_shear, fit.thickness / 4));
+        if (std::abs(fit.by_spacing) > most_by_spacing)
+          scene_.warnings.push_back(fmt::format(
+              "{}: the shell '{}' has {} particles {}; it bends {:.2g} % too {}. A spacing of {:.2g} m halves that.", where_body(i),
+              body.name, fit.count, fit.held, 100 * std::abs(fit.by_spacing), fit.by_spacing > 0 ? "much" : "little", body.spacing / 1.42));
+        if (const MidSurface<D> surface = mid_surface<D>(body);
+            D == 3 && body.spacing > std::sqrt(surface.radius * surface.thickness) && surface.radius > 0)
           scene_.warnings.push_back(
-              fmt::format("{}: the shell '{}' has {} particles {}; it bends {:.2g} % too much. A spacing of {:.2g} m halves that.",
-                          where_body(i), body.name, fit.count, end, 100 * fit.by_spacing, body.spacing / 1.42));
+              fmt::format("{}: the spacing of the shell '{}', {:.3g} m, is wider than what bends along a tube at its ends and under loads, "
+                          "sqrt(radius x thickness) = {:.3g} m: it is too soft there. Half of that is enough.",
+                          where_body(i), body.name, body.spacing, std::sqrt(surface.radius * surface.thickness)));
         if (body.spacing < 0.5 * fit.thickness)
           scene_.warnings.push_back(
               fmt::format("{}: the spacing of the shell '{}', {:.3g} m, is below half of its thickness, {:.3g} m: the sub-steps shrink "

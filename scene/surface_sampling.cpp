@@ -151,13 +151,121 @@ class Sampler {
   void sample(const Shape& leaf) {
     if (leaf.kind == Shape::Kind::ball) return sample_ball(leaf);
     if constexpr (D == 2) {
+      if (leaf.kind == Shape::Kind::ring) return sample_ring(leaf);
+      if (leaf.kind == Shape::Kind::line) return sample_line(leaf);
       auto vertices = leaf.vertices;
       if (leaf.kind == Shape::Kind::box) {
         vertices = {{leaf.min[0], leaf.min[1]}, {leaf.max[0], leaf.min[1]}, {leaf.max[0], leaf.max[1]}, {leaf.min[0], leaf.max[1]}};
       }
       sample_polygon(vertices);
+    } else if (leaf.kind == Shape::Kind::tube) {
+      sample_tube(leaf);
     } else {
       sample_box(leaf);
+    }
+  }
+
+  void sample_straight(const Vector<D>& from, const Vector<D>& to, const Vector<D>& normal) {
+    const Curve edge = [&](double s) { return SurfacePoint<D>{from + s * (to - from), normal}; };
+    const double length = (to - from).norm();
+    add_curve(edge, length, count(length));
+  }
+
+  void sample_ring(const Shape& leaf) {
+    const Vector<D> center(leaf.center[0], leaf.center[1]);
+    const auto outwards = [](double angle) { return Vector<D>(std::cos(angle), std::sin(angle)); };
+    const double turn = leaf.end - leaf.begin;
+    for (const double side : {1.0, -1.0}) {
+      const double r = leaf.radius + 0.5 * side * leaf.thickness;
+      const Curve arc = [&](double s) {
+        const Vector<D> n = outwards(leaf.begin + s * turn);
+        return SurfacePoint<D>{center + r * n, side * n};
+      };
+      add_curve(arc, r * turn, std::max(3L, count(r * turn)));
+    }
+    if (turn >= Shape::whole_turn * (1 - 1e-12)) return;
+    for (const double angle : {leaf.begin, leaf.end}) {
+      const Vector<D> n = outwards(angle), along(-n[1], n[0]);
+      sample_straight(center + (leaf.radius - 0.5 * leaf.thickness) * n, center + (leaf.radius + 0.5 * leaf.thickness) * n,
+                      angle == leaf.end ? along : Vector<D>(-along));
+    }
+  }
+
+  /// Both sides of a line with a thickness, mitred at its corners, and its ends.
+  void sample_line(const Shape& leaf) {
+    const std::size_t count_of = leaf.vertices.size(), segments = leaf.closed ? count_of : count_of - 1;
+    std::vector<Vector<D>> along(segments);
+    const auto corner = [&](std::size_t i) { return Vector<D>(leaf.vertices[i % count_of][0], leaf.vertices[i % count_of][1]); };
+    for (std::size_t i = 0; i < segments; ++i) along[i] = (corner(i + 1) - corner(i)).normalized();
+    const auto left_of = [](const Vector<D>& e) { return Vector<D>(-e[1], e[0]); };
+    for (const double side : {1.0, -1.0}) {
+      std::vector<Vector<D>> offset;
+      for (std::size_t i = 0; i <= segments; ++i) {
+        const bool has_before = leaf.closed || i > 0, has_after = leaf.closed || i < segments;
+        const Vector<D> before = left_of(along[has_before ? (i + segments - 1) % segments : 0]);
+        const Vector<D> after = left_of(along[has_after ? i % segments : segments - 1]);
+        offset.push_back(corner(i) + side * leaf.thickness / (1 + before.dot(after)) * 0.5 * (before + after));
+      }
+      std::vector<double> place{0};
+      for (std::size_t i = 0; i < segments; ++i) place.push_back(place.back() + (offset[i + 1] - offset[i]).norm());
+      const double length = place.back();
+      const Curve curve = [&](double s) {
+        const auto next = std::upper_bound(place.begin() + 1, place.end() - 1, s * length);
+        const auto i = static_cast<std::size_t>(next - place.begin()) - 1;
+        const double share = (s * length - place[i]) / (place[i + 1] - place[i]);
+        return SurfacePoint<D>{offset[i] + share * (offset[i + 1] - offset[i]), side * left_of(along[i])};
+      };
+      add_curve(curve, length, std::max(leaf.closed ? 3L : 1L, count(length)));
+    }
+    if (leaf.closed) return;
+    for (const bool last : {false, true}) {
+      const Vector<D> end = corner(last ? segments : 0), e = along[last ? segments - 1 : 0];
+      const Vector<D> across = 0.5 * leaf.thickness * left_of(e);
+      sample_straight(end - across, end + across, last ? e : Vector<D>(-e));
+    }
+  }
+
+  void sample_tube(const Shape& leaf) {
+    const int first = (leaf.axis + 1) % 3, second = (leaf.axis + 2) % 3;
+    const double turn = leaf.end - leaf.begin;
+    const auto place = [&](double along, double r, double angle) {
+      Vector<D> x;
+      x[leaf.axis] = leaf.center[leaf.axis] + along;
+      x[first] = leaf.center[first] + r * std::cos(angle);
+      x[second] = leaf.center[second] + r * std::sin(angle);
+      return x;
+    };
+    const auto direction = [&](double along, double radial, double tangential, double angle) {
+      Vector<D> n;
+      n[leaf.axis] = along;
+      n[first] = radial * std::cos(angle) - tangential * std::sin(angle);
+      n[second] = radial * std::sin(angle) + tangential * std::cos(angle);
+      return n;
+    };
+    const double inner = leaf.radius - 0.5 * leaf.thickness, outer = leaf.radius + 0.5 * leaf.thickness;
+    const long along = count(leaf.length), across = count(leaf.thickness), around = std::max(3L, count(leaf.radius * turn));
+    const auto part = [](long i, double u, long pieces) { return (static_cast<double>(i) + u) / static_cast<double>(pieces); };
+    const auto add_patches = [&](long rows, long columns, double area, const Patch& face) {
+      for (long j = 0; j < columns; ++j)
+        for (long i = 0; i < rows; ++i)
+          add_patch([&](double u, double v) { return face(part(i, u, rows), part(j, v, columns)); },
+                    area / static_cast<double>(rows * columns));
+    };
+    for (const double side : {1.0, -1.0}) {
+      const double r = side > 0 ? outer : inner;
+      add_patches(along, around, r * turn * leaf.length, [&](double u, double v) {
+        const double angle = leaf.begin + v * turn;
+        return SurfacePoint<D>{place((u - 0.5) * leaf.length, r, angle), direction(0, side, 0, angle)};
+      });
+      add_patches(across, around, leaf.radius * leaf.thickness * turn, [&](double u, double v) {
+        const double angle = leaf.begin + v * turn, squared = inner * inner + u * (outer * outer - inner * inner);
+        return SurfacePoint<D>{place(0.5 * side * leaf.length, std::sqrt(squared), angle), direction(side, 0, 0, angle)};
+      });
+      if (turn >= Shape::whole_turn * (1 - 1e-12)) continue;
+      const double angle = side > 0 ? leaf.end : leaf.begin;
+      add_patches(across, along, leaf.thickness * leaf.length, [&](double u, double v) {
+        return SurfacePoint<D>{place((v - 0.5) * leaf.length, inner + u * leaf.thickness, angle), direction(0, 0, side, angle)};
+      });
     }
   }
 

@@ -104,7 +104,7 @@ Setting checked_value(const Parameter& p, const Setting& value, std::size_t dime
     case ParameterType::expression: check_expression(p, value); return plain(value);
     case ParameterType::expressions: check_entries(p, value, dimension, true); return plain(value);
     case ParameterType::vertices:
-      if (value.type != Type::list || value.items.size() < 3) wrong_type(p, value, "a list of at least 3 points [x, y]");
+      if (value.type != Type::list || value.items.size() < 2) wrong_type(p, value, "a list of at least 2 points [x, y]");
       for (const Setting& vertex : value.items) check_entries(p, vertex, 2, false);
       return plain(value);
     case ParameterType::shape:

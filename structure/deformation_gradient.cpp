@@ -72,6 +72,7 @@ void deformation_gradient(const Reference<D>& reference, const State<D>& state, 
 template <int D>
 void displacement_gradients(const Reference<D>& reference, const State<D>& state, Workspace<D>& work) {
   gradients<D, false>(reference, state, work);
+  shell_derivatives(reference, state, work);
 }
 
 template void displacement_gradients<2>(const Reference<2>&, const State<2>&, Workspace<2>&);

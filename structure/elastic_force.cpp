@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "structure/shell/shell_body.hpp"
 #include "structure/time_step.hpp"
 
 namespace tern::structure {
@@ -58,6 +59,7 @@ bool evaluate_elastic_force(const Reference<D>& reference, State<D>& state, Work
   if (!stresses(reference, work)) return false;
   for (auto& axis : state.internal_force) std::fill(axis.begin(), axis.end(), 0);
   elastic_force(reference, work, state);
+  if (!shell_elastic_forces(reference, state, work)) return false;
   work.evaluations.elastic_force += reference.rows;
   state.force_is_elastic = true;
   return true;

@@ -369,7 +369,7 @@ Reference<D> build_reference(const StructureCase& structure) {
   for (const StructureBody& input : structure.bodies) {
     Body body{.name = input.name,
               .shape = input.shape,
-              .clamps = input.clamps,
+              .clamps = {input.rigid_clamps().begin(), input.rigid_clamps().end()},
               .material = Material(input),
               .spacing = input.spacing,
               .smoothing_length = structure.numerics.smoothing_length_ratio * input.spacing,
@@ -378,11 +378,11 @@ Reference<D> build_reference(const StructureCase& structure) {
               .first = points.size(),
               .count = 0};
     if (input.is_shell) {
-      ShellBody<D> shell{
-          .layer = make_shell_layer<D>(input.name, shell_particles_of<D>(input), body.material, thickness_of_box(input.shape, D)),
-          .body = static_cast<std::uint32_t>(reference.bodies.size()),
-          .index = reference.shells.size(),
-          .first_row = next_row};
+      const MidSurface<D> surface = mid_surface<D>(input);
+      ShellBody<D> shell{.layer = make_shell_layer<D>(input.name, shell_particles(surface), body.material, surface.thickness),
+                         .body = static_cast<std::uint32_t>(reference.bodies.size()),
+                         .index = reference.shells.size(),
+                         .first_row = next_row};
       const auto& positions = shell.layer.particles.position;
       body.count = positions.size();
       cells.emplace_back();

@@ -67,7 +67,7 @@ struct Block {
 struct Body {
   std::string name;
   Shape shape;
-  std::vector<Shape> clamps;
+  std::vector<Shape> clamps;  ///< without the hinges of a shell
   Material material;
   double spacing = 0;                ///< dx_s [m]
   double smoothing_length = 0;       ///< h_0 [m]

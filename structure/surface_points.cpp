@@ -76,7 +76,7 @@ SurfaceAttachment<D> attach_surface(const Reference<D>& reference, const Case& s
       attachment.properties.impedance.push_back(body.material.density * body.material.pressure_wave_speed());
       attachment.properties.least_mass.push_back(clamped ? held_mass : body.material.density * body.spacing);
       const ShellBody<D>* shell = clamped ? nullptr : reference.shell_of(body);
-      if (shell != nullptr && std::abs(normal.dot(shell->layer.particles.frame[0].col(D - 1))) > 0.5) {  // on a face
+      if (shell != nullptr && std::abs(normal.dot(shell->layer.particles.frame[row - shell->first_row].col(D - 1))) > 0.5) {  // on a face
         attachment.properties.least_mass.back() = attachment.properties.section_mass.back();  // nothing travels through the thickness
       }
       attachment.on_shell.push_back(shell == nullptr ? -1 : static_cast<std::int32_t>(shell->index));

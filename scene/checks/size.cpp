@@ -33,6 +33,17 @@ double patches_of_primitive(const Shape& shape, double spacing) {
       count += pieces(std::hypot(shape.vertices[i][0] - shape.vertices[j][0], shape.vertices[i][1] - shape.vertices[j][1]));
     return count;
   }
+  if (shape.kind == Shape::Kind::line) {
+    for (std::size_t i = 0; i + (shape.closed ? 0 : 1) < shape.vertices.size(); ++i) {
+      const auto &a = shape.vertices[i], &b = shape.vertices[(i + 1) % shape.vertices.size()];
+      count += 2 * pieces(std::hypot(a[0] - b[0], a[1] - b[1]));
+    }
+    return count;
+  }
+  if (shape.kind == Shape::Kind::ring || shape.kind == Shape::Kind::tube) {
+    const double around = pieces((shape.end - shape.begin) * shape.radius);
+    return 2 * around * (D == 2 ? 1 : pieces(shape.length) + pieces(shape.thickness));
+  }
   if (shape.kind == Shape::Kind::ball) {
     const double around = pieces(2 * std::numbers::pi * shape.radius);
     return D == 2 ? around : around * around / std::numbers::pi;
@@ -51,7 +62,7 @@ std::string most_text(double most) { return fmt::format("{:.0e}", most); }
 }  // namespace
 
 double count_sides(const Shape& shape) {
-  double count = shape.kind == Shape::Kind::polygon ? static_cast<double>(shape.vertices.size()) : 1;
+  double count = shape.kind == Shape::Kind::polygon || shape.kind == Shape::Kind::line ? static_cast<double>(shape.vertices.size()) : 1;
   for (const Shape& part : shape.parts) count += count_sides(part);
   return count;
 }

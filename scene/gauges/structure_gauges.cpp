@@ -48,11 +48,13 @@ void check_displacement(const GaugeCase& gauge, const Case& scene, const std::st
     fail_at(where, fmt::format("the gauge '{}' at {} is no point of the undeformed body '{}'; move it by {:.3g} m.", gauge.name,
                                place_text(gauge.point("at"), scene), body.name, distance));
   if (!body.is_shell) return;
-  const auto middle_of = [](const auto& surface) { return std::pair(surface.across, surface.middle); };
-  const auto [across, middle] = scene.dimension == 2 ? middle_of(mid_surface<2>(body)) : middle_of(mid_surface<3>(body));
-  if (std::abs(gauge.point("at")[across] - middle) <= 1e-3 * thickness_of_box(body.shape, scene.dimension)) return;
-  fail_at(where, fmt::format("the gauge '{}' at {} is not on the mid-surface of the shell '{}', {} = {:.6g} m; move it there.", gauge.name,
-                             place_text(gauge.point("at"), scene), body.name, "xyz"[across], middle));
+  const auto check_place = [&]<int D>(const MidSurface<D>& surface) {
+    const double height = surface.height(gauge.place<D>("at"));
+    if (std::abs(height) > 1e-3 * surface.thickness)
+      fail_at(where, fmt::format("the gauge '{}' at {} is not on the mid-surface of the shell '{}', but {:.6g} m beside it; move it there.",
+                                 gauge.name, place_text(gauge.point("at"), scene), body.name, std::abs(height)));
+  };
+  scene.dimension == 2 ? check_place(mid_surface<2>(body)) : check_place(mid_surface<3>(body));
 }
 
 void check_reaction(const GaugeCase& gauge, const Case& scene, const std::string& where) {

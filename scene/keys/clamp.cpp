@@ -15,6 +15,8 @@ const Rows<ClampCase>& clamp_rows() {
       {"name", &ClampCase::name, "", required, any, "Name of the clamp in gauges and messages; unique."},
       {"body", &ClampCase::body, "", required, any, "The elastic body it holds."},
       {"region", &ClampCase::region, "", required, any, "Particles of the undeformed body inside this shape are held."},
+      {"hinge", &ClampCase::is_hinge, "", "false", any,
+       "Of a shell: hold its edge in its place only and let it turn, as `hinge` of [[structure.body]] does."},
       {"displacement", of_motion<ClampCase>(&RigidMotion::displacement), "m", absent, a_place,
        "Displacement from the initial place as expressions in t, 0 at t = 0; absent = none."},
       {"rotation", of_motion<ClampCase>(&RigidMotion::rotation), "rad", absent, an_angle,

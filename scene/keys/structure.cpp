@@ -38,12 +38,16 @@ const Rows<StructureBody>& body_rows() {
       {"clamp", &StructureBody::clamps, "", "[]", any,
        "Particles inside any of these shapes are fixed; one layer of them is enough. The outermost ones are moved onto the face of the "
        "region. Where fluid can come to it, its surface is wet."},
+      {"hinge", &StructureBody::hinges, "", "[]", any,
+       "Of a shell: each of these shapes contains one edge of its mid-surface and holds it in its place; the edge may turn. None reaches "
+       "farther into the body than its thickness."},
       {"material", one_of(&StructureBody::material, structure::material_keys()), "", "\"neo_hookean\"", any,
        "Law of the material: " + material_meanings() + "."},
       {"model", one_of(&StructureBody::is_shell, {{"solid", false}, {"shell", true}}), "", absent, any,
        "solid (absent): particles fill the shape. shell: one layer of particles on the mid-surface of a box, whose shortest side is the "
-       "thickness; its clamps are boxes over whole edges. It bends without transverse shear, so it has to be thin: 30 thicknesses between "
-       "two clamps, 10 as a cantilever. A spacing of one to two thicknesses is enough; the steps are explicit."},
+       "thickness, of a ring or a line (2D), or of a tube (3D). Clamps hold whole edges, those of a box are boxes. It bends without "
+       "transverse shear, so it has to be thin: 30 thicknesses between two clamps, 10 as a cantilever. A spacing of one to two thicknesses "
+       "is enough; a ring needs 30 particles."},
       {"mooney_ratio", &StructureBody::mooney_ratio, "-", absent, from_to(0, 1),
        "Of mooney_rivlin: C01/(C10 + C01), how much of the shear modulus is that of the second invariant; absent = 0.2."},
       {"plane", one_of(&StructureBody::plane_stress, {{"strain", false}, {"stress", true}}), "", absent, any,
@@ -74,7 +78,7 @@ const Rows<StructureNumerics>& numerics_rows() {
        "", absent, any,
        "Explicit sub-steps with diffusion; implicit steps of at most 100 sub-steps, without it; auto: whichever is cheaper, by a count "
        "of what the implicit steps take. Absent = auto beside a fluid, whose steps are what the motion needs; explicit alone, where "
-       "nothing but the sub-steps resolves a wave. With a shell in the case both are explicit."},
+       "nothing but the sub-steps resolves a wave."},
   };
   // clang-format on
   return rows;
@@ -84,13 +88,13 @@ const Rows<StructureNumerics>& numerics_rows() {
 void check_shells(const StructureCase& structure, int dimension, const Setting& table) {
   for (std::size_t i = 0; i < structure.bodies.size(); ++i) {
     const StructureBody& body = structure.bodies[i];
-    if (!body.is_shell) continue;
     const std::string& where = table.at("body").items[i].where;
-    if (structure.numerics.integrator == Integrator::implicit_steps)
+    if (!body.is_shell && !body.hinges.empty())
       throw BadInput(
-          fmt::format("{}: the shell '{}' moves in explicit steps only; set structure.numerics.integrator to \"explicit\", or leave it "
-                      "out.",
+          fmt::format("{}: the solid '{}' has a hinge, but only the edge of a shell is thin enough to turn in one; clamp it, or "
+                      "make it a shell (model = \"shell\").",
                       where, body.name));
+    if (!body.is_shell) continue;
     try {
       dimension == 2 ? void(mid_surface<2>(body)) : void(mid_surface<3>(body));
     } catch (const BadInput& fault) {
@@ -126,14 +130,13 @@ StructureCase read_structure(const Setting& table, int dimension, bool coupled, 
     for (const Setting& clamp : clamps->items) structure.clamps.push_back(read_clamp(clamp, dimension, folder));
   for (const ClampCase& clamp : structure.clamps)
     for (StructureBody& body : structure.bodies)
-      if (body.name == clamp.body) body.clamps.push_back(clamp.region);
+      if (body.name == clamp.body) (clamp.is_hinge ? body.hinges : body.clamps).push_back(clamp.region);
+  for (StructureBody& body : structure.bodies) body.clamps.insert(body.clamps.end(), body.hinges.begin(), body.hinges.end());
   if (const Setting* loads = table.find("load"))
     for (const Setting& load : loads->items) structure.loads.push_back(read_load(load));
   if (coupled) structure.numerics.integrator = Integrator::automatic;  // unless the case says another
   fill(structure.numerics, numerics_rows(), table.at("numerics"));
   check_shells(structure, dimension, table);
-  if (std::any_of(structure.bodies.begin(), structure.bodies.end(), [](const StructureBody& body) { return body.is_shell; }))
-    structure.numerics.integrator = Integrator::explicit_steps;  // no choice for "auto"
   return structure;
 }
 

@@ -47,8 +47,9 @@ struct ImplicitMemory {
   double bend_dt = 0;                   ///< its length [s]
   double factored_h = 0;                ///< of the present factor [s]; 0 = none
   RowVectors<D> factored_displacement;  ///< at which it was made [m]; empty = none
-  double excess = 0;                    ///< iterations since it was made beyond those a new one needs
-  std::vector<QuasiNewtonUpdate> updates;  ///< kept while the factor is, the oldest first
+  std::vector<double> factored_clamp_angle;  ///< and State::clamp_angle there [rad]
+  double excess = 0;                         ///< iterations since it was made beyond those a new one needs
+  std::vector<QuasiNewtonUpdate> updates;    ///< kept while the factor is, the oldest first
   ImplicitCounts counts;
 
   /// visit(name, member of each) for every member, as of a State.
@@ -58,6 +59,7 @@ struct ImplicitMemory {
     visit("bend_dt", memory.bend_dt...);
     visit("factored_h", memory.factored_h...);
     visit("factored_displacement", memory.factored_displacement...);
+    visit("factored_clamp_angle", memory.factored_clamp_angle...);
     visit("excess", memory.excess...);
     visit("updates", memory.updates...);
     visit("counts", memory.counts...);

@@ -91,10 +91,11 @@ Eigen::VectorXd ImplicitStep<D>::step_for(const Eigen::VectorXd& residual) {
 }
 
 template <int D>
-bool ImplicitStep<D>::renew(const Reference<D>& reference, double h, const RowVectors<D>& displacement, const Workspace<D>& work) {
+bool ImplicitStep<D>::renew(const Reference<D>& reference, double h, const State<D>& state, const Workspace<D>& work) {
   memory_.updates.clear();
   memory_.excess = 0;
-  memory_.factored_displacement = displacement;
+  memory_.factored_displacement = state.displacement;
+  memory_.factored_clamp_angle = state.clamp_angle;
   tangent_.assemble(reference, work, 1 / (h * h));
   memory_.factored_h = tangent_.factorise() ? h : 0;
   return memory_.factored_h > 0;
@@ -104,8 +105,9 @@ template <int D>
 void ImplicitStep<D>::set_memory(const Reference<D>& reference, const ImplicitMemory<D>& memory, State<D> state, Workspace<D>& work) {
   if (memory.factored_h > 0) {
     state.displacement = memory.factored_displacement;
+    state.clamp_angle = memory.factored_clamp_angle;
     displacement_gradients(reference, state, work);
-    renew(reference, memory.factored_h, memory.factored_displacement, work);
+    renew(reference, memory.factored_h, state, work);
   }
   memory_ = memory;
 }
@@ -139,7 +141,7 @@ bool ImplicitStep<D>::solve(const Reference<D>& reference, double h, double spee
     bool fresh = false;
     if (outdated) {
       ++memory_.counts.factors;
-      if (!renew(reference, h, state.displacement, work)) return false;
+      if (!renew(reference, h, state, work)) return false;
       fresh = true;
     }
     for (int iteration = 0; iteration < most_iterations; ++iteration) {

@@ -30,8 +30,8 @@ class ImplicitStep {
   bool solve(const Reference<D>& reference, double h, double speed, const Eigen::VectorXd& predictor, const Eigen::VectorXd& constant,
              State<D>& state, Workspace<D>& work);
 
-  /// Makes the tangent and its factor at the deformation in `work`, that of `displacement`; false when that is not possible.
-  bool renew(const Reference<D>& reference, double h, const RowVectors<D>& displacement, const Workspace<D>& work);
+  /// Makes the tangent and its factor at the deformation in `work`, that of `state`; false when that is not possible.
+  bool renew(const Reference<D>& reference, double h, const State<D>& state, const Workspace<D>& work);
 
   /// The quasi-Newton step for a residual.
   Eigen::VectorXd step_for(const Eigen::VectorXd& residual);

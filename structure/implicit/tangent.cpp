@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <map>
 
+#include "structure/shell/shell_hessian.hpp"
 #include "structure/time_step.hpp"
 
 namespace tern::structure {
@@ -68,7 +69,32 @@ Tangent<D>::Tangent(const Reference<D>& reference) {
   }
   const auto nodes = static_cast<std::int32_t>(free_rows_.size());
 
+  const auto add_particle = [&](std::int32_t row, std::uint32_t body, const auto& column) {
+    const auto rows = column.begin()->second.size();
+    Particle particle{row, body, Eigen::MatrixXd(rows, static_cast<Eigen::Index>(column.size())), {}, {}};
+    for (const auto& [node, values] : column) {
+      particle.derivative.col(static_cast<Eigen::Index>(particle.node.size())) = values;
+      particle.node.push_back(node);
+    }
+    assembly_size_ += static_cast<double>(column.size() * column.size()) * D * D * static_cast<double>(rows) / 2;
+    particles_.push_back(std::move(particle));
+  };
+  for (const ShellBody<D>& shell : reference.shells)
+    for (std::size_t i = 0; i < shell.layer.size(); ++i) {
+      using Operators = Eigen::Matrix<double, shell_unknowns<D>, 1>;
+      std::map<std::int32_t, Operators> column;
+      Operators own = Operators::Zero();
+      for (auto n = shell.layer.first[i]; n < shell.layer.first[i + 1]; ++n) {
+        own -= shell.layer.weight[n];
+        const auto node = node_of_row[shell.first_row + static_cast<std::int32_t>(shell.layer.neighbour[n])];
+        if (node >= 0) column[node] = shell.layer.weight[n];
+      }
+      const std::int32_t row = shell.first_row + static_cast<std::int32_t>(i);
+      if (node_of_row[row] >= 0) column[node_of_row[row]] = own;
+      if (shell.layer.particles.area[i] > 0 && !column.empty()) add_particle(row, shell.body, column);
+    }
   for (const Block& block : reference.blocks) {
+    if (reference.bodies[block.body].shell >= 0) continue;
     const Stencil<D>& stencil = reference.stencils[block.stencil];
     for (int lane = 0; lane < lane_count; ++lane) {
       const std::int32_t row = block.row + lane;
@@ -84,16 +110,7 @@ Tangent<D>::Tangent(const Reference<D>& reference) {
         if (node >= 0) column[node] = values;
       }
       column[node_of_row[row]] = own;
-      Particle particle;
-      particle.row = row;
-      particle.body = block.body;
-      particle.derivative.resize(operators, static_cast<Eigen::Index>(column.size()));
-      for (const auto& [node, values] : column) {
-        particle.derivative.col(static_cast<Eigen::Index>(particle.node.size())) = values;
-        particle.node.push_back(node);
-      }
-      assembly_size_ += static_cast<double>(column.size() * column.size()) * D * D * operators / 2;
-      particles_.push_back(std::move(particle));
+      add_particle(row, block.body, column);
     }
   }
 
@@ -129,42 +146,54 @@ Tangent<D>::Tangent(const Reference<D>& reference) {
 }
 
 template <int D>
-void Tangent<D>::assemble(const Reference<D>& reference, const Workspace<D>& work, double mass_factor) {
-  constexpr int pairs = curvature_components<D>;
+template <int Operators, class Hessian, class Index>
+void Tangent<D>::add(const Particle& particle, const Hessian& hessian, double size, const Index& index) {
   double* values = matrix_.valuePtr();
   const auto* outer = matrix_.outerIndexPtr();
-  std::fill(values, values + matrix_.nonZeros(), 0.0);
-  Eigen::Matrix<double, Eigen::Dynamic, operators> left[D][D];
+  const auto count = static_cast<Eigen::Index>(particle.node.size());
+  using Derivative = Eigen::Matrix<double, Operators, Eigen::Dynamic>;
+  const Eigen::Map<const Derivative> derivative(particle.derivative.data(), Operators, count);
+  // S^T A^ac of every pair of components: A^ac over the derivatives of component a and c.
+  Eigen::Matrix<double, Eigen::Dynamic, Operators> left[D][D];
+  for (int a = 0; a < D; ++a)
+    for (int c = 0; c < D; ++c) {
+      Eigen::Matrix<double, Operators, Operators> part;
+      for (int s = 0; s < Operators; ++s)
+        for (int t = 0; t < Operators; ++t) part(s, t) = size * hessian(index(a, s), index(c, t));
+      left[a][c].noalias() = derivative.transpose() * part;
+    }
+  const std::int32_t* place = particle.place.data();
+  for (Eigen::Index l = 0; l < count; ++l) {
+    const auto right = derivative.col(l);
+    for (Eigen::Index j = l; j < count; ++j, ++place)
+      for (int c = 0; c < D; ++c) {
+        double* column = values + outer[particle.node[l] * D + c];
+        if (*place < 0) {
+          for (int a = c; a < D; ++a) column[a - c] += left[a][c].row(j).dot(right);
+        } else {
+          for (int a = 0; a < D; ++a) column[D - c + *place * D + a] += left[a][c].row(j).dot(right);
+        }
+      }
+  }
+}
+
+template <int D>
+void Tangent<D>::assemble(const Reference<D>& reference, const Workspace<D>& work, double mass_factor) {
+  std::fill(matrix_.valuePtr(), matrix_.valuePtr() + matrix_.nonZeros(), 0.0);
   for (const Particle& particle : particles_) {
     const Body& body = reference.bodies[particle.body];
-    const auto hessian = energy_hessian<D>(body, work, particle.row);
-    const double volume = reference.volume[particle.row];
-    // S^T A^ac of every pair of components: A^ac over the derivatives of component a and c.
-    for (int a = 0; a < D; ++a)
-      for (int c = 0; c < D; ++c) {
-        Eigen::Matrix<double, operators, operators> part;
-        const auto index = [](int component, int s) { return s < D ? component * D + s : D * D + component * pairs + s - D; };
-        for (int s = 0; s < operators; ++s)
-          for (int t = 0; t < operators; ++t) part(s, t) = volume * hessian(index(a, s), index(c, t));
-        left[a][c].noalias() = particle.derivative.transpose() * part;
-      }
-    const std::int32_t* place = particle.place.data();
-    const auto count = static_cast<Eigen::Index>(particle.node.size());
-    for (Eigen::Index l = 0; l < count; ++l) {
-      const auto right = particle.derivative.col(l);
-      for (Eigen::Index j = l; j < count; ++j, ++place)
-        for (int c = 0; c < D; ++c) {
-          double* column = values + outer[particle.node[l] * D + c];
-          if (*place < 0) {
-            for (int a = c; a < D; ++a) column[a - c] += left[a][c].row(j).dot(right);
-          } else {
-            for (int a = 0; a < D; ++a) column[D - c + *place * D + a] += left[a][c].row(j).dot(right);
-          }
-        }
+    if (const ShellBody<D>* shell = reference.shell_of(body)) {
+      const auto i = static_cast<std::size_t>(particle.row - shell->first_row);
+      const ShellWork<D>& own = work.shells[shell->index];
+      add<shell_unknowns<D>>(particle, shell_energy_hessian<D>(shell->layer, i, own.derivatives[i], own.turn),
+                             shell->layer.particles.area[i], [](int component, int s) { return D * s + component; });
+      continue;
     }
+    add<operators>(particle, energy_hessian<D>(body, work, particle.row), reference.volume[particle.row],
+                   [](int component, int s) { return s < D ? component * D + s : D * D + component * curvature_components<D> + s - D; });
   }
   for (std::size_t n = 0; n < free_rows_.size(); ++n)
-    for (int a = 0; a < D; ++a) values[outer[n * D + a]] += mass_factor * reference.mass[free_rows_[n]];
+    for (int a = 0; a < D; ++a) matrix_.valuePtr()[matrix_.outerIndexPtr()[n * D + a]] += mass_factor * reference.mass[free_rows_[n]];
 }
 
 template <int D>

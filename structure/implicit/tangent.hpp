@@ -1,6 +1,6 @@
 #pragma once
 // The exact tangent of the internal force, K = -df/dd = sum_i V_i B_i^T (d2W/dq2) B_i with q = (H_i, K_i), for the free
-// particles, plus a multiple of their mass; and its Cholesky factor.
+// particles, plus a multiple of their mass; and its Cholesky factor. Of a shell A_i in place of V_i, and q = (x_,a, x_,ab).
 
 #include <Eigen/CholmodSupport>
 #include <Eigen/SparseCore>
@@ -39,10 +39,14 @@ class Tangent {
   struct Particle {
     std::int32_t row = 0;
     std::uint32_t body = 0;
-    Eigen::Matrix<double, operators, Eigen::Dynamic> derivative;  // of the free particles it sees, itself included
-    std::vector<std::int32_t> node;                               // which those are, ascending
+    Eigen::MatrixXd derivative;       // of the free particles it sees, itself included: a row for each operator
+    std::vector<std::int32_t> node;   // which those are, ascending
     std::vector<std::int32_t> place;  // per pair node[j] >= node[l]: position of j below the diagonal of column l, -1: on it
   };
+
+  /// Its entries: `hessian` times `size`, index(component, operator) a row of it.
+  template <int Operators, class Hessian, class Index>
+  void add(const Particle& particle, const Hessian& hessian, double size, const Index& index);
 
   std::vector<std::int32_t> free_rows_;
   std::vector<Particle> particles_;

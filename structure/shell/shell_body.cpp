@@ -32,28 +32,22 @@ Matrix<D> turn_rate(double spin, const std::array<double, 3>& axis, const Matrix
   return rate;
 }
 
-}  // namespace
-
+/// Energies and elastic stresses of a shell; the first particle at which its mid-surface is torn or has collapsed, or their number.
 template <int D>
-ShellParticles<D> shell_particles_of(const StructureBody& body) {
-  const MidSurface<D> surface = mid_surface<D>(body);
-  ShellRectangle<D> rectangle;
-  rectangle.corner[surface.across] = surface.middle;
-  rectangle.frame.setZero();
-  rectangle.count = surface.count;
-  for (int n = 0; n < D - 1; ++n) {
-    rectangle.corner[surface.along[n]] = surface.low[n];
-    rectangle.frame(surface.along[n], n) = 1;
-    rectangle.length[n] = surface.high[n] - surface.low[n];
-    for (int end = 0; end < 2; ++end)
-      if (surface.clamped[n][end]) rectangle.edges[n][end] = {ShellEdge::Kind::clamp, 0};
+std::size_t stresses_of(const ShellBody<D>& shell, ShellWork<D>& own) {
+  constexpr double most = 1e3;
+  for_each_block(static_cast<std::ptrdiff_t>(shell.layer.size()), [&](std::ptrdiff_t i) {
+    own.energy_density[i] = shell_energy_density<D>(shell.layer, i, own.derivatives[i], own.turn, own.conjugate[i]);
+  });
+  std::size_t i = 0;
+  for (; i < shell.layer.size(); ++i) {
+    const double ratio = area_ratio<D>(own.derivatives[i]);
+    if (!(ratio > 1 / most && ratio < most && std::isfinite(own.energy_density[i]))) break;
   }
-  if constexpr (D == 2)
-    rectangle.frame.col(1) << -rectangle.frame(1, 0), rectangle.frame(0, 0);
-  else
-    rectangle.frame.col(2) = rectangle.frame.col(0).cross(rectangle.frame.col(1));
-  return rectangle_particles(rectangle);
+  return i;
 }
+
+}  // namespace
 
 template <int D>
 void shell_derivatives(const Reference<D>& reference, const State<D>& state, Workspace<D>& work) {
@@ -73,23 +67,30 @@ void shell_derivatives(const Reference<D>& reference, const State<D>& state, Wor
 }
 
 template <int D>
+bool shell_elastic_forces(const Reference<D>& reference, State<D>& state, Workspace<D>& work) {
+  for (const ShellBody<D>& shell : reference.shells) {
+    ShellWork<D>& own = work.shells[shell.index];
+    if (stresses_of(shell, own) < shell.layer.size()) return false;
+    std::fill(own.viscous.begin(), own.viscous.end(), ShellDerivatives<D>::Zero());
+    for_each_block(static_cast<std::ptrdiff_t>(shell.layer.size()), [&](std::ptrdiff_t i) {
+      const Vector<D> force = shell_force<D>(shell.layer, static_cast<std::size_t>(i), own.conjugate);
+      for (int a = 0; a < D; ++a) state.internal_force[a][shell.first_row + i] = force[a];
+    });
+  }
+  return true;
+}
+
+template <int D>
 void shell_internal_forces(const Reference<D>& reference, double time_s, State<D>& state, Workspace<D>& work) {
-  constexpr double most = 1e3;
   for (std::size_t s = 0; s < reference.shells.size(); ++s) {
     const ShellBody<D>& shell = reference.shells[s];
     ShellWork<D>& own = work.shells[s];
-    for_each_block(static_cast<std::ptrdiff_t>(shell.layer.size()), [&](std::ptrdiff_t i) {
-      own.energy_density[i] = shell_energy_density<D>(shell.layer, i, own.derivatives[i], own.turn, own.conjugate[i]);
-    });
-    for (std::size_t i = 0; i < shell.layer.size(); ++i) {
-      const double ratio = area_ratio<D>(own.derivatives[i]);
-      if (ratio > 1 / most && ratio < most && std::isfinite(own.energy_density[i])) continue;
+    if (const std::size_t torn = stresses_of(shell, own); torn < shell.layer.size())
       throw NumericalFailure(
           fmt::format("The mid-surface of the shell '{}' is stretched to {:.4g} of its area at particle {} at t = {:.6g} s: "
                       "it is torn or has collapsed. Likely cause: a load too violent for this material and resolution. "
                       "Refine [structure] spacing, or make the body stiffer.",
-                      reference.bodies[shell.body].name, ratio, i, time_s));
-    }
+                      reference.bodies[shell.body].name, area_ratio<D>(own.derivatives[torn]), torn, time_s));
     const bool is_viscous = shell.viscous_time > 0;
     if (is_viscous) {
       for (std::size_t i = 0; i < shell.layer.size(); ++i)
@@ -263,9 +264,9 @@ ShellStress<D> shell_stress(const ShellBody<D>& shell, const Workspace<D>& work,
 }
 
 #define TERN_INSTANTIATE(D)                                                                                    \
-  template ShellParticles<D> shell_particles_of<D>(const StructureBody&);                                      \
   template void shell_derivatives<D>(const Reference<D>&, const State<D>&, Workspace<D>&);                     \
   template void shell_internal_forces<D>(const Reference<D>&, double, State<D>&, Workspace<D>&);               \
+  template bool shell_elastic_forces<D>(const Reference<D>&, State<D>&, Workspace<D>&);                        \
   template void damp_shells<D>(Reference<D>&, double);                                                         \
   template double shell_clamp_power<D>(const Reference<D>&, const Workspace<D>&);                              \
   template double shell_stable_sub_step<D>(const Reference<D>&, double, const State<D>&, const Workspace<D>&); \

@@ -5,10 +5,6 @@
 
 namespace tern::structure {
 
-/// Particles on the mid-surface of a body of the case.
-template <int D>
-ShellParticles<D> shell_particles_of(const StructureBody& body);
-
 /// The derivatives of every shell from the displacement.
 template <int D>
 void shell_derivatives(const Reference<D>& reference, const State<D>& state, Workspace<D>& work);
@@ -16,6 +12,10 @@ void shell_derivatives(const Reference<D>& reference, const State<D>& state, Wor
 /// Sets state.internal_force of the rows of shells. Throws NumericalFailure when a mid-surface has been torn or has collapsed.
 template <int D>
 void shell_internal_forces(const Reference<D>& reference, double time_s, State<D>& state, Workspace<D>& work);
+
+/// The same of the elastic forces alone, without viscosity; false when a mid-surface has been torn or has collapsed.
+template <int D>
+bool shell_elastic_forces(const Reference<D>& reference, State<D>& state, Workspace<D>& work);
 
 /// Power of the clamps that turn, of their couple alone [W/m^(3-D)], by the stresses of the last shell_internal_forces().
 template <int D>

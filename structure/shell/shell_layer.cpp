@@ -34,6 +34,29 @@ double squared_distance(const ShellParticles<D>& particles, std::size_t i, std::
   return offset_between(particles, i, j).squaredNorm() + height * height;
 }
 
+/// Particles beside i, by their cells: what lies over another part of the layer is none. In ascending order.
+template <int D>
+std::vector<std::uint32_t> cells_beside(const ShellParticles<D>& particles, std::size_t i) {
+  constexpr int reach = 3;  // cells; 2.2 spacings round a circle of ten reach into the third
+  std::vector<std::uint32_t> beside;
+  std::array<int, 2> size{1, 1}, at{static_cast<int>(i), 0}, low{0, 0}, high{0, 0};
+  for (int a = 0; a < D - 1; ++a) size[a] = particles.size[a];
+  at = {static_cast<int>(i) % size[0], static_cast<int>(i) / size[0]};
+  for (int a = 0; a < D - 1; ++a) {
+    low[a] = particles.closed[a] ? at[a] - reach : std::max(0, at[a] - reach);
+    high[a] = particles.closed[a] ? at[a] + reach : std::min(size[a] - 1, at[a] + reach);
+  }
+  if (D == 2) low[1] = high[1] = 0;
+  for (int b = low[1]; b <= high[1]; ++b)
+    for (int a = low[0]; a <= high[0]; ++a) {
+      const int j = (a + size[0]) % size[0] + size[0] * ((b + size[1]) % size[1]);
+      if (j != static_cast<int>(i)) beside.push_back(static_cast<std::uint32_t>(j));
+    }
+  std::sort(beside.begin(), beside.end());
+  beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+  return beside;
+}
+
 /// Weights of the first `slopes` and of all second derivatives in spacings, one column per offset, by the terms xi_a (if slopes > 0)
 /// and xi_a xi_b/2 (a <= b; xi_0 xi_1 whole). Empty when the offsets do not determine them.
 template <int D>
@@ -59,35 +82,19 @@ Eigen::MatrixXd fit(const std::vector<Offset<D>>& offsets, bool with_slopes) {
 }  // namespace
 
 template <int D>
-ShellParticles<D> rectangle_particles(const ShellRectangle<D>& rectangle) {
-  using Kind = ShellEdge::Kind;
+ShellParticles<D> shell_particles(const MidSurface<D>& surface) {
   ShellParticles<D> particles;
-  std::array<int, 2> size{1, 1}, first{0, 0};
   for (int a = 0; a < D - 1; ++a) {
-    const bool low = rectangle.edges[a][0].kind != Kind::free, high = rectangle.edges[a][1].kind != Kind::free;
-    size[a] = rectangle.count[a] + low + high;
-    first[a] = low ? 1 : 0;
-    particles.spacing[a] = rectangle.length[a] / (rectangle.count[a] + 0.5 * (low + high));
+    particles.spacing[a] = surface.spacing(a);
+    particles.size[a] = surface.count[a] + surface.held_ends(a);
   }
-  for (int n = 0; n < size[0] * size[1]; ++n) {
-    const std::array<int, 2> cell{n % size[0], n / size[0]};
-    Vector<D> x = rectangle.corner;
-    double area = 1;
-    ShellEdge edge;
-    for (int a = 0; a < D - 1; ++a) {
-      x += (cell[a] + (first[a] == 0 ? 0.5 : 0)) * particles.spacing[a] * rectangle.frame.col(a);
-      area *= particles.spacing[a];
-      const int end = cell[a] == 0 ? 0 : cell[a] == size[a] - 1 ? 1 : -1;
-      if (end < 0 || rectangle.edges[a][end].kind == Kind::free) continue;
-      area *= 0.5;
-      if (edge.kind != Kind::clamp) edge = rectangle.edges[a][end];
-    }
-    if (D == 2 && edge.kind == Kind::hinge) area = 0;
-    particles.position.push_back(x);
-    particles.frame.push_back(rectangle.frame);
-    particles.area.push_back(area);
-    particles.held.push_back(edge.kind != Kind::free);
-    particles.clamp.push_back(edge.kind == Kind::clamp ? edge.clamp : -1);
+  particles.closed = surface.closed;
+  for (const SurfaceCell<D>& cell : cells_of(surface)) {
+    particles.position.push_back(cell.place.position);
+    particles.frame.push_back(cell.place.frame);
+    particles.area.push_back(cell.area);
+    particles.held.push_back(cell.edge != EdgeKind::free);
+    particles.clamp.push_back(cell.edge == EdgeKind::clamp ? 0 : -1);
   }
   return particles;
 }
@@ -115,9 +122,9 @@ ShellLayer<D> make_shell_layer(const std::string& name, ShellParticles<D> partic
   const double reach = 4 * smoothing_ratio * smoothing_ratio * (1 - 1e-9);
   for (std::size_t i = 0; i < count; ++i) {
     std::vector<Offset<D>> offsets;
-    for (std::size_t j = 0; j < count; ++j) {
-      if (j == i || 0.5 * (squared_distance(p, i, j) + squared_distance(p, j, i)) >= reach) continue;
-      layer.neighbour.push_back(static_cast<std::uint32_t>(j));
+    for (const std::uint32_t j : cells_beside(p, i)) {
+      if (0.5 * (squared_distance(p, i, j) + squared_distance(p, j, i)) >= reach) continue;
+      layer.neighbour.push_back(j);
       offsets.push_back(offset_between(p, i, j));
     }
     layer.first.push_back(static_cast<std::uint32_t>(layer.neighbour.size()));
@@ -158,8 +165,8 @@ ShellLayer<D> make_shell_layer(const std::string& name, ShellParticles<D> partic
   return layer;
 }
 
-template ShellParticles<2> rectangle_particles<2>(const ShellRectangle<2>&);
-template ShellParticles<3> rectangle_particles<3>(const ShellRectangle<3>&);
+template ShellParticles<2> shell_particles<2>(const MidSurface<2>&);
+template ShellParticles<3> shell_particles<3>(const MidSurface<3>&);
 template struct ShellLayer<2>;
 template struct ShellLayer<3>;
 template ShellLayer<2> make_shell_layer<2>(const std::string&, ShellParticles<2>, const Material&, double);

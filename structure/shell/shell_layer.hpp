@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/vector.hpp"
+#include "scene/mid_surface.hpp"
 #include "structure/material/registry.hpp"
 
 namespace tern::structure {
@@ -52,28 +53,13 @@ struct ShellParticles {
   std::vector<bool> held;                         ///< on a clamped or hinged edge: its motion is prescribed
   std::vector<std::int32_t> clamp;                ///< of its edge: index of Reference::clamps, their number without a name; -1: none
   std::array<double, shell_slopes<D>> spacing{};  ///< along e_a [m]
+  std::array<int, shell_slopes<D>> size{};        ///< particles along e_a, the first fastest
+  std::array<bool, shell_slopes<D>> closed{};     ///< the first of them is beside the last
 };
 
-/// An edge of a rectangle: its clamp where it is clamped.
-struct ShellEdge {
-  enum class Kind { free, hinge, clamp } kind = Kind::free;
-  std::int32_t clamp = -1;
-};
-
-/// A flat mid-surface.
+/// The cells of a mid-surface.
 template <int D>
-struct ShellRectangle {
-  Vector<D> corner = Vector<D>::Zero();                           ///< the lowest along every e_a [m]
-  Matrix<D> frame = Matrix<D>::Identity();                        ///< columns: e_a, N
-  std::array<double, shell_slopes<D>> length{};                   ///< along e_a [m]
-  std::array<int, shell_slopes<D>> count{};                       ///< free particles along e_a
-  std::array<std::array<ShellEdge, 2>, shell_slopes<D>> edges{};  ///< at both ends of e_a
-};
-
-/// Particles of a rectangle: those of held edges stand on the edge, with half a cell (2D: a hinge has none); the first free one is a
-/// whole spacing from a held edge, half a spacing from a free one. Where two edges meet, a clamp comes before a hinge.
-template <int D>
-ShellParticles<D> rectangle_particles(const ShellRectangle<D>& rectangle);
+ShellParticles<D> shell_particles(const MidSurface<D>& surface);
 
 template <int D>
 struct ShellLayer {

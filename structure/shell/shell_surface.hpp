@@ -12,9 +12,10 @@ struct ShellPoint {
   std::size_t particle = 0;
   std::array<double, D - 1> xi{};
   double z = 0;
+  Matrix<D> from_reference = Matrix<D>::Identity();  ///< from offsets of the undeformed shell to those in xi and z
 };
 
-/// The point that is at `offset` from the particle in the undeformed, flat shell.
+/// The point that is at `offset` from the particle in the undeformed shell.
 template <int D>
 ShellPoint<D> shell_point(const ShellLayer<D>& layer, std::size_t particle, const Vector<D>& offset);
 

@@ -123,7 +123,6 @@ std::string shell_case() {
 TEST_F(CaseFile, ReadsAShell) {
   const Case c = read(shell_case());
   EXPECT_TRUE(c.structure->bodies[0].is_shell);
-  EXPECT_EQ(c.structure->numerics.integrator, Integrator::explicit_steps);
   EXPECT_TRUE(c.warnings.empty());
   const BodyEstimate body = estimate(c).bodies[0];
   EXPECT_EQ(body.particles, 21) << "20 spacings of 0.0244 m, the last one a half; one particle on the clamp";
@@ -135,14 +134,22 @@ TEST_F(CaseFile, ReadsAShell) {
 // With a check left out no sentence comes, or another one.
 TEST_F(CaseFile, RefusesWhatAShellDoesNotModel) {
   const auto changed = [](const std::string& old_text, const std::string& new_text) { return replaced(shell_case(), old_text, new_text); };
-  expect_refused(shell_case() + "[structure.numerics]\nintegrator = \"implicit\"\n", {"case.toml:14", "'plate'", "explicit steps only"});
   expect_refused(changed("{ box = { min = [0.74, -0.1], max = [0.76, 0.5] } }", "{ ball = { center = [0.75, 0.2], radius = 0.1 } }"),
-                 {"'plate' is not a box", "model it as a solid"});
+                 {"'plate' has no mid-surface", "model it as a solid"});
   expect_refused(changed("max = [0.9, 0] } }]", "max = [0.75, 0] } }]"), {"clamp that is not a box over one whole edge"});
   expect_refused(changed("max = [0.9, 0] } }]", "max = [0.9, -0.11] } }]"), {"clamp that is not a box over one whole edge"});
+  // A hinge.
+  const auto hinged = [&](const std::string& region) { return changed("poisson_ratio", "hinge = [" + region + "]\npoisson_ratio"); };
+  expect_refused(hinged("{ box = { min = [0.7, 0.4], max = [0.8, 0.6] } }"),
+                 {"'plate'", "reaches farther into it than its thickness, 0.02 m"});
+  expect_refused(hinged("{ box = { min = [0.7, 0.51], max = [0.8, 0.6] } }"), {"'plate'", "holds none of its edges"});
+  expect_refused(replaced(small_case, "poisson_ratio", "hinge = [{ box = { min = [0.6, 0.49], max = [0.9, 0.6] } }]\npoisson_ratio"),
+                 {"the solid 'plate' has a hinge", "model = \"shell\""});
+  EXPECT_EQ(estimate(read(hinged("{ box = { min = [0.7, 0.49], max = [0.8, 0.6] } }"))).bodies[0].clamped, 2);
   expect_refused(changed("poisson_ratio", "material = \"mooney_rivlin\"\npoisson_ratio"), {"mooney_rivlin", "no law of a layer"});
   expect_refused(changed("spacing = 0.025\n", "spacing = 0.15\n"), {"has 3 free particles over 0.5 m in direction y", "at most 0.111 m"});
-  expect_refused(changed("at = [0.75, 0.5]", "at = [0.76, 0.5]"), {"'tip'", "is not on the mid-surface of the shell 'plate', x = 0.75 m"});
+  expect_refused(changed("at = [0.75, 0.5]", "at = [0.76, 0.5]"),
+                 {"'tip'", "is not on the mid-surface of the shell 'plate', but 0.01 m beside it"});
 }
 
 // Deflection under a uniform load that is missing without shear: 0.8/(1 - nu) (t/L)^2 of a cantilever, 9.6/(1 - nu) (t/L)^2 between two

@@ -104,8 +104,8 @@ Case shaken(Integrator integrator) {
 }
 
 /// The same as a shell, its clamp turned to and fro.
-Case turned() {
-  Case c = shaken(Integrator::explicit_steps);
+Case turned(Integrator integrator = Integrator::explicit_steps) {
+  Case c = shaken(integrator);
   c.structure->bodies[0].is_shell = true;
   c.structure->bodies[0].spacing = 0.003;
   c.structure->clamps[0].motion->rotation = Expression("0.01*sin(2000*t)");
@@ -173,6 +173,7 @@ TEST(Continuation, OfAStructureHasTheSameBitsWithEveryIntegrator) {
   }
   EXPECT_EQ(differences_after_continuation<2>(free_strip(), forty_sub_steps), "");
   EXPECT_EQ(differences_after_continuation<2>(turned(), forty_sub_steps), "");
+  EXPECT_EQ(differences_after_continuation<2>(turned(Integrator::implicit_steps), forty_sub_steps), "");
 }
 
 TEST(Continuation, OfAStructureHasTheSameBitsForEveryMaterial) {

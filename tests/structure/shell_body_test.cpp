@@ -118,6 +118,80 @@ TEST(ShellBody, AClampBearsTheForceAndTheMomentOfTheLoad) {
   expect_static_reaction<3>(shell_strip(), 0.048);
 }
 
+/// The plate, or the strip, held at its lower end by a clamp or a hinge and at its upper end by a hinge with a name.
+template <int D>
+Case propped(Case c, bool clamped) {
+  StructureBody& body = c.structure->bodies[0];
+  const Shape top = box({0.59, 0.09, -0.01}, {0.606, 0.095, 0.06});
+  if (!clamped) {
+    body.shape.min[1] = 0;
+    body.clamps = body.hinges = {box({0.59, -0.015, -0.01}, {0.606, 0.001, 0.06})};
+  }
+  body.hinges.push_back(top);
+  body.clamps.push_back(top);
+  c.structure->clamps = {{"top", "plate", top, {}, true}};
+  return c;
+}
+
+/// Uniform force across, until it has come to rest.
+template <int D>
+void expect_propped(Case c, double width, bool clamped) {
+  c = propped<D>(c, clamped);
+  c.structure->bodies[0].mass_damping = 60;
+  c.gravity[0] = Expression("0.1");
+  Structure<D> structure(c);
+  const Ticks window = to_ticks(5e-3);
+  for (Ticks t = 0; seconds(t) < 0.8; t += window) structure.trial(t, window);
+  const double load = 1161.54 * 0.004 * 0.09 * width * 0.1;
+  const Reaction top = structure.reaction("plate", "top", {0.598, 0.09, 0}), all = structure.reaction("plate", "", {0.598, 0.09, 0});
+  const double lost = 0.5 / 15 * load;  // what stands on a held edge has no weight
+  EXPECT_NEAR(top.force[0], -(clamped ? 0.375 : 0.5) * load, lost);
+  EXPECT_NEAR(top.moment[2], 0, 1e-6 * 0.09 * load);
+  EXPECT_NEAR(all.force[0], -load, 2 * lost);
+  // The clamp bears q L^2/8; two hinges bear no couple.
+  EXPECT_NEAR(all.moment[2] - 0.09 * all.force[0] + 0.09 * top.force[0], (clamped ? 0.125 : 0) * 0.09 * load, 0.02 * 0.09 * load);
+}
+
+// Seen to fail: with a hinge that holds the slope.
+TEST(ShellBody, AHingeBearsAForceAndNoMoment) {
+  for (const bool clamped : {true, false}) {
+    expect_propped<2>(shell_plate(), 1, clamped);
+    expect_propped<3>(shell_strip(), 0.048, clamped);
+  }
+}
+
+/// A strip that hangs from a hinge and swings by a small angle.
+template <int D>
+double period_of_pendulum(Case c) {
+  StructureBody& body = c.structure->bodies[0];
+  body.shape.min[1] = 0;
+  body.clamps = body.hinges = {box({0.59, 0.09, -0.01}, {0.606, 0.095, 0.06})};
+  body.young_modulus = 3.5e8;
+  body.velocity[0] = Expression("(0.09-y)*0.2");
+  c.gravity[1] = Expression("-9.81");
+  Structure<D> structure(c);
+  const auto tip = structure.material_point("plate", {0.598, 0.001, 0.024});
+  const Ticks window = to_ticks(2e-3);
+  double before = 0, first = 0, last = 0;
+  int count = 0;
+  for (Ticks t = 0; seconds(t) < 1.2; t += window) {
+    structure.trial(t, window);
+    const double now = structure.displacement(tip)[0];
+    if (before * now < 0) {
+      last = seconds(t) + seconds(window) * before / (before - now);
+      if (count++ == 0) first = last;
+    }
+    before = now;
+  }
+  return 2 * (last - first) / (count - 1);
+}
+
+// 2 pi sqrt(2 L/(3 g)) = 0.4915 s.
+TEST(ShellBody, SwingsFromAHingeAsAPendulum) {
+  EXPECT_NEAR(period_of_pendulum<2>(shell_plate()), 0.4915, 0.003 * 0.4915);
+  EXPECT_NEAR(period_of_pendulum<3>(shell_strip()), 0.4915, 0.003 * 0.4915);
+}
+
 /// The plate, or the strip, whose clamp turns by 0.4 rad and back and moves up meanwhile, a swing of two first periods.
 template <int D>
 Case waved(Case c) {
@@ -171,6 +245,27 @@ TEST(ShellBody, AClampThatTurnsWavesItAsItWavesASolid) {
   std::vector<Vector<2>> in_plane;
   for (const auto& d : by_strip) in_plane.emplace_back(d[0], d[1]);
   EXPECT_LT(distance<2>(in_plane, path_of_tip<2>(waved<2>(line), tip)), 0.01);
+}
+
+// The account of implicit windows closes with their length: to 3.1, 1.2 and 0.37 % of the largest energy in windows of 1, 0.5 and
+// 0.25 ms. Seen to fail: with the work of the couple of the clamp left out.
+TEST(ShellBody, AClampThatTurnsWavesItInImplicitStepsToo) {
+  const auto by_explicit_steps = path_of_tip<2>(waved<2>(shell_plate()), {0.598, 0.0885, 0});
+  Case c = waved<2>(shell_plate());
+  c.structure->numerics.integrator = Integrator::implicit_steps;
+  Structure<2> structure(c);
+  const auto point = structure.material_point("plate", {0.598, 0.0885, 0});
+  std::vector<Vector<2>> path;
+  double most = 0, off = 0;
+  for (int n = 1; n <= 1600; ++n) {
+    structure.trial(structure.time(), to_ticks(0.25e-3));
+    const Energies e = structure.energies();
+    most = std::max(most, e.kinetic + e.strain);
+    off = std::max(off, std::abs(e.kinetic + e.strain - e.clamp_work));
+    if (n % 40 == 0) path.push_back(structure.displacement(point));
+  }
+  EXPECT_LT(off, 5e-3 * most);
+  EXPECT_LT(distance<2>(path, by_explicit_steps), 5e-3);
 }
 
 /// Forces on the rows of a body that its clamp has turned and moved as a whole and carries on round, bent and stretched along y by
@@ -267,9 +362,102 @@ void expect_power(const Case& c) {
     }
 }
 
+/// The plate rolled up to an arc that is held at one end, or to a ring.
+Case shell_arc(bool closed) {
+  Case c = shell_plate();
+  StructureBody& body = c.structure->bodies[0];
+  body.shape.kind = Shape::Kind::ring;
+  body.shape.center = {0.598, 0.04};
+  body.shape.radius = 0.03;
+  body.shape.thickness = 0.004;
+  if (!closed) body.shape.end = 2.5;
+  body.clamps.clear();
+  if (!closed) body.clamps = {box({0.62, 0.03, 0}, {0.635, 0.045, 0})};
+  return c;
+}
+
+Case shell_tube(bool closed) {
+  Case c = shell_strip();
+  StructureBody& body = c.structure->bodies[0];
+  body.shape.kind = Shape::Kind::tube;
+  body.shape.axis = 1;
+  body.shape.center = {0.598, 0.04, 0.02};
+  body.shape.length = 0.05;
+  body.shape.radius = 0.03;
+  body.shape.thickness = 0.004;
+  if (!closed) body.shape.begin = 0.3, body.shape.end = 2.5;
+  body.clamps = {box({0.5, 0, -0.1}, {0.7, 0.02, 0.1})};
+  return c;
+}
+
 TEST(ShellBody, ForcesOnItsFacesHaveThePowerOfTheirPoints) {
   expect_power<2>(shell_plate());
   expect_power<3>(shell_strip());
+  for (const bool closed : {false, true}) {
+    expect_power<2>(shell_arc(closed));
+    expect_power<3>(shell_tube(closed));
+  }
+}
+
+/// At rest the surface is that of the shape, also turned and moved as a whole.
+template <int D>
+void expect_surface_at_rest(const Case& c) {
+  const Reference<D> reference = build_reference<D>(*c.structure);
+  const SurfaceAttachment<D> attachment = attach_surface(reference, c);
+  const Body& body = reference.bodies[0];
+  const auto sampled = sample_surface<D>(body.shape, body.spacing);
+  State<D> state = state_at_rest(reference, attachment.row.size());
+  Workspace<D> work = workspace_for(reference);
+  Matrix<D> turn = Matrix<D>::Identity();
+  turn.template topLeftCorner<2, 2>() = Eigen::Rotation2D<double>(0.7).toRotationMatrix();
+  for (const bool turned : {false, true}) {
+    const Matrix<D> r = turned ? turn : Matrix<D>(Matrix<D>::Identity());
+    set_rows<D>(reference, state.displacement, [&](const Vector<D>& x) { return Vector<D>(r * x - x); });
+    deformation_gradient(reference, state, work);
+    const Surface<D> surface = present_surface(attachment, reference, state, work);
+    std::size_t found = 0;
+    for (std::size_t k = 0; k < surface.position.size(); ++k) {
+      if (attachment.clamp[k] >= 0) continue;
+      double nearest = 1;
+      std::size_t which = 0;
+      for (std::size_t j = 0; j < sampled.position.size(); ++j)
+        if (const double distance = (r * sampled.position[j] - surface.position[k]).norm(); distance < nearest)
+          nearest = distance, which = j;
+      ++found;
+      ASSERT_LT(nearest, 1e-12) << k;
+      EXPECT_LT((r * sampled.normal[which] - surface.normal[k]).norm(), 1e-11);
+      EXPECT_NEAR(surface.area[k], sampled.area[which], 1e-11 * sampled.area[which]);
+    }
+    EXPECT_GE(found, 29u);
+  }
+}
+
+// Seen to fail: with the gradient as of a flat reference.
+TEST(ShellBody, ItsSurfaceAtRestIsThatOfItsShape) {
+  expect_surface_at_rest<2>(shell_plate());
+  expect_surface_at_rest<3>(shell_strip());
+  for (const bool closed : {false, true}) {
+    expect_surface_at_rest<2>(shell_arc(closed));
+    expect_surface_at_rest<3>(shell_tube(closed));
+  }
+}
+
+// The clamp ends the arc where its face at y = 0.045 cuts the mid-surface, the tube 5 mm from its end.
+TEST(ShellBody, ClampsEndWhatIsBentWhereTheyEnd) {
+  const MidSurface<2> arc = mid_surface<2>(shell_arc(false).structure->bodies[0]);
+  EXPECT_EQ(arc.edges[0][0], EdgeKind::clamp);
+  EXPECT_EQ(arc.edges[0][1], EdgeKind::free);
+  EXPECT_NEAR(arc.low[0], 0.03 * std::asin(0.005 / 0.03), 1e-9);
+  const MidSurface<3> tube = mid_surface<3>(shell_tube(true).structure->bodies[0]);
+  EXPECT_EQ(tube.edges[0][0], EdgeKind::clamp);
+  EXPECT_NEAR(tube.low[0], 0.005, 1e-9);
+  EXPECT_TRUE(tube.closed[1]);
+  StructureBody pinned = shell_arc(false).structure->bodies[0];
+  pinned.clamps = pinned.hinges = {box({0.62, 0.03, 0}, {0.635, 0.0405, 0})};
+  EXPECT_EQ(mid_surface<2>(pinned).edges[0][0], EdgeKind::hinge);
+  pinned.clamps = {box({0.58, 0.06, 0}, {0.59, 0.07, 0})};  // in its middle
+  pinned.hinges.clear();
+  EXPECT_THROW(mid_surface<2>(pinned), BadInput);
 }
 
 // Of a body that is free all round, one held at one edge, and one held at two edges that meet.
@@ -277,7 +465,7 @@ template <int D>
 void expect_the_same_particles(StructureBody body, const std::vector<Shape>& clamps) {
   for (std::size_t held = 0; held <= clamps.size(); ++held) {
     body.clamps.assign(clamps.begin(), clamps.begin() + static_cast<std::ptrdiff_t>(held));
-    const ShellParticles<D> particles = shell_particles_of<D>(body);
+    const ShellParticles<D> particles = shell_particles(mid_surface<D>(body));
     const LatticePoints<D> points = fill_body<D>(body);
     ASSERT_EQ(points.size(), particles.position.size()) << held << " clamps";
     std::size_t i = 0;
@@ -296,6 +484,33 @@ TEST(ShellBody, HasTheParticlesThatItsCaseIsCheckedWith) {
                                {box({0.59, -0.02, 0}, {0.61, 0, 0}), box({0.59, 0.08, 0}, {0.61, 0.1, 0})});
   expect_the_same_particles<3>(shell_strip().structure->bodies[0],
                                {box({0.59, -0.02, -0.01}, {0.61, 0, 0.06}), box({0.59, -0.02, 0.04}, {0.61, 0.1, 0.06})});
+  expect_the_same_particles<2>(shell_arc(false).structure->bodies[0], {box({0.62, 0.03, 0}, {0.635, 0.045, 0})});
+  expect_the_same_particles<3>(shell_tube(true).structure->bodies[0], {box({0.5, 0, -0.1}, {0.7, 0.02, 0.1})});
+}
+
+TEST(ShellBody, AHingeThatMovesTakesItsEdgeAlongAndItsWorkIsCounted) {
+  Case c = shell_plate();
+  StructureBody& body = c.structure->bodies[0];
+  body.shape.min[1] = 0;
+  const Shape low = box({0.59, -0.01, 0}, {0.606, 0.001, 0});
+  body.clamps = body.hinges = {low};
+  RigidMotion motion;
+  motion.displacement[0] = Expression("0.02*(1-cos(20*t))");
+  motion.rotation = Expression("0.5*(1-cos(20*t))");
+  motion.pivot = {0.598, 0, 0};
+  c.structure->clamps = {{"hand", "plate", low, motion, true}};
+  c.gravity[1] = Expression("9.81");  // it hangs upwards
+  Structure<2> structure(c);
+  double most = 0;
+  for (int n = 1; n <= 300; ++n) {
+    structure.trial(structure.time(), to_ticks(1e-3));
+    const Energies e = structure.energies();
+    most = std::max(most, e.kinetic + e.strain);
+    EXPECT_NEAR(e.kinetic + e.strain + e.potential + e.diffusion, e.clamp_work, 3e-3 * most) << n;
+  }
+  const auto edge = structure.material_point("plate", {0.598, 0, 0});
+  EXPECT_NEAR(structure.displacement(edge)[0], 0.02 * (1 - std::cos(20 * 0.3)), 1e-6);
+  EXPECT_NEAR(structure.reaction("plate", "hand", {0.598 + structure.displacement(edge)[0], 0, 0}).moment[2], 0, 1e-9);
 }
 
 TEST(ShellBody, OtherThanABoxHeldAtAWholeEdgeIsRefused) {

@@ -16,6 +16,11 @@ def signed_distance(shape, points):
         return np.linalg.norm(points - np.asarray(what["center"], dtype=float), axis=1) - what["radius"]
     if kind == "polygon":
         return _of_polygon(np.asarray(what["vertices"], dtype=float), points)
+    if kind == "tube":  # the whole of it, whatever its angles
+        axis = "xyz".index(what.get("axis", "z"))
+        off = np.asarray(points) - np.asarray(what["center"], dtype=float)
+        across = np.abs(np.hypot(off[:, (axis + 1) % 3], off[:, (axis + 2) % 3]) - what["radius"]) - what["thickness"] / 2
+        return np.maximum(across, np.abs(off[:, axis]) - what["length"] / 2)
     parts = [signed_distance(part, points) for part in what]
     return np.min(parts, axis=0) if kind == "union" else np.max([parts[0], *(-part for part in parts[1:])], axis=0)
 
@@ -40,6 +45,14 @@ def _edges(shape):
         angle = np.linspace(0, 2 * np.pi, 181)
         corners = np.asarray(what["center"], dtype=float) + what["radius"] * np.column_stack([np.cos(angle), np.sin(angle)])
         return np.stack([corners[:-1], corners[1:]], axis=1)
+    if kind == "ring":
+        angle = np.linspace(what.get("begin", 0), what.get("end", 2 * np.pi), 181)
+        circle = np.column_stack([np.cos(angle), np.sin(angle)])
+        sides = [np.array(what["center"]) + (what["radius"] + z * what["thickness"]) * circle for z in (-0.5, 0.5)]
+        return np.concatenate([np.stack([side[:-1], side[1:]], axis=1) for side in sides])
+    if kind == "line":
+        corners = np.asarray(what["vertices"], dtype=float)
+        return np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)[:len(corners) - (not what.get("closed", False))]
     if kind == "box":
         (x0, y0), (x1, y1) = what["min"], what["max"]
         corners = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)], dtype=float)
@@ -129,6 +142,11 @@ def _boxes(shape):
         yield what["min"], what["max"]
     elif kind == "ball":
         yield [c - what["radius"] for c in what["center"]], [c + what["radius"] for c in what["center"]]
+    elif kind in ("ring", "tube"):
+        size = [what["radius"] + what["thickness"] / 2] * len(what["center"])
+        if kind == "tube":
+            size["xyz".index(what.get("axis", "z"))] = what["length"] / 2
+        yield [c - s for c, s in zip(what["center"], size)], [c + s for c, s in zip(what["center"], size)]
     else:
         yield np.min(what["vertices"], axis=0), np.max(what["vertices"], axis=0)
 
