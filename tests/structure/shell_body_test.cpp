@@ -147,7 +147,7 @@ void expect_propped(Case c, double width, bool clamped) {
   const double lost = 0.5 / 15 * load;  // what stands on a held edge has no weight
   EXPECT_NEAR(top.force[0], -(clamped ? 0.375 : 0.5) * load, lost);
   EXPECT_NEAR(top.moment[2], 0, 1e-6 * 0.09 * load);
-  EXPECT_NEAR(all.force[0], -load, 2 * lost);
+  EXPECT_NEAR(all.force[0], -load, 2 * lost + 1e-4 * load);  // as far as it rests
   // The clamp bears q L^2/8; two hinges bear no couple.
   EXPECT_NEAR(all.moment[2] - 0.09 * all.force[0] + 0.09 * top.force[0], (clamped ? 0.125 : 0) * 0.09 * load, 0.02 * 0.09 * load);
 }
@@ -166,7 +166,8 @@ double period_of_pendulum(Case c) {
   StructureBody& body = c.structure->bodies[0];
   body.shape.min[1] = 0;
   body.clamps = body.hinges = {box({0.59, 0.09, -0.01}, {0.606, 0.095, 0.06})};
-  body.young_modulus = 3.5e8;
+  body.young_modulus = 3.5e7;
+  if (D == 3) c.structure->numerics.integrator = Integrator::implicit_steps;  // sub-steps would take a minute
   body.velocity[0] = Expression("(0.09-y)*0.2");
   c.gravity[1] = Expression("-9.81");
   Structure<D> structure(c);
@@ -174,7 +175,7 @@ double period_of_pendulum(Case c) {
   const Ticks window = to_ticks(2e-3);
   double before = 0, first = 0, last = 0;
   int count = 0;
-  for (Ticks t = 0; seconds(t) < 1.2; t += window) {
+  for (Ticks t = 0; seconds(t) < 0.8; t += window) {
     structure.trial(t, window);
     const double now = structure.displacement(tip)[0];
     if (before * now < 0) {
