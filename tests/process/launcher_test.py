@@ -89,7 +89,7 @@ class LauncherTest(unittest.TestCase):
         code, _, errors = self.fake.run(fluid="lose 3 12 exit 0")
         self.assertEqual(code, 0)
         self.assertIn("tern: warning: 3 particles of the fluid went through a face", errors)
-        self.assertIn("tern: warning: 12 of 112 particles of the fluid left [domain]", errors)
+        self.assertIn("tern: warning: The fluid has lost 12 of 112 particles, and as much of its mass, at the edge of [domain].", errors)
         self.assertEqual(len(self.contents()["warnings"]), 2)
         self.assertEqual(self.fake.run(fluid="lose 1 0 exit 0", case_name="pond")[2].count("warning: 1 particle of the fluid"), 1)
         self.assertEqual(self.fake.run(fluid="lose 0 0 exit 0")[2], "")

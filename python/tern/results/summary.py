@@ -36,8 +36,8 @@ def warnings(contents):
                     "there moves too fast for its steps, or jumps.")
     if removed := measure(contents, "particles_removed") or 0:
         left = measure(contents, "particles") or 0
-        said.append(f"{removed:.0f} of {removed + left:.0f} particles of the fluid left [domain] and were removed: their mass is missing "
-                    "from there on.")
+        said.append(f"The fluid has lost {removed:.0f} of {removed + left:.0f} particles, and as much of its mass, at the edge of "
+                    "[domain].")
     return said
 
 
