@@ -50,6 +50,11 @@ void check_displacement(const GaugeCase& gauge, const Case& scene, const std::st
   if (!body.is_shell) return;
   const auto middle_of = [](const auto& surface) { return std::pair(surface.across, surface.middle); };
   const auto [across, middle] = scene.dimension == 2 ? middle_of(mid_surface<2>(body)) : middle_of(mid_surface<3>(body));
+  for (const Shape& clamp : body.clamps) {
+    if (distance_from(clamp, gauge.point("at"), scene) < 0)
+      fail_at(where, fmt::format("the gauge '{}' at {} is inside a clamp of '{}', where a shell has no particles; move it out.", gauge.name,
+                                 place_text(gauge.point("at"), scene), body.name));
+  }
   if (std::abs(gauge.point("at")[across] - middle) <= 1e-3 * thickness_of_box(body.shape, scene.dimension)) return;
   fail_at(where, fmt::format("the gauge '{}' at {} is not on the mid-surface of the shell '{}', {} = {:.6g} m; move it there.", gauge.name,
                              place_text(gauge.point("at"), scene), body.name, "xyz"[across], middle));
