@@ -6,13 +6,11 @@
 #include "scene/estimate.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <numeric>
 #include <optional>
-#include <unordered_map>
 
 #include "scene/mid_surface.hpp"
 #include "scene/placement.hpp"
@@ -83,54 +81,19 @@ BodyEstimate estimate_body(const Case& scene, const StructureBody& body) {
   return result;
 }
 
-/// The particles of all bodies of the fluid by the cells of a grid of its spacing.
-template <int D>
-class FluidCells {
- public:
-  explicit FluidCells(const FluidCase& fluid) : spacing_(fluid.spacing) {
-    for (const FluidBody& body : fluid.bodies)
-      for (const Vector<D>& x : fill_with_fluid<D>(body.shape, fluid.spacing)) cells_[key(cell_of(x))].push_back(x);
-  }
-  /// Whether a particle is nearer to x than `distance`, a spacing at most [m].
-  bool has_one_near(const Vector<D>& x, double distance) const {
-    std::array<long, 3> low{}, high{};
-    for (int d = 0; d < D; ++d) {
-      low[d] = static_cast<long>(std::floor((x[d] - distance) / spacing_));
-      high[d] = static_cast<long>(std::floor((x[d] + distance) / spacing_));
-    }
-    for (long k = low[2]; k <= high[2]; ++k)
-      for (long j = low[1]; j <= high[1]; ++j)
-        for (long i = low[0]; i <= high[0]; ++i) {
-          const auto cell = cells_.find(key({i, j, k}));
-          if (cell == cells_.end()) continue;
-          for (const Vector<D>& y : cell->second)
-            if ((x - y).squaredNorm() < distance * distance) return true;
-        }
-    return false;
-  }
-
- private:
-  std::array<long, 3> cell_of(const Vector<D>& x) const {
-    std::array<long, 3> cell{};
-    for (int d = 0; d < D; ++d) cell[d] = static_cast<long>(std::floor(x[d] / spacing_));
-    return cell;
-  }
-  static long key(const std::array<long, 3>& cell) { return cell[0] + (cell[1] << 21) + (cell[2] << 42); }
-
-  double spacing_;
-  std::unordered_map<long, std::vector<Vector<D>>> cells_;
-};
-
 // It starts at rest, and no particle has room beside it or, along gravity, below it: walls and bodies are there, or more of the fluid.
 // Whether the container is shaken later makes no free fall of it.
 template <int D>
 bool is_settled(const Case& scene, const Vector<D>& gravity) {
   for (const FluidBody& body : scene.fluid->bodies)
     if (!is_zero(body.velocity)) return false;
-  constexpr double near = 0.75, room = 0.25;  // in spacings: of the next particle; that a particle needs from a face
+  constexpr double room = 0.25;  // in spacings, that a particle needs from a face at least
   const double dx = scene.fluid->spacing;
-  const FluidCells<D> cells(*scene.fluid);
   const std::optional<Shape> region = fluid_region(scene);
+  const auto is_in_fluid = [&](const Vector<D>& x) {
+    const auto& bodies = scene.fluid->bodies;
+    return std::any_of(bodies.begin(), bodies.end(), [&](const FluidBody& body) { return signed_distance<D>(body.shape, x) < room * dx; });
+  };
   const auto is_taken = [&](const Vector<D>& x) {
     bool taken = region && signed_distance<D>(*region, x) > -room * dx;
     for (const WallCase& wall : scene.walls) taken = taken || (!wall.container && signed_distance<D>(wall.shape, x) < room * dx);
@@ -139,7 +102,7 @@ bool is_settled(const Case& scene, const Vector<D>& gravity) {
     return taken;
   };
   const auto is_free = [&](const Vector<D>& x, const Vector<D>& step) {  // halfway there may be a body that is thinner than a spacing
-    return !cells.has_one_near(x + step, near * dx) && !is_taken(x + 0.5 * step) && !is_taken(x + step);
+    return !is_in_fluid(x + step) && !is_taken(x + 0.5 * step) && !is_taken(x + step);
   };
   for (const FluidBody& body : scene.fluid->bodies)
     for (const Vector<D>& x : fill_with_fluid<D>(body.shape, dx))
