@@ -10,6 +10,7 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <optional>
 
 #include "scene/mid_surface.hpp"
 #include "scene/placement.hpp"
@@ -81,23 +82,37 @@ BodyEstimate estimate_body(const Case& scene, const StructureBody& body) {
   return result;
 }
 
-// One body that fills the container from wall to wall but for what is cut out of it, stands on its floor and starts at rest. Whether the
-// container is shaken later makes no free fall of it.
+// It starts at rest, and no particle has room beside it or, along gravity, below it: walls and bodies are there, or more of the fluid.
+// Whether the container is shaken later makes no free fall of it.
 template <int D>
 bool is_settled(const Case& scene, const Vector<D>& gravity) {
-  if (scene.walls.size() != 1 || !scene.walls[0].container || scene.fluid->bodies.size() != 1 ||
-      (scene.fluid->bodies[0].shape.kind != Shape::Kind::box && scene.fluid->bodies[0].shape.kind != Shape::Kind::difference)) {
-    return false;
-  }
-  const FluidBody& body = scene.fluid->bodies[0];
-  if (!is_zero(body.velocity)) return false;
-  const auto fluid = bounding_box<D>(body.shape), wall = bounding_box<D>(scene.walls[0].shape);
-  for (int d = 0; d < D; ++d) {
-    const double slack = 1e-6 * scene.fluid->spacing;
-    const bool along = std::abs(gravity[d]) > 1e-9 * gravity.norm();
-    const bool low = std::abs(fluid.min[d] - wall.min[d]) < slack, high = std::abs(fluid.max[d] - wall.max[d]) < slack;
-    if (along ? !(gravity[d] < 0 ? low : high) : !(low && high)) return false;
-  }
+  for (const FluidBody& body : scene.fluid->bodies)
+    if (!is_zero(body.velocity)) return false;
+  constexpr double room = 0.25;  // in spacings, that a particle needs from a face at least
+  const double dx = scene.fluid->spacing;
+  const std::optional<Shape> region = fluid_region(scene);
+  const auto is_in_fluid = [&](const Vector<D>& x) {
+    const auto& bodies = scene.fluid->bodies;
+    return std::any_of(bodies.begin(), bodies.end(), [&](const FluidBody& body) { return signed_distance<D>(body.shape, x) < room * dx; });
+  };
+  const auto is_taken = [&](const Vector<D>& x) {
+    bool taken = region && signed_distance<D>(*region, x) > -room * dx;
+    for (const WallCase& wall : scene.walls) taken = taken || (!wall.container && signed_distance<D>(wall.shape, x) < room * dx);
+    if (scene.structure)
+      for (const StructureBody& body : scene.structure->bodies) taken = taken || signed_distance<D>(body.shape, x) < room * dx;
+    return taken;
+  };
+  const auto is_free = [&](const Vector<D>& x, const Vector<D>& step) {  // halfway there may be a body that is thinner than a spacing
+    return !is_in_fluid(x + step) && !is_taken(x + 0.5 * step) && !is_taken(x + step);
+  };
+  for (const FluidBody& body : scene.fluid->bodies)
+    for (const Vector<D>& x : fill_with_fluid<D>(body.shape, dx))
+      for (int d = 0; d < D; ++d) {
+        if (scene.periodic[d]) continue;
+        const bool along = std::abs(gravity[d]) > 1e-9 * gravity.norm();
+        for (const double side : {-1.0, 1.0})
+          if (!(along && side * gravity[d] < 0) && is_free(x, side * dx * Vector<D>::Unit(d))) return false;
+      }
   return true;
 }
 

@@ -210,7 +210,7 @@ class PlacementCheck {
     scene_.warnings.push_back(fmt::format(
         "{}: {} of the {} particles of the fluid beside {} begin on its faces (within {:g} dx; half a spacing is right), and the "
         "pressure there is wrong at first. Put its faces between the layers of particles, which are {:.4g} m apart from the "
-        "corner of the fluid's box on, or choose a spacing of which its sides are whole multiples.",
+        "corner of the fluid's box on, or choose a spacing of which its sides and their distances from that corner are whole multiples.",
         where_fluid(0), on, beside, label, on_it, dx));
   }
 

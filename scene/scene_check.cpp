@@ -36,6 +36,7 @@ void check_scene_in(Case& scene, const Setting& settings) {
   check_structure<D>(scene, settings);
   check_placement<D>(scene, settings);
   check_gauges(scene, settings);
+  check_plausible<D>(scene, settings);
 }
 
 }  // namespace

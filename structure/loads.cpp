@@ -12,14 +12,19 @@ namespace tern::structure {
 template <int D>
 Loads<D>::Loads(const StructureCase& structure, const Reference<D>& reference, const SurfaceAttachment<D>& attachment) {
   for (const LoadCase& input : structure.loads) {
-    Load load{input, {}, {}};
+    Load load{input, {}, {}, {}};
     const auto is_loaded = [&](std::uint32_t body, const Vector<D>& x) {
       return reference.bodies[body].name == input.body && (!input.region || contains<D>(*input.region, x));
     };
     if (input.kind == LoadCase::Kind::body_force) {
       for (std::size_t p = 0; p < reference.particle_row.size(); ++p) {
         const auto row = reference.particle_row[p];
-        if (reference.inverse_mass[row] > 0 && is_loaded(reference.particle_body[p], reference.position_of(row))) load.row.push_back(row);
+        const std::uint32_t body = reference.particle_body[p];
+        const bool bears = reference.inverse_mass[row] > 0 || reference.bodies[body].shell >= 0;  // as weight (structure.cpp)
+        if (!bears || !is_loaded(body, reference.position_of(row))) continue;
+        load.row.push_back(row);
+        load.volume.push_back(reference.inverse_mass[row] > 0 ? reference.volume[row]
+                                                              : reference.mass[row] / reference.bodies[body].material.density);
       }
     } else {
       for (std::size_t k = 0; k < attachment.row.size(); ++k)
@@ -43,8 +48,8 @@ void Loads<D>::update(double t, const SurfaceAttachment<D>& attachment, const Re
       std::any_of(loads_.begin(), loads_.end(), [](const Load& load) { return load.input.kind == LoadCase::Kind::pressure; });
   const Surface<D> surface = follows ? present_surface(attachment, reference, state, work) : Surface<D>{};
   for (const Load& load : loads_) {
-    for (const auto row : load.row)
-      for (int a = 0; a < D; ++a) force_[a][row] += reference.volume[row] * at(load.input.value, a, reference.position_of(row));
+    for (std::size_t n = 0; n < load.row.size(); ++n)
+      for (int a = 0; a < D; ++a) force_[a][load.row[n]] += load.volume[n] * at(load.input.value, a, reference.position_of(load.row[n]));
     for (const auto k : load.point) {
       const auto row = attachment.row[k];
       const Vector<D> x = reference.position_of(row) + attachment.offset[k];

@@ -28,6 +28,7 @@ class Loads {
     LoadCase input;
     std::vector<std::size_t> point;  // surface points it acts on
     std::vector<std::int32_t> row;   // or particles
+    std::vector<double> volume;      // and theirs [m^D]
   };
   std::vector<Load> loads_;
   RowVectors<D> force_;

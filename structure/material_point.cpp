@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "base/error.hpp"
+#include "scene/geometry.hpp"
 #include "sph/kernel.hpp"
 #include "sph/symmetric_matrix.hpp"
 #include "structure/shell/shell_surface.hpp"
@@ -40,6 +41,33 @@ MaterialPoint point_of_shell(const ShellBody<D>& shell, const Body& body, const 
   return result;
 }
 
+/// By a kernel of the smoothing length `width`; empty when too few particles are within its reach.
+template <int D>
+MaterialPoint point_of_solid(const Reference<D>& reference, const Body& body, const Vector<D>& at, double width) {
+  const Kernel<D> kernel(width);
+  using Basis = Eigen::Matrix<double, D + 1, 1>;
+  MaterialPoint point;
+  std::vector<Basis> bases;
+  Eigen::Matrix<double, D + 1, D + 1> moments = Eigen::Matrix<double, D + 1, D + 1>::Zero();
+  for (std::size_t p = body.first; p < body.first + body.count; ++p) {
+    const Vector<D> offset = reference.position_of(reference.particle_row[p]) - at;
+    const double r = offset.norm();
+    if (r >= kernel.support()) continue;
+    Basis basis;
+    basis << 1, offset / width;
+    const double w = kernel.value(r);
+    moments += w * basis * basis.transpose();
+    bases.push_back(basis);
+    point.particle.push_back(static_cast<std::uint32_t>(p));
+    point.weight.push_back(w);
+  }
+  const Eigen::MatrixXd inverse = inverse_of_moments(moments);
+  if (inverse.size() == 0) return {};
+  const Basis solution = inverse.col(0);
+  for (std::size_t n = 0; n < bases.size(); ++n) point.weight[n] *= bases[n].dot(solution);
+  return point;
+}
+
 }  // namespace
 
 template <int D>
@@ -51,34 +79,16 @@ MaterialPoint find_material_point(const Reference<D>& reference, const std::stri
                     "[[structure.body]].",
                     body_name));
   if (const ShellBody<D>* shell = reference.shell_of(*body)) return point_of_shell<D>(*shell, *body, at);
-  const Kernel<D> kernel(body->smoothing_length);
-  using Basis = Eigen::Matrix<double, D + 1, 1>;
-  MaterialPoint point;
-  std::vector<Basis> bases;
-  Eigen::Matrix<double, D + 1, D + 1> moments = Eigen::Matrix<double, D + 1, D + 1>::Zero();
-  double nearest = std::numeric_limits<double>::max();
-  for (std::size_t p = body->first; p < body->first + body->count; ++p) {
-    const Vector<D> offset = reference.position_of(reference.particle_row[p]) - at;
-    const double r = offset.norm();
-    nearest = std::min(nearest, r);
-    if (r >= kernel.support()) continue;
-    Basis basis;
-    basis << 1, offset / body->smoothing_length;
-    const double w = kernel.value(r);
-    moments += w * basis * basis.transpose();
-    bases.push_back(basis);
-    point.particle.push_back(static_cast<std::uint32_t>(p));
-    point.weight.push_back(w);
+  if (const double beside = signed_distance<D>(body->shape, at); beside > 1e-6 * body->spacing)
+    throw BadInput(fmt::format("A gauge point lies {:.3g} m outside the body '{}', but it must lie in it; correct the gauge's `at`.",
+                               beside, body_name));
+  // As wide as the particles need it: an edge or a tip of the shape may be farther from them than their kernel reaches.
+  const Bounds<D> bounds = bounding_box<D>(body->shape);
+  for (double width = body->smoothing_length; width < 2 * (bounds.max - bounds.min).norm(); width *= 1.5) {
+    MaterialPoint point = point_of_solid<D>(reference, *body, at, width);
+    if (!point.particle.empty()) return point;
   }
-  const Eigen::MatrixXd inverse = inverse_of_moments(moments);
-  if (nearest > body->spacing || inverse.size() == 0)
-    throw BadInput(
-        fmt::format("A gauge point lies {:.3g} m from the nearest particle of body '{}', but it must lie in the "
-                    "body (within one spacing, {:.3g} m); correct the gauge's `at`.",
-                    nearest, body_name, body->spacing));
-  const Basis solution = inverse.col(0);
-  for (std::size_t n = 0; n < bases.size(); ++n) point.weight[n] *= bases[n].dot(solution);
-  return point;
+  throw BadInput(fmt::format("A gauge point of body '{}' has no displacement: its particles stand in a row.", body_name));
 }
 
 template MaterialPoint find_material_point<2>(const Reference<2>&, const std::string&, const Vector<2>&);

@@ -8,7 +8,7 @@
 
 namespace tern::structure {
 
-/// Throws BadInput when the body does not exist or `at` is farther than a spacing from all of its particles.
+/// Throws BadInput when the body does not exist or `at` is no point of its shape.
 template <int D>
 MaterialPoint find_material_point(const Reference<D>& reference, const std::string& body, const Vector<D>& at);
 

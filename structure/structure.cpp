@@ -79,13 +79,17 @@ struct Structure<D>::Parts {
     return x;
   }
 
+  /// Particles on the clamped edge of a shell stand for half a cell outside the clamp, which is loaded as the others are.
+  bool is_shell(std::uint32_t body) const { return reference.bodies[body].shell >= 0; }
+
   /// Weight of the free particles and loads of the case, taken at the middle of the window and at the positions of its begin.
   void update_forces() {
     const double t = seconds(state.time) + 0.5 * seconds(duration);
     loads.update(t, attachment, reference, state, work);
     if (!has_gravity) return;
-    for (const auto row : reference.particle_row) {
-      if (reference.inverse_mass[row] == 0) continue;
+    for (std::size_t p = 0; p < reference.particle_row.size(); ++p) {
+      const auto row = reference.particle_row[p];
+      if (reference.inverse_mass[row] == 0 && !is_shell(reference.particle_body[p])) continue;
       const auto x = place(row);
       for (int a = 0; a < D; ++a) weight[a][row] = reference.mass[row] * gravity[a](t, x[0], x[1], x[2]);
     }
@@ -149,9 +153,15 @@ struct Structure<D>::Parts {
       }
     for (std::size_t k = 0; k < attachment.row.size(); ++k) {
       const auto row = attachment.row[k];
-      if (attachment.clamp[k] < 0) continue;
+      if (attachment.clamp[k] < 0 || is_shell(attachment.properties.body[k])) continue;
       for (int a = 0; a < D; ++a)  // what the fluid does on a clamp that moves, the clamp takes
         state.clamp_work -= state.load.force[k][a] * (state.displacement[a][row] - saved.displacement[a][row]);
+    }
+    for (std::size_t p = 0; p < reference.particle_row.size(); ++p) {
+      const auto row = reference.particle_row[p];
+      if (reference.inverse_mass[row] > 0 || !is_shell(reference.particle_body[p])) continue;
+      for (int a = 0; a < D; ++a)  // and all that loads the edge of a shell there
+        state.clamp_work -= work.external_force[a][row] * (state.displacement[a][row] - saved.displacement[a][row]);
     }
     state.gravity_work += by_gravity;
     state.load_work += by_loads;
@@ -322,17 +332,20 @@ Reaction Structure<D>::reaction(const std::string& body, const std::string& clam
   const auto add_couple = [&](const Vector<3>& couple) {
     for (int a = 0; a < 3; ++a) reaction.moment[a] += couple[a];
   };
-  const auto add_row = [&](std::int32_t row) { add(row, [&](int a) { return state.internal_force[a][row]; }); };
-  const auto add_fluid = [&](const auto& bears) {
+  const auto add_row = [&](std::int32_t row, std::uint32_t of) {
+    add(row, [&](int a) { return state.internal_force[a][row] + (parts_->is_shell(of) ? parts_->work.external_force[a][row] : 0); });
+  };
+  const auto add_fluid = [&](const auto& bears) {  // on a solid; on a shell it is among the external forces
     for (std::size_t k = 0; k < attachment.row.size(); ++k)
-      if (attachment.clamp[k] >= 0 && bears(k)) add(attachment.row[k], [&](int a) { return state.load.force[k][a]; });
+      if (attachment.clamp[k] >= 0 && bears(k) && !parts_->is_shell(attachment.properties.body[k]))
+        add(attachment.row[k], [&](int a) { return state.load.force[k][a]; });
   };
   bool found = false;
   for (std::size_t n = 0; n < reference.clamps.size(); ++n) {
     const Clamp& known = reference.clamps[n];
     if (clamp.empty() || known.name != clamp || reference.bodies[known.body].name != body) continue;
     found = true;
-    for (const auto row : known.row) add_row(row);
+    for (const auto row : known.row) add_row(row, known.body);
     for (const ShellBody<D>& shell : reference.shells)
       if (shell.body == known.body) add_couple(shell_clamp_couple(shell, parts_->work, static_cast<std::int32_t>(n)));
     add_fluid([&](std::size_t k) { return attachment.clamp[k] == static_cast<std::int32_t>(n); });
@@ -343,7 +356,7 @@ Reaction Structure<D>::reaction(const std::string& body, const std::string& clam
     found = true;
     for (std::size_t p = known.first; p < known.first + known.count; ++p) {
       const auto row = reference.particle_row[p];
-      if (reference.inverse_mass[row] == 0) add_row(row);
+      if (reference.inverse_mass[row] == 0) add_row(row, static_cast<std::uint32_t>(n));
     }
     for (const ShellBody<D>& shell : reference.shells)
       if (shell.body == n) add_couple(shell_clamp_couple(shell, parts_->work, -1));

@@ -131,7 +131,7 @@ class Structure {
   Fields<D> fields() const;
 
   /// `body` by name, `at` in the reference configuration [m]. Throws BadInput when the body does not exist or the point
-  /// is farther than a spacing from it.
+  /// is none of it.
   MaterialPoint material_point(const std::string& body, const std::array<double, 3>& at) const;
   Vector<D> displacement(const MaterialPoint& point) const;  ///< [m]
 

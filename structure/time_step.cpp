@@ -36,15 +36,16 @@ void verlet(const Reference<D>& reference, double duration, int sub_steps, State
 
 namespace {
 
-/// One implicit step that stands for `sub_steps` explicit ones; failing that, two of half its length, and at last those.
+/// One implicit step that stands for `sub_steps` explicit ones; failing that, two of half its length, and at last those. The load is one
+/// for the whole window: what moves faster than the windows is not resolved by them, however many steps they have.
 template <int D>
-void implicit_or_explicit(const Reference<D>& reference, double duration, int sub_steps, int halvings, ImplicitStep<D>& implicit,
-                          State<D>& state, Workspace<D>& work) {
+void implicit_or_explicit(const Reference<D>& reference, double duration, int sub_steps, ImplicitStep<D>& implicit, State<D>& state,
+                          Workspace<D>& work) {
   if (implicit.advance(reference, duration, state, work)) return;
-  if (halvings > 0 && sub_steps > 1) {
+  if (sub_steps > least_implicit_ratio) {
     const int half = (sub_steps + 1) / 2;
-    implicit_or_explicit(reference, 0.5 * duration, half, halvings - 1, implicit, state, work);
-    implicit_or_explicit(reference, 0.5 * duration, half, halvings - 1, implicit, state, work);
+    implicit_or_explicit(reference, 0.5 * duration, half, implicit, state, work);
+    implicit_or_explicit(reference, 0.5 * duration, half, implicit, state, work);
     return;
   }
   internal_forces(reference, seconds(state.time), 0, state, work);
@@ -59,10 +60,7 @@ void advance_window(const Reference<D>& reference, Ticks duration, int sub_steps
   if (implicit == nullptr) {
     verlet(reference, seconds(duration), sub_steps, state, work);
   } else {
-    constexpr int halvings = 2;
-    const int steps = (sub_steps + largest_implicit_ratio - 1) / largest_implicit_ratio;
-    const int each = (sub_steps + steps - 1) / steps;
-    for (int n = 0; n < steps; ++n) implicit_or_explicit(reference, seconds(duration) / steps, each, halvings, *implicit, state, work);
+    implicit_or_explicit(reference, seconds(duration), sub_steps, *implicit, state, work);
   }
   state.time += duration;
 }

@@ -71,12 +71,12 @@ template <int D>
 class ImplicitStep;
 
 /// Advances the state by `duration` under work.external_force: in `sub_steps` explicit steps, or, with `implicit`, in
-/// implicit ones of at most largest_implicit_ratio sub-steps. One that does not converge is halved, and at last replaced by
-/// the explicit steps it stands for.
+/// one implicit step. One that does not converge is halved until it stands for least_implicit_ratio explicit steps, and at last replaced
+/// by those.
 template <int D>
 void advance_window(const Reference<D>& reference, Ticks duration, int sub_steps, ImplicitStep<D>* implicit, State<D>& state,
                     Workspace<D>& work);
-inline constexpr int largest_implicit_ratio = 100;
+inline constexpr int least_implicit_ratio = 25;
 
 /// F_i in the row, from the last deformation_gradient().
 template <int D>

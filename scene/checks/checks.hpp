@@ -25,9 +25,13 @@ template <int D>
 void check_fluid_boxes(const Case& scene, const Setting& settings);
 /// Frames and rows are few enough.
 void check_output(const Case& scene, const Setting& settings);
-/// Motions, gravity and speeds stay finite, and within the ranges of their keys, where and when they are looked at.
+/// Motions, gravity and speeds stay finite, and within the ranges of their keys, where and when they are looked at. Warns of motions that
+/// jump, and of those that start at speed.
 template <int D>
-void check_motions(const Case& scene, const Setting& settings);
+void check_motions(Case& scene, const Setting& settings);
+/// Warns of what is allowed, but hardly meant.
+template <int D>
+void check_plausible(Case& scene, const Setting& settings);
 
 /// The box around all places of a moving wall during the run.
 template <int D>

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.hpp"
@@ -35,19 +36,104 @@ void check_motion(const std::optional<RigidMotion>& motion, const Setting& table
   }
 }
 
+/// The farthest that any corner of the shape comes between two instants [m].
+template <int D>
+double farthest_between(const RigidMotion& motion, const Shape& shape, double begin, double end) {
+  const Placement<D> before = placement<D>(motion, begin), after = placement<D>(motion, end);
+  const Bounds<D> bounds = bounding_box<D>(shape);
+  double farthest = 0;
+  for (int corner = 0; corner < (1 << D); ++corner) {
+    Vector<D> x = bounds.min;
+    for (int d = 0; d < D; ++d)
+      if (corner & (1 << d)) x[d] = bounds.max[d];
+    farthest = std::max(farthest, (after(x) - before(x)).norm());
+  }
+  return farthest;
+}
+
+/// What round-off leaves of the way of a point of the shape that stands still [m].
+template <int D>
+double noise(const Shape& shape) {
+  const Bounds<D> bounds = bounding_box<D>(shape);
+  return 1e-10 * (bounds.min.norm() + bounds.max.norm());
+}
+
+struct Jump {
+  double time, distance;  ///< [s], [m]
+};
+
+// A continuous motion comes half as far, about, in the faster half of an interval; after so many halvings next to nothing is left of it.
+// A jump stays what it is.
+template <int D>
+std::optional<Jump> first_jump(const RigidMotion& motion, const Shape& shape, double end_time) {
+  constexpr int halvings = 40;
+  constexpr double left = 1e-3;  // of the way in the interval
+  for (int k = 0; k < instants; ++k) {
+    double begin = end_time * k / instants, end = end_time * (k + 1) / instants;
+    const double way = farthest_between<D>(motion, shape, begin, end);
+    double rest = way;
+    for (int n = 0; n < halvings && rest > std::max(left * way, noise<D>(shape)); ++n) {
+      const double middle = 0.5 * (begin + end);
+      const double first = farthest_between<D>(motion, shape, begin, middle), second = farthest_between<D>(motion, shape, middle, end);
+      rest = std::max(first, second);
+      (first > second ? end : begin) = middle;
+    }
+    if (rest > std::max(left * way, noise<D>(shape))) return Jump{end, rest};
+  }
+  return std::nullopt;
+}
+
+/// Speed at the start [m/s]; 0 where it grows from rest. From rest the way grows with the square of the time at least: four times in twice
+/// the time; at speed it grows twice.
+template <int D>
+double speed_at_start(const RigidMotion& motion, const Shape& shape, double end_time) {
+  constexpr double between = 2.5;
+  const double dt = 1e-2 * end_time / instants;
+  const double one = farthest_between<D>(motion, shape, 0, dt), two = farthest_between<D>(motion, shape, 0, 2 * dt);
+  return one > noise<D>(shape) && two < between * one ? one / dt : 0;
+}
+
+template <int D>
+void look_at_smoothness(Case& scene, const std::optional<RigidMotion>& motion, const Shape& shape, bool starts_with_it,
+                        const Setting& table, const std::string& mover) {
+  if (!motion) return;
+  if (const auto jump = first_jump<D>(*motion, shape, scene.end_time))
+    scene.warnings.push_back(
+        fmt::format("{}: the {} jumps by {:.3g} m at t = {:.6g} s: its speed is infinite there, and fluid may get through it. Let the "
+                    "parts of its motion meet.",
+                    table.where, mover, jump->distance, jump->time));
+  const double speed = starts_with_it ? 0 : speed_at_start<D>(*motion, shape, scene.end_time);
+  if (speed > 0)
+    scene.warnings.push_back(
+        fmt::format("{}: the {} starts at {:.3g} m/s, while what it moves is at rest: the first forces are those of a blow, and depend on "
+                    "the length of the first step. A motion that begins like t^2 starts from rest.",
+                    table.where, mover, speed));
+}
+
 }  // namespace
 
 template <int D>
-void check_motions(const Case& scene, const Setting& settings) {
-  for (std::size_t i = 0; i < scene.walls.size(); ++i)
-    check_motion<D>(scene.walls[i].motion, settings.at("wall").items[i], "wall '" + scene.walls[i].name + "'", scene.end_time);
+void check_motions(Case& scene, const Setting& settings) {
+  const bool flows = scene.fluid && std::any_of(scene.fluid->bodies.begin(), scene.fluid->bodies.end(),
+                                                [](const FluidBody& body) { return !is_zero(body.velocity); });
+  for (std::size_t i = 0; i < scene.walls.size(); ++i) {
+    const WallCase& wall = scene.walls[i];
+    const Setting& table = settings.at("wall").items[i];
+    check_motion<D>(wall.motion, table, "wall '" + wall.name + "'", scene.end_time);
+    look_at_smoothness<D>(scene, wall.motion, wall.shape, flows, table, "wall '" + wall.name + "'");
+  }
   if (!scene.structure) return;
-  const auto& clamps = scene.structure->clamps;
-  for (std::size_t i = 0; i < clamps.size(); ++i)
-    check_motion<D>(clamps[i].motion, settings.at("structure").at("clamp").items[i], "clamp '" + clamps[i].name + "'", scene.end_time);
+  for (std::size_t i = 0; i < scene.structure->clamps.size(); ++i) {
+    const ClampCase& clamp = scene.structure->clamps[i];
+    const Setting& table = settings.at("structure").at("clamp").items[i];
+    check_motion<D>(clamp.motion, table, "clamp '" + clamp.name + "'", scene.end_time);
+    bool moves = false;
+    for (const StructureBody& body : scene.structure->bodies) moves |= body.name == clamp.body && !is_zero(body.velocity);
+    look_at_smoothness<D>(scene, clamp.motion, clamp.region, moves, table, "clamp '" + clamp.name + "'");
+  }
 }
 
-template void check_motions<2>(const Case&, const Setting&);
-template void check_motions<3>(const Case&, const Setting&);
+template void check_motions<2>(Case&, const Setting&);
+template void check_motions<3>(Case&, const Setting&);
 
 }  // namespace tern

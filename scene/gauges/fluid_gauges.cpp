@@ -25,6 +25,22 @@ void check_pressure(const GaugeCase& gauge, const Case& scene, const std::string
                              place_text(gauge.point("at"), scene)));
 }
 
+// A place beside the container has no surface above or below it.
+void check_elevation(const GaugeCase& gauge, const Case& scene, const std::string& where) {
+  const auto region = fluid_region(scene);
+  const bool moves =
+      std::any_of(scene.walls.begin(), scene.walls.end(), [](const WallCase& wall) { return wall.container && wall.motion; });
+  if (!region || moves) return;
+  const auto is_beside = [&](const auto& box) {
+    bool beside = false;
+    for (int d = 0; d < scene.dimension; ++d) beside |= d != 1 && (gauge.point("at")[d] < box.min[d] || gauge.point("at")[d] > box.max[d]);
+    return beside;
+  };
+  if (!(scene.dimension == 2 ? is_beside(bounding_box<2>(*region)) : is_beside(bounding_box<3>(*region)))) return;
+  fail_at(where, fmt::format("the gauge '{}' at {} is beside the container, where there is never fluid; move it.", gauge.name,
+                             place_text(gauge.point("at"), scene)));
+}
+
 void check_wall_pressure(const GaugeCase& gauge, const Case& scene, const std::string& where) {
   const WallCase& wall = wall_of(gauge, scene, where);
   const std::array<double, 3> at = gauge.point("at");
@@ -77,7 +93,8 @@ std::vector<GaugeDefinition> fluid_gauges() {
        .owner = GaugeOwner::fluid,
        .meaning = "elevation of the free surface at a place [m]",
        .keys = {{"at", Type::point, true, "the place, whose y entry is not used"}},
-       .columns = [](int) { return Columns{"eta_m"}; }},
+       .columns = [](int) { return Columns{"eta_m"}; },
+       .check = check_elevation},
       {.kind = "front",
        .owner = GaugeOwner::fluid,
        .meaning = "largest x the connected fluid reaches [m]",

@@ -48,6 +48,11 @@ void check_displacement(const GaugeCase& gauge, const Case& scene, const std::st
     fail_at(where, fmt::format("the gauge '{}' at {} is no point of the undeformed body '{}'; move it by {:.3g} m.", gauge.name,
                                place_text(gauge.point("at"), scene), body.name, distance));
   if (!body.is_shell) return;
+  for (const Shape& clamp : body.clamps) {
+    if (distance_from(clamp, gauge.point("at"), scene) < 0)
+      fail_at(where, fmt::format("the gauge '{}' at {} is inside a clamp of '{}', where a shell has no particles; move it out.", gauge.name,
+                                 place_text(gauge.point("at"), scene), body.name));
+  }
   const auto check_place = [&]<int D>(const MidSurface<D>& surface) {
     const double height = surface.height(gauge.place<D>("at"));
     if (std::abs(height) > 1e-3 * surface.thickness)

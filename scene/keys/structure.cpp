@@ -76,7 +76,7 @@ const Rows<StructureNumerics>& numerics_rows() {
        one_of(&StructureNumerics::integrator,
               {{"explicit", Integrator::explicit_steps}, {"implicit", Integrator::implicit_steps}, {"auto", Integrator::automatic}}),
        "", absent, any,
-       "Explicit sub-steps with diffusion; implicit steps of at most 100 sub-steps, without it; auto: whichever is cheaper, by a count "
+       "Explicit sub-steps with diffusion; one implicit step a window, without it; auto: whichever is cheaper, by a count "
        "of what the implicit steps take. Absent = auto beside a fluid, whose steps are what the motion needs; explicit alone, where "
        "nothing but the sub-steps resolves a wave."},
   };

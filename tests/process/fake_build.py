@@ -6,6 +6,7 @@ Each role's behaviour is a list of words in the environment variable FAKE_<ROLE>
   blame CODE WORD    leave a report with this exit code and cause, and go on
   leave CODE         exit with CODE and touch no report
   exit CODE          leave a report without a cause, then exit with CODE
+  lose N M           reports say that N particles went through a face and M left the domain
   kill N             end by signal N
   deaf               ignore SIGINT and SIGTERM from here on
   wait               sleep until a signal arrives: SIGINT or SIGTERM end with 130 and an "interrupted" report
@@ -45,12 +46,15 @@ with open(f"{out}/pid.{role}.tmp", "w") as file:
     file.write(json.dumps({"pid": os.getpid(), "words": sys.argv[1:]}))
 os.rename(f"{out}/pid.{role}.tmp", f"{out}/pid.{role}")
 
+counts = {}
+
 def report(code, cause):
     with open(f"{out}/report.{role}.json", "w") as file:
         json.dump({"role": role, "status": "failed" if code else "done", "exit_code": code, "cause": cause,
                    "cause_time": time.time() if cause else 0, "steps": 7, "time_s": 0.5, "wall_s": 2.0,
                    "timing_s": {"compute": 1.5, "wait": 0.5},
-                   "measures": {"pressure_iterations_mean": 5.5, "volume_drift": 0.001} if role == "coupler" else {}}, file)
+                   "measures": {"pressure_iterations_mean": 5.5, "volume_drift": 0.001} if role == "coupler" else {},
+                   "counts": counts}, file)
 
 def interrupted(number, frame):
     report(130, "interrupted")
@@ -77,6 +81,8 @@ while words:
         sys.exit(code)
     elif word == "kill":
         os.kill(os.getpid(), int(words.pop(0)))
+    elif word == "lose":
+        counts = {"particles_leaked": int(words.pop(0)), "particles_removed": int(words.pop(0)), "particles": 100}
     elif word == "deaf":
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         signal.signal(signal.SIGTERM, signal.SIG_IGN)

@@ -84,6 +84,16 @@ class LauncherTest(unittest.TestCase):
         for word in ("--set", "end_time=2", "--until", "0.5", "--threads", "2"):
             self.assertIn(word, self.words("fluid"))
 
+    def test_fluid_that_was_lost_is_said_at_the_end(self):
+        # Seen to fail: without summary.warnings().
+        code, _, errors = self.fake.run(fluid="lose 3 12 exit 0")
+        self.assertEqual(code, 0)
+        self.assertIn("tern: warning: 3 particles of the fluid went through a face", errors)
+        self.assertIn("tern: warning: The fluid has lost 12 of 112 particles, and as much of its mass, at the edge of [domain].", errors)
+        self.assertEqual(len(self.contents()["warnings"]), 2)
+        self.assertEqual(self.fake.run(fluid="lose 1 0 exit 0", case_name="pond")[2].count("warning: 1 particle of the fluid"), 1)
+        self.assertEqual(self.fake.run(fluid="lose 0 0 exit 0")[2], "")
+
     def test_bad_input_ends_with_2_before_anything_is_started(self):
         # Seen to fail: with the exit code of tern-case ignored in cases.read().
         code, _, errors = self.fake.run(case="case.toml:3:1: unknown key 'densty', did you mean density?")

@@ -67,6 +67,15 @@ class PlotTest(unittest.TestCase):
         self.assertEqual([(circle.center, circle.radius) for circle in axis.patches if isinstance(circle, Circle)], [((0.3, 0.02), 0.01)])
         self.assertEqual([text.get_text() for text in axis.texts], ["sensor", "gate"])
 
+    def test_gauges_of_a_body_are_shown_where_it_has_come_to(self):
+        # The plate has moved by 20 mm. Seen to fail: with the places at the start.
+        self.write(tables=False)
+        places = [{"name": "tip", "at": [0.303, 0.04, 0]}, {"name": "sensor", "at": [0.303, 0.04, 0]}]
+        axis = self.drawn(places=places, gauge=[{"name": "tip", "body": "plate"}, {"name": "sensor"}]).axes[0]
+        tip, sensor = (np.transpose(line.get_data())[0] for line in axis.lines)
+        np.testing.assert_allclose(tip, [0.323, 0.04], atol=1e-9)
+        np.testing.assert_allclose(sensor, [0.303, 0.04], atol=1e-9)
+
     def test_either_side_alone_and_a_run_without_run_json_can_be_drawn(self):
         # Seen to fail: with limits_of() taking both sides for granted.
         for sides in ({"structure": False}, {"fluid": False, "tables": False}):

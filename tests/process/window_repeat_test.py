@@ -67,6 +67,14 @@ class WindowRepeatTest(unittest.TestCase):
         self.assertEqual(times[-1], 0.1)
         self.assertLessEqual(max(length for time, length in zip(times, lengths) if time >= 0.05), 0.15 * STEP)
 
+    def test_a_case_is_introduced_once(self):
+        # Seen to fail: with the first line, and the warnings of the case, said before every repeat.
+        ended = subprocess.run([ROOT / "tern", "run", CASES / "rigid_piston", "--out", self.path / "run", "--until", "0.01", "--fluid",
+                                f"{SOLVERS}/column_fluid.py --step {STEP}", "--structure", f"/usr/bin/python3 {CHOOSY}"],
+                               capture_output=True, text=True, timeout=100, check=False)
+        self.assertIn("Windows are taken back", ended.stderr)
+        self.assertEqual(ended.stdout.count("results in"), 1, ended.stdout)
+
     # Nothing helps a solver that takes no window at all.
     def test_the_end_says_what_was_tried(self):
         code, errors, contents = self.run_choosy(self.path / "run", "--structure", f"/usr/bin/python3 {CHOOSY}e-9")

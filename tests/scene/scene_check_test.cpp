@@ -1,6 +1,7 @@
 // Scenes: what is refused because it makes no sense, with which sentence, and what is warned of.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -92,6 +93,8 @@ TEST_F(CaseFile, WhoseGaugesMakeNoSenseIsRefused) {
   expect_refused(gauge("kind = \"wall_pressure\"\nwall = \"tank\"\nat = [0.9, 0.2]\n"), {"0.1 m away from the surface"});
   expect_refused(gauge("kind = \"wall_pressure\"\nwall = \"tank\"\nat = [0.5, 1]\n"), {"on an open face"});
   expect_refused(gauge("kind = \"flux\"\nfrom = [0.5, 0]\nto = [0.5, 0]\n"), {"length 0"});
+  expect_refused(gauge("kind = \"elevation\"\nat = [1.1, 0]\n"), {"'g' at (1.1, 0) m is beside the container"});
+  read(gauge("kind = \"elevation\"\nat = [0.9, 7]\n"));
 }
 
 // With a check left out no sentence comes, or another one.
@@ -150,6 +153,7 @@ TEST_F(CaseFile, RefusesWhatAShellDoesNotModel) {
   expect_refused(changed("spacing = 0.025\n", "spacing = 0.15\n"), {"has 3 free particles over 0.5 m in direction y", "at most 0.111 m"});
   expect_refused(changed("at = [0.75, 0.5]", "at = [0.76, 0.5]"),
                  {"'tip'", "is not on the mid-surface of the shell 'plate', but 0.01 m beside it"});
+  expect_refused(changed("at = [0.75, 0.5]", "at = [0.75, -0.05]"), {"'tip'", "is inside a clamp of 'plate'"});
 }
 
 // Deflection under a uniform load that is missing without shear: 0.8/(1 - nu) (t/L)^2 of a cantilever, 9.6/(1 - nu) (t/L)^2 between two
@@ -164,7 +168,7 @@ TEST_F(CaseFile, WarnsOfAShellThatIsTooThickOrHasTooFewParticles) {
   std::string text = shell_case();
   const std::string clamp = "clamp = [{";
   text.replace(text.find(clamp), clamp.size(), "clamp = [{ box = { min = [0.6, 0.3], max = [0.9, 0.6] } }, {");
-  const Case between = read(text);
+  const Case between = read(replaced(text, "at = [0.75, 0.5]", "at = [0.75, 0.2]"));
   ASSERT_EQ(between.warnings.size(), 2u);
   EXPECT_NE(between.warnings[0].find("is 15 thicknesses long between two clamps; without transverse shear it bends 7.1 % too little"),
             std::string::npos)
@@ -364,8 +368,79 @@ TEST_F(CaseFile, FluidThatBeginsOnAFaceIsSaid) {
   const char *between = "{ box = { min = [0.5, 0], max = [0.6, 0.4] } }", *beside = "{ box = { min = [0.525, 0], max = [0.575, 0.4] } }",
              *disc = "{ ball = { center = [0.55, 0.25], radius = 0.13 } }";
   EXPECT_FALSE(said(with_hole(between, between)));
-  EXPECT_TRUE(said(with_hole(beside, beside)));
+  EXPECT_TRUE(said(with_hole(beside, beside)));  // its sides are whole multiples of the spacing, their distances from the corner are not
+  EXPECT_NE(with_hole(beside, beside)[0].find("its sides and their distances from that corner are whole multiples"), std::string::npos);
   EXPECT_FALSE(said(with_hole(disc, disc)));
+}
+
+/// Whether a warning of the case holds all the parts.
+void expect_warning(const Case& c, const std::vector<std::string>& parts) {
+  const bool said = std::any_of(c.warnings.begin(), c.warnings.end(), [&](const std::string& warning) {
+    return std::all_of(parts.begin(), parts.end(), [&](const auto& part) { return warning.find(part) != std::string::npos; });
+  });
+  EXPECT_TRUE(said) << parts[0] << "\nin: " << fmt::format("{}", fmt::join(c.warnings, "\n"));
+}
+
+// The small case is silent. Each seen to fail with its look left out.
+TEST_F(CaseFile, WarnsOfWhatIsHardlyMeant) {
+  EXPECT_TRUE(read(small_case).warnings.empty()) << fmt::format("{}", fmt::join(read(small_case).warnings, "\n"));
+  expect_warning(read(with("young_modulus = 1e6", "young_modulus = 1")),
+                 {"case.toml:19", "Young's modulus of 'plate' is 1 Pa", "its own weight presses with 6.47e+03 Pa"});
+  expect_warning(read(with("spacing = 0.05", "spacing = 0.2")), {"fluid body 1 of", "less than the reach of the kernel"});
+  expect_warning(read(with("[0, -9.81]", "[0, 9.81]")), {"draws the fluid to the open face y_max"});
+  expect_warning(read(with("max = [0.4, 0.5]", "max = [0.4, 1.2]")), {"begins up to 0.2 m beyond the open face y_max"});
+  expect_warning(read(with("end_time = 0.5", "end_time = 0.05")), {"nothing falls farther than 0.012 m", "Lengths are in metres"});
+  const std::string sensor = "[[gauge]]\nkind = \"pressure\"\nname = \"p\"\nat = [0.75, 0.2]\n";
+  expect_warning(read(small_case + sensor), {"the gauge 'p' at (0.75, 0.2) m is inside the elastic body 'plate'"});
+}
+
+// Seen to fail: with faces that gravity does not press on counted; with bodies that hang from a clamp counted.
+TEST_F(CaseFile, WarnsOfBodiesThatStandOnSomethingUnclamped) {
+  const std::string clamp = "clamp = [{ box = { min = [0.6, -0.2], max = [0.9, 0] } }]\n";
+  const std::string free = replaced(replaced(small_case, clamp, ""), "min = [0.7, -0.1]", "min = [0.7, 0]");
+  expect_warning(read(free), {"'plate' stands on the wall 'tank' at (", "but has no clamp", "structure.body.plate.clamp"});
+  EXPECT_TRUE(read(replaced(free, "min = [0.7, 0]", "min = [0.7, 0.1]")).warnings.empty()) << "it falls";
+  const std::string beside = replaced(free, "[0.7, 0], max = [0.8, 0.5]", "[0.9, 0.1], max = [1, 0.5]");
+  EXPECT_TRUE(read(replaced(beside, "at = [0.75, 0.5]", "at = [0.95, 0.5]")).warnings.empty()) << "it slides along the wall";
+  const std::string hung =
+      replaced(with("min = [0.6, -0.2], max = [0.9, 0]", "min = [0.6, 0.4], max = [0.9, 0.6]"), "[0.7, -0.1]", "[0.7, 0]");
+  EXPECT_TRUE(read(hung).warnings.empty()) << "its clamp bears it";
+  const std::string other =
+      "[[structure.body]]\nname = \"lid\"\nshape = { box = { min = [0.65, 0.5], max = [0.85, 0.6] } }\nspacing = 0.025\n"
+      "density = 1100\nyoung_modulus = 1e6\npoisson_ratio = 0.4\n";
+  expect_warning(read(replaced(small_case, "[[gauge]]", other + "[[gauge]]")), {"'lid' stands on the elastic body 'plate'"});
+}
+
+// Seen to fail: with the motion of the clamp, or of the wall, left out of the comparison.
+TEST_F(CaseFile, WarnsOfAClampThatDoesNotMoveWithItsWall) {
+  const std::string moving = with("open = [", "displacement = [\"0.4*t^2\", 0]\nopen = [");
+  expect_warning(read(moving), {"'plate' is clamped in the wall 'tank'", "they move apart, by 0.1 m at t = 0.5 s"});
+  const std::string foot =
+      "[[structure.clamp]]\nname = \"foot\"\nbody = \"plate\"\nregion = { box = { min = [0.6, -0.2], max = [0.9, 0] } }\n"
+      "displacement = [\"0.4*t^2\", 0]\n";
+  const std::string held = replaced(moving, "clamp = [{ box = { min = [0.6, -0.2], max = [0.9, 0] } }]\n", "");
+  EXPECT_TRUE(read(held + foot).warnings.empty());
+  const std::string at_rest = replaced(small_case, "clamp = [{ box = { min = [0.6, -0.2], max = [0.9, 0] } }]\n", "");
+  expect_warning(read(at_rest + foot), {"'plate' is clamped in the wall 'tank'"});
+}
+
+// Seen to fail: without both looks; without the floor for round-off, and the ways compared at 4.5 in place of 2.5.
+TEST_F(CaseFile, WarnsOfMotionsThatJumpOrStartAtSpeed) {
+  const auto warnings = [&](const std::string& x) {
+    const std::string text = replaced(with("open = [", "displacement = [\"" + x + "\", 0]\nopen = ["),
+                                      "clamp = [{ box = { min = [0.6, -0.2], max = [0.9, 0] } }]\n", "");
+    const std::string foot =
+        "[[structure.clamp]]\nname = \"foot\"\nbody = \"plate\"\nregion = { box = { min = [0.6, -0.2], max = [0.9, 0] } }\n"
+        "displacement = [\"" +
+        x + "\", 0]\n";
+    return read(text + foot);
+  };
+  for (const char* smooth : {"0.1*t^2", "0.01*(1-cos(60*t))", "t < 0.2 ? 0 : 0.1*(t-0.2)^2", "0.1*t^3"})
+    EXPECT_TRUE(warnings(smooth).warnings.empty()) << smooth << fmt::format("{}", fmt::join(warnings(smooth).warnings, "\n"));
+  expect_warning(warnings("t < 0.2 ? 0 : 0.01"), {"the wall 'tank' jumps by 0.01 m at t = 0.2 s"});
+  expect_warning(warnings("t < 0.2 ? 0 : 0.01"), {"the clamp 'foot' jumps by 0.01 m at t = 0.2 s"});
+  expect_warning(warnings("0.01*sin(60*t)"), {"the wall 'tank' starts at 0.6 m/s"});
+  expect_warning(warnings("0.05*t"), {"the clamp 'foot' starts at 0.05 m/s"});
 }
 
 }  // namespace

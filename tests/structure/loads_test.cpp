@@ -167,5 +167,33 @@ TEST(Energy, BalanceClosesWithLoadsDampingAndAMovingClamp) {
   EXPECT_GT(e.damping, 0.02 * largest);
 }
 
+/// A shell of 4 x 90 mm above its clamp, loaded as a whole until it rests: what holds it.
+Reaction of_loaded_shell(LoadCase::Kind kind, const char* value) {
+  Case c = plate();
+  StructureBody& body = c.structure->bodies[0];
+  body.is_shell = true;
+  body.spacing = 0.01;
+  body.mass_damping = 60;
+  LoadCase load;
+  load.kind = kind;
+  load.body = "plate";
+  load.region = box({0.59, 1e-6, 0}, {0.598, 0.0899, 0});  // its left face
+  if (kind == LoadCase::Kind::body_force) load.region.reset();
+  load.value[0] = Expression(value);
+  c.structure->loads.push_back(load);
+  Structure<2> structure(c);
+  const Ticks window = to_ticks(5e-3);
+  for (Ticks t = 0; seconds(t) < 0.8; t += window) structure.trial(t, window);
+  return structure.reaction("plate", "", {0.598, 0, 0});
+}
+
+// All of the load, also that on the half cell beside the clamp, whose particle is held. Seen to fail: with the internal forces of the held
+// particle alone (5.3 % are missing).
+TEST(Reaction, OfAShellBearsAllOfItsLoad) {
+  EXPECT_NEAR(of_loaded_shell(LoadCase::Kind::traction, "2").force[0], -0.18, 1e-4 * 0.18);
+  EXPECT_NEAR(of_loaded_shell(LoadCase::Kind::body_force, "500").force[0], -0.18, 1e-4 * 0.18);
+  EXPECT_NEAR(of_loaded_shell(LoadCase::Kind::traction, "2").moment[2], 0.5 * 0.09 * 0.18, 0.01 * 0.5 * 0.09 * 0.18);
+}
+
 }  // namespace
 }  // namespace tern::structure::testing

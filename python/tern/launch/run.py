@@ -241,6 +241,8 @@ def _run(request, work):
             break
     if not request.quiet and contents:
         say(summary.text(contents, out))
+        for warning in contents["warnings"]:
+            tell(f"tern: warning: {warning}")
     return cause, out
 
 
@@ -293,10 +295,10 @@ def _run_once(request, work):
     if not request.quiet:
         # Said before the first progress line: where the results appear, and under which name.
         where = f", goes on from step {checkpoint['step']}, t = {checkpoint['time_s']:.6g} s" if before and checkpoint else ""
-        say(f"tern: {case['name']} ({', '.join(roles)}){where}, results in {summary.shown(out)}")
-
-        for warning in case.get("warnings", []):
-            tell(f"tern: warning: {warning}")
+        if not request.repeat:  # windows that are repeated are of a case that has been introduced
+            say(f"tern: {case['name']} ({', '.join(roles)}){where}, results in {summary.shown(out)}")
+            for warning in case.get("warnings", []):
+                tell(f"tern: warning: {warning}")
 
     contents = {"case": case["name"], "case_path": str(path), "title": case.get("title", ""), "case_hash": case["hash"],
                 "started": datetime.now(timezone.utc).isoformat(timespec="seconds"), "status": "running",
@@ -362,6 +364,7 @@ def _run_once(request, work):
             # The process that keeps time has taken an older checkpoint where the newest was not whole.
             contents["resumed"][-1] |= reports[timekeeper].pop("resumed", {})
         contents = _merged(contents, group.processes, reports, cause, wall_s)
+        contents["warnings"] = summary.warnings(contents)
         refused = before and cause.exit_code == BAD_INPUT
         if refused:
             contents = before  # what was there is as it was

@@ -91,8 +91,26 @@ def flat(run, fields, process, cut):
     return result
 
 
+def gauge_places(run, structure):
+    """Where the gauges are in a frame of the structure: those of a body are carried along by the particle that was nearest at the start."""
+    places = run.contents.get("gauge_places", [])
+    carried = {gauge["name"] for gauge in run.settings.get("gauge", []) if "body" in gauge}
+    if structure is None or not carried or not len(structure["position"]):
+        return places
+    first = run.frames_of("structure")[0]
+    if len(first["position"]) != len(structure["position"]):
+        return places
+
+    def moved(place):
+        if place["name"] not in carried or "at" not in place:
+            return place
+        nearest = np.argmin(np.linalg.norm(first["position"] - place["at"], axis=1))
+        return place | {"at": list(place["at"] + structure["position"][nearest] - first["position"][nearest])}
+    return [moved(place) for place in places]
+
+
 def draw_gauges(axis, places, kept=(0, 1)):
-    """Where the gauges of the case are at the start: points, lines, and discs of the size of a sensor."""
+    """Marks gauges at their places: points, lines, and discs of the size of a sensor."""
     kept = list(kept)
     for place in places:
         if "from" in place:
@@ -125,6 +143,7 @@ def _draw(axis, run, fluid, structure, limits, field, placed, cut, view):
     drawn = [None, None]
     (_, fluid_colours, of_fluid), (_, structure_colours, of_structure) = FIELDS[field]
     _draw_walls(axis, placed, cut, view)
+    gauges = gauge_places(run, structure)
     fluid, structure = flat(run, fluid, "fluid", cut), flat(run, structure, "structure", cut)
     if fluid is not None:
         drawn[0] = _discs(axis, fluid["position"], of_fluid(fluid), run.spacing("fluid"), fluid_colours, limits[0])
@@ -132,7 +151,7 @@ def _draw(axis, run, fluid, structure, limits, field, placed, cut, view):
         drawn[1] = _discs(axis, structure["position"], of_structure(structure), run.spacing("structure"), structure_colours, limits[1])
         if "surface_position" in structure:
             _outline(axis, structure["surface_position"])
-    draw_gauges(axis, run.contents.get("gauge_places", []), cut.kept if cut else (0, 1))
+    draw_gauges(axis, gauges, cut.kept if cut else (0, 1))
     for set_limits, range_ in zip((axis.set_xlim, axis.set_ylim), view):
         set_limits(*range_)
     axis.set_aspect("equal")

@@ -102,7 +102,7 @@ def triad(axis, gravity, look):
 
 
 def draw_gauges(axis, places, camera, box, gravity):
-    """Where the gauges are at the start, in front of all else: points, rectangles, and for discs their middle."""
+    """Marks gauges at their places, in front of all else: points, rectangles, and for discs their middle."""
     for place in places:
         if "from" in place:  # opposite corners of a rectangle
             low, high = np.array(place["from"]), np.array(place["to"])
@@ -130,7 +130,7 @@ def stage(run, fluid, structure, limits, field, box, look, **options):
     drawn = axis.imshow(shown)
     axis.set_axis_off()
     triad(axis, run.settings.get("gravity", []), look)
-    draw_gauges(axis, run.contents.get("gauge_places", []), look.camera, box, run.settings.get("gravity", []))
+    draw_gauges(axis, fields.gauge_places(run, structure), look.camera, box, run.settings.get("gravity", []))
     axis.text(0.99, -0.01, below(box, look), ha="right", va="top", transform=axis.transAxes, fontsize=9, color="0.3")
     if lost:
         axis.text(0.99, 0.99, style.plain(f"not drawn, the frames do not say where they are: {', '.join(lost)}"), ha="right", va="top",

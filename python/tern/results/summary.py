@@ -28,6 +28,19 @@ def measure(contents, name):
     return None
 
 
+def warnings(contents):
+    """What its results do not show by themselves, in sentences: fluid that has been lost."""
+    said = []
+    if through := measure(contents, "particles_leaked") or 0:
+        said.append(f"{through:.0f} particle{'s' * (through != 1)} of the fluid went through a face of a wall or body. What pushed them "
+                    "there moves too fast for its steps, or jumps.")
+    if removed := measure(contents, "particles_removed") or 0:
+        left = measure(contents, "particles") or 0
+        said.append(f"The fluid has lost {removed:.0f} of {removed + left:.0f} particles, and as much of its mass, at the edge of "
+                    "[domain].")
+    return said
+
+
 def _timing(report):
     """`compute 12.1 s (80 %), wait ...` in order of size, from timing_s."""
     timing = {name: value for name, value in report.get("timing_s", {}).items() if value and value > 0}

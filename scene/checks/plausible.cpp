@@ -1,0 +1,245 @@
+// What is allowed, but hardly meant: units that were mixed up, a clamp that is missing, a spacing as large as the scene. Each warning names
+// what will be seen in the run.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "scene/checks/checks.hpp"
+#include "scene/mid_surface.hpp"
+#include "scene/placement.hpp"
+#include "scene/scene_check.hpp"
+
+namespace tern {
+namespace {
+
+constexpr double held_patches = 3;  ///< patches around a clamp in which a body meets no wall (meeting/meeting.cpp)
+constexpr double round_off = 1e-6;  ///< in spacings
+constexpr int instants = 200;       ///< of the run at which motions are compared
+
+template <int D>
+class Plausible {
+ public:
+  Plausible(Case& scene, const Setting& settings) : scene_(scene), settings_(settings) {
+    Vector<D> at;
+    for (int d = 0; d < D; ++d) at[d] = 0.5 * (scene.domain_min[d] + scene.domain_max[d]);
+    for (int d = 0; d < D; ++d) gravity_[d] = scene.gravity[d](0, at[0], at[1], D == 3 ? at[D - 1] : 0);
+  }
+
+  void run() {
+    if (scene_.fluid) {
+      look_at_fluid();
+      look_at_open_faces();
+      look_at_time();
+      look_at_pressure_gauges();
+    }
+    for (std::size_t i = 0; i < bodies().size(); ++i) {
+      look_at_modulus(bodies()[i], settings_.at("structure").at("body").items[i]);
+      look_at_contacts(i);
+      look_at_clamps_in_walls(bodies()[i], where_body(i));
+    }
+  }
+
+ private:
+  const std::vector<StructureBody>& bodies() const {
+    static const std::vector<StructureBody> none;
+    return scene_.structure ? scene_.structure->bodies : none;
+  }
+  const std::string& where_body(std::size_t i) const { return settings_.at("structure").at("body").items[i].where; }
+  const std::string& where_fluid(std::size_t i) const { return settings_.at("fluid").at("body").items[i].where; }
+
+  template <class... Parts>
+  void warn(const std::string& where, fmt::format_string<Parts...> sentence, Parts&&... parts) {
+    scene_.warnings.push_back(where + ": " + fmt::format(sentence, std::forward<Parts>(parts)...));
+  }
+  static std::string text(const Vector<D>& x) { return fmt::format("({:.6g}) m", fmt::join(x.data(), x.data() + D, ", ")); }
+
+  /// Extent of the box along gravity [m].
+  double height(const Vector<D>& low, const Vector<D>& high) const {
+    return gravity_.norm() > 0 ? (high - low).dot(gravity_.cwiseAbs()) / gravity_.norm() : 0;
+  }
+
+  // A fluid as thin as the reach of the kernel has no inside: each of its particles sees both of its sides.
+  void look_at_fluid() {
+    const FluidCase& fluid = *scene_.fluid;
+    const double reach = 2 * fluid.numerics.smoothing_length_ratio * fluid.spacing;
+    fluid_low_ = Vector<D>::Constant(std::numeric_limits<double>::max()), fluid_high_ = -fluid_low_;
+    for (std::size_t i = 0; i < fluid.bodies.size(); ++i) {
+      Vector<D> low = Vector<D>::Constant(std::numeric_limits<double>::max()), high = -low;
+      std::size_t count = 0;
+      for (const Vector<D>& x : fill_with_fluid<D>(fluid.bodies[i].shape, fluid.spacing)) {
+        low = low.cwiseMin(x), high = high.cwiseMax(x);
+        ++count;
+      }
+      const Vector<D> half = Vector<D>::Constant(0.5 * fluid.spacing);
+      low -= half, high += half;
+      fluid_low_ = fluid_low_.cwiseMin(low), fluid_high_ = fluid_high_.cwiseMax(high);
+      int thin = 0;
+      const double least = (high - low).minCoeff(&thin);
+      if (least < reach * (1 - round_off))
+        warn(where_fluid(i),
+             "fluid body {} of {} particles is {:.2g} of them thick in direction {}, less than the reach of the kernel, {:.2g}: none of "
+             "them "
+             "is inside the fluid, and its pressure means little. With a spacing of {:.2g} m some are.",
+             i + 1, count, least / fluid.spacing, "xyz"[thin], reach / fluid.spacing, fluid.spacing * least / reach / 2);
+    }
+  }
+
+  // Fluid beyond an open face runs down outside, and fluid that gravity draws to an open face leaves.
+  void look_at_open_faces() {
+    for (std::size_t w = 0; w < scene_.walls.size(); ++w) {
+      const WallCase& wall = scene_.walls[w];
+      if (!wall.container || wall.shape.kind != Shape::Kind::box) continue;
+      const Bounds<D> box = bounding_box<D>(wall.shape);
+      int along = 0;
+      gravity_.cwiseAbs().maxCoeff(&along);
+      for (int d = 0; d < D; ++d) {
+        if (scene_.periodic[d]) continue;
+        for (const bool high : {false, true}) {
+          const std::string face = "xyz"[d] + std::string(high ? "_max" : "_min");
+          if (!is_open(wall, face)) continue;
+          const double beyond = high ? fluid_high_[d] - box.max[d] : box.min[d] - fluid_low_[d];
+          if (beyond > 0.5 * scene_.fluid->spacing)
+            warn(where_fluid(0), "the fluid begins up to {:.3g} m beyond the open face {} of the container '{}', where nothing holds it.",
+                 beyond, face, wall.name);
+          if (d == along && (high ? gravity_[d] > 0 : gravity_[d] < 0))
+            warn(settings_.at("wall").items[w].where,
+                 "gravity draws the fluid to the open face {} of the container '{}', through which it leaves the scene; the sign of "
+                 "gravity, "
+                 "{:.3g} m/s^2 in direction {}, may be wrong.",
+                 face, wall.name, gravity_[d], "xyz"[d]);
+        }
+      }
+    }
+  }
+
+  // Where nothing but gravity moves anything, and that by less than a spacing, lengths are hardly in metres.
+  void look_at_time() {
+    const double fall = 0.5 * gravity_.norm() * scene_.end_time * scene_.end_time;
+    bool moves = fall == 0 || fall >= scene_.fluid->spacing;
+    for (const FluidBody& body : scene_.fluid->bodies) moves |= !is_zero(body.velocity);
+    for (const WallCase& wall : scene_.walls) moves |= wall.motion.has_value();
+    for (const Expression& component : scene_.gravity) moves |= !component.is_constant();
+    for (const StructureBody& body : bodies()) moves |= !is_zero(body.velocity);
+    if (scene_.structure) {
+      moves |= !scene_.structure->loads.empty();
+      for (const ClampCase& clamp : scene_.structure->clamps) moves |= clamp.motion.has_value();
+    }
+    if (moves) return;
+    warn(settings_.at("fluid").at("spacing").where,
+         "until end_time, {:.3g} s, nothing falls farther than {:.2g} m, less than one spacing of the fluid, {:.3g} m: next to nothing "
+         "will be "
+         "seen to move. Lengths are in metres.",
+         scene_.end_time, fall, scene_.fluid->spacing);
+  }
+
+  void look_at_pressure_gauges() {
+    for (std::size_t i = 0; i < scene_.gauges.size(); ++i) {
+      const GaugeCase& gauge = scene_.gauges[i];
+      if (gauge.kind != "pressure") continue;
+      const Vector<D> at = gauge.place<D>("at");
+      const auto say = [&](const std::string& what) {
+        warn(settings_.at("gauge").items[i].where, "the gauge '{}' at {} is inside {}: its column is empty while that stands there.",
+             gauge.name, text(at), what);
+      };
+      for (const WallCase& wall : scene_.walls)
+        if (!wall.container && signed_distance<D>(wall.shape, at) < 0) say("the obstacle '" + wall.name + "'");
+      for (const StructureBody& body : bodies())
+        if (signed_distance<D>(body.shape, at) < 0) say("the elastic body '" + body.name + "'");
+    }
+  }
+
+  // A pressure as large as Young's modulus leaves nothing of a body.
+  void look_at_modulus(const StructureBody& body, const Setting& table) {
+    const Bounds<D> bounds = bounding_box<D>(body.shape);
+    const double own = body.density * gravity_.norm() * height(bounds.min, bounds.max);
+    const double wet = scene_.fluid ? scene_.fluid->density * gravity_.norm() * height(fluid_low_, fluid_high_) : 0;
+    if (std::max(own, wet) <= body.young_modulus) return;
+    warn(table.at("young_modulus").where,
+         "Young's modulus of '{}' is {:.3g} Pa, but {} presses with {:.3g} Pa: nothing would be left of the body. The unit is Pa; 1 MPa is "
+         "1e6, 1 GPa is 1e9.",
+         body.name, body.young_modulus, own > wet ? "its own weight" : "the weight of the fluid", std::max(own, wet));
+  }
+
+  // What gravity alone presses onto a wall or another body at the start enters it after a few steps, and ends the run.
+  void look_at_contacts(std::size_t i) {
+    const StructureBody& body = bodies()[i];
+    if (gravity_.norm() == 0 || !body.clamps.empty()) return;
+    const double patch = patch_length(body.spacing, scene_.fluid);
+    const auto surface = sample_surface<D>(body.shape, patch);
+    std::vector<std::string> met;
+    for (std::size_t k = 0; k < surface.position.size(); ++k) {
+      const Vector<D>& x = surface.position[k];
+      if (surface.normal[k].dot(gravity_) <= round_off * gravity_.norm()) continue;
+      const auto touches = [&](const Shape& shape) { return std::abs(signed_distance<D>(shape, x)) < round_off * body.spacing; };
+      std::string other;
+      for (const WallCase& wall : scene_.walls)
+        if (touches(without_open_faces(wall))) other = "the wall '" + wall.name + "'";
+      for (const StructureBody& neighbour : bodies())
+        if (&neighbour != &body && touches(neighbour.shape)) other = "the elastic body '" + neighbour.name + "'";
+      if (other.empty() || std::find(met.begin(), met.end(), other) != met.end()) continue;
+      met.push_back(other);
+      warn(where_body(i),
+           "the elastic body '{}' stands on {} at {}, but has no clamp. Contact of bodies is not modelled: gravity presses it in, and the "
+           "run "
+           "stops there. Clamp it (structure.body.{}.clamp), or leave room below it.",
+           body.name, other, text(x), body.name);
+    }
+  }
+
+  // A body that is clamped in a wall has to move as that does: the wall would run into what is farther from the clamp.
+  void look_at_clamps_in_walls(const StructureBody& body, const std::string& where) {
+    const double allowed = held_patches * patch_length(body.spacing, scene_.fluid);
+    for (const WallCase& wall : scene_.walls) {
+      const Shape shape = without_open_faces(wall);
+      for (const Vector<D>& x : fill_body<D>(body)) {
+        const double distance = signed_distance<D>(shape, x);
+        if ((wall.container ? distance : -distance) < -round_off * body.spacing) continue;
+        if (std::none_of(body.clamps.begin(), body.clamps.end(), [&](const Shape& clamp) { return contains<D>(clamp, x); })) continue;
+        const RigidMotion* held_by = nullptr;
+        for (const ClampCase& clamp : scene_.structure->clamps)
+          if (clamp.body == body.name && clamp.motion && contains<D>(clamp.region, x)) held_by = &*clamp.motion;
+        const auto [apart, at] = farthest_apart(held_by, wall.motion ? &*wall.motion : nullptr, x);
+        if (apart <= allowed) continue;
+        warn(
+            where,
+            "the elastic body '{}' is clamped in the wall '{}' at {}, but they move apart, by {:.3g} m at t = {:.3g} s: the wall runs into "
+            "the body. Give both the same motion ([[wall]] and [[structure.clamp]]).",
+            body.name, wall.name, text(x), apart, at);
+        break;
+      }
+    }
+  }
+
+  /// Largest distance [m] between where two motions (null: none) bring the point, and when [s].
+  std::pair<double, double> farthest_apart(const RigidMotion* first, const RigidMotion* second, const Vector<D>& x) const {
+    std::pair<double, double> farthest{0, 0};
+    if (!first && !second) return farthest;
+    for (int k = 1; k <= instants; ++k) {
+      const double t = scene_.end_time * k / instants;
+      const auto place = [&](const RigidMotion* motion) { return motion ? placement<D>(*motion, t)(x) : x; };
+      farthest = std::max(farthest, std::pair((place(first) - place(second)).norm(), t));
+    }
+    return farthest;
+  }
+
+  Case& scene_;
+  const Setting& settings_;
+  Vector<D> gravity_, fluid_low_ = Vector<D>::Zero(), fluid_high_ = Vector<D>::Zero();
+};
+
+}  // namespace
+
+template <int D>
+void check_plausible(Case& scene, const Setting& settings) {
+  Plausible<D>(scene, settings).run();
+}
+
+template void check_plausible<2>(Case&, const Setting&);
+template void check_plausible<3>(Case&, const Setting&);
+
+}  // namespace tern
