@@ -26,7 +26,7 @@ TEST(VolumeDrift, OfAFilmIsKnownOfItsInsideOnly) {
   EXPECT_NEAR(body.inside, -0.1, 0.01);
   EXPECT_NEAR(film.inside, -0.1, 0.02);
   EXPECT_LT(body.known(), -0.08);
-  EXPECT_GT(film.known(), -0.03);
+  EXPECT_GT(film.known(), -0.06) << "three layers of five are inside";
   EXPECT_EQ(drift_of_a_sheet(2).known(), 0) << "none is inside";
 }
 
