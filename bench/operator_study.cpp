@@ -101,7 +101,7 @@ Cells measure_tank(Fluid<2>& f, const std::function<void(const Observe&)>& run) 
   });
   const double count = static_cast<double>(n);
   return {scientific(kinetic / count), fmt::format("{:.4f}", fastest),       percent(slope / count - 1),
-          scientific(noise / count),   percent(mean_height(f) / before - 1), percent(f.volume_drift())};
+          scientific(noise / count),   percent(mean_height(f) / before - 1), percent(f.volume_drift().inside)};
 }
 
 Cells measure_deep(Fluid<2>& f, const std::function<void(const Observe&)>& run) {
@@ -136,7 +136,7 @@ Cells measure_wave(Fluid<2>& f, const std::function<void(const Observe&)>& run) 
     peak = std::max(peak, std::abs(now)), last = now, last_time = t;
   });
   return {fmt::format("{:.3f}", final_peak / start), percent(measured / expected - 1), percent(mean_height(f) / before - 1),
-          percent(f.volume_drift())};
+          percent(f.volume_drift().inside)};
 }
 
 Cells measure_vortices(Fluid<2>& f, const std::function<void(const Observe&)>& run) {
@@ -151,7 +151,7 @@ Cells measure_vortices(Fluid<2>& f, const std::function<void(const Observe&)>& r
   }
   return {percent(std::log(start / f.energies().kinetic) / (rate * t) - 1),
           percent(std::sqrt(error / static_cast<double>(f.state().size())) / (u * std::sqrt(0.5))),
-          fmt::format("{:.3f}", f.largest_speed() / u), percent(f.volume_drift())};
+          fmt::format("{:.3f}", f.largest_speed() / u), percent(f.volume_drift().inside)};
 }
 
 Cells measure_patch(Fluid<2>& f, const std::function<void(const Observe&)>& run) {
@@ -176,7 +176,7 @@ Cells measure_patch(Fluid<2>& f, const std::function<void(const Observe&)>& run)
           fmt::format("{:.4f}", angular() / momentum),
           fmt::format("{:.3f}", far),
           fmt::format("{:.2f}", f.largest_speed()),
-          percent(f.volume_drift()),
+          percent(f.volume_drift().inside),
           fmt::format("{}", f.spray_particles())};
 }
 
@@ -192,7 +192,7 @@ Cells measure_dam(Fluid<2>& f, const std::function<void(const Observe&)>& run) {
     lowest = std::min(lowest, energy), gain = std::max(gain, energy - lowest);
     fastest = std::max(fastest, f.largest_speed());
     if (time_of(f) < 0.5) impact = energy;
-    if (std::abs(f.volume_drift()) > std::abs(drift)) drift = f.volume_drift();
+    if (std::abs(f.volume_drift().inside) > std::abs(drift)) drift = f.volume_drift().inside;
   });
   const double energy = (mean_height(f) * weight * static_cast<double>(f.state().size()) + f.energies().kinetic) / start;
   const double seconds_taken = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;

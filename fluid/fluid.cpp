@@ -37,7 +37,7 @@ Vector<3> Fluid<D>::angular_momentum() const {
 }
 
 template <int D>
-double Fluid<D>::volume_drift() const {
+VolumeDrift Fluid<D>::volume_drift() const {
   return fluid::volume_drift(constants(), neighbours_, boundary_, correction_, state_);
 }
 

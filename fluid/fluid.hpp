@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "fluid/boundary/boundary.hpp"
+#include "fluid/gauges/totals.hpp"
 #include "fluid/neighbours.hpp"
 #include "fluid/pressure/divergence_target.hpp"
 #include "fluid/pressure/pressure_system.hpp"
@@ -94,7 +95,7 @@ class Fluid {
   Energies energies() const;
   Vector<D> momentum() const;
   Vector<3> angular_momentum() const;
-  double volume_drift() const;
+  VolumeDrift volume_drift() const;
   double largest_speed() const;       ///< [m/s]
   double largest_bulk_speed() const;  ///< spray left out [m/s]
   std::size_t spray_particles() const;

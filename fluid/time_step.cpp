@@ -178,7 +178,7 @@ void Fluid<D>::end_window(const InterfaceForce<D>& force) {
   push(force.force);  // u^{n+1} = u** + dt a_interface
   settle_wall_contacts(constants, window_.duration, boundary_, prediction_.position, prediction_.velocity);
   check_speed(window_, prediction_, boundary_.surface.velocity, state_);
-  check_volume(window_, boundary_.surface.size() == 0 ? 0 : volume_drift(), state_);
+  check_volume(window_, boundary_.surface.size() == 0 ? 0 : volume_drift().known(), state_);
   state_.potential -= work_of_gravity(constants.mass, window_.duration, state_, prediction_);
   advance(window_.duration, prediction_, state_);  // r^{n+1} = r* + dt/2 u^{n+1}
   move_off_faces(constants, boundary_, prediction_.position, state_.position);

@@ -52,7 +52,9 @@ double CornerView<D>::borne_share(int k) {
   double behind = 0;
   for (int other : back_facing_) {
     const Vector<D> d = structure_.position[other] - x;
-    behind += subtended_angle<D>(d, Vector<D>(-structure_.normal[other]), structure_.area[other]) * kernel_.surface_weight_beyond(d.norm());
+    const double r = d.norm(), cosine = d.dot(structure_.normal[other]) / r;
+    behind += subtended_angle<D>(d, Vector<D>(-structure_.normal[other]), structure_.area[other]) * kernel_.surface_weight_beyond(r) -
+              structure_.area[other] * cosine * kernel_.midpoint_rest(r);
   }
   const double half_space = (D == 2 ? 1 : 2) * std::numbers::pi * kernel_.surface_weight_beyond(0);
   return 1 / (1 + std::max(0.0, behind) / half_space);  // at the end of the kernel w~ has both signs

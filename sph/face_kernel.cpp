@@ -32,7 +32,7 @@ constexpr double deepest_layer = 0.9;
 
 template <int D>
 FaceKernel<D>::FaceKernel(const Kernel<D>& kernel, double spacing)
-    : kernel_(kernel), support_(kernel.support()), table_scale_((table_size - 1) / kernel.support()) {
+    : kernel_(kernel), spacing_(spacing), support_(kernel.support()), table_scale_((table_size - 1) / kernel.support()) {
   const LatticeSums reference = lattice_sums<D>(kernel, spacing);
   const double volume = std::pow(spacing, D);
   const int reach = static_cast<int>(std::ceil(support_ / spacing));

@@ -38,6 +38,12 @@ class FaceKernel {
   double surface_weight(double r) const { return kernel_.value(r) * evaluate(surface_, r); }
   /// Int_r^2h w~ s^(D-1) ds [-]; times a solid angle: what the volume in it, from r on, adds to the sum of w~ at a face.
   double surface_weight_beyond(double r) const { return interpolate(beyond_, r); }
+  /// -(dx^2/24) dw~/dr [1/m^(D-1)]. The sum of V w~ over a lattice is a midpoint rule: it lacks the integral of (dx^2/24) lap w~ over the
+  /// volume, which is this times the area of each patch and the cosine at which it is seen (Gauss' theorem).
+  double midpoint_rest(double r) const {
+    const double slope = kernel_.value(r) * (surface_[1] + 2 * r * surface_[2]) - r * kernel_.gradient_weight(r) * evaluate(surface_, r);
+    return -spacing_ * spacing_ / 24 * slope;
+  }
   /// Int_r^2h of the calibrated w s^(D-1) ds [-]; times the solid angle: hidden part of sum V w.
   double hidden_density(double r) const { return interpolate(density_, r); }
   /// Int_r^2h of the calibrated s|w'|/M_xx s^(D-1) ds [-]; times the solid angle: hidden part of tr M.
@@ -73,7 +79,7 @@ class FaceKernel {
   }
 
   Kernel<D> kernel_;
-  double support_, table_scale_;
+  double spacing_, support_, table_scale_;
   Polynomial surface_{};
   std::vector<double> density_, moment_, beyond_;
   std::vector<PlaneSums> plane_;  ///< empty in 2D

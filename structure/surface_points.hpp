@@ -26,8 +26,8 @@ struct SurfaceAttachment {
   std::vector<std::int32_t> clamp;     ///< that holds it: index of Reference::clamps, or their number for one without a name; free: -1
 };
 
-/// Samples every body at its own spacing, or that of the fluid where it is smaller. What lies inside its clamps is left out, but where
-/// fluid can come: inside the container, and not on a wall or in one.
+/// Samples every body at its own spacing, or half of that of the fluid where it is smaller. What lies inside its clamps is left out, but
+/// where fluid can come: inside the container, and not on a wall or in one.
 template <int D>
 SurfaceAttachment<D> attach_surface(const Reference<D>& reference, const Case& scene);
 

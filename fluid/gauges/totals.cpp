@@ -41,8 +41,8 @@ Vector<3> angular_momentum(double mass, const State<D>& state) {
 }
 
 template <int D>
-double volume_drift(const Constants<D>& constants, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
-                    const Corrections<D>& correction, const State<D>& state) {
+VolumeDrift volume_drift(const Constants<D>& constants, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
+                         const Corrections<D>& correction, const State<D>& state) {
   double sum = 0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < correction.trace.size(); ++i) {
@@ -50,7 +50,8 @@ double volume_drift(const Constants<D>& constants, const Neighbours<D>& neighbou
     sum += (neighbours.number_density[i] + boundary.sums.number_density[i]) / constants.lattice.density;
     ++count;
   }
-  return count ? static_cast<double>(count) / sum - 1 : 0;
+  if (count == 0) return {};
+  return {static_cast<double>(count) / sum - 1, static_cast<double>(count) / static_cast<double>(state.size())};
 }
 
 template <int D>
@@ -59,13 +60,14 @@ std::size_t spray_particles(const State<D>& state) {
       std::count_if(state.particle_class.begin(), state.particle_class.end(), [](ParticleClass own) { return own.spray(); }));
 }
 
-#define TERN_INSTANTIATE(D)                                                                                                               \
-  template double largest_speed(const std::vector<Vector<D>>&);                                                                           \
-  template double largest_bulk_speed<D>(const State<D>&);                                                                                 \
-  template double kinetic_energy<D>(double, const State<D>&);                                                                             \
-  template Vector<D> momentum<D>(double, const State<D>&);                                                                                \
-  template Vector<3> angular_momentum<D>(double, const State<D>&);                                                                        \
-  template double volume_drift<D>(const Constants<D>&, const Neighbours<D>&, const Boundary<D>&, const Corrections<D>&, const State<D>&); \
+#define TERN_INSTANTIATE(D)                                                                                                  \
+  template double largest_speed(const std::vector<Vector<D>>&);                                                              \
+  template double largest_bulk_speed<D>(const State<D>&);                                                                    \
+  template double kinetic_energy<D>(double, const State<D>&);                                                                \
+  template Vector<D> momentum<D>(double, const State<D>&);                                                                   \
+  template Vector<3> angular_momentum<D>(double, const State<D>&);                                                           \
+  template VolumeDrift volume_drift<D>(const Constants<D>&, const Neighbours<D>&, const Boundary<D>&, const Corrections<D>&, \
+                                       const State<D>&);                                                                     \
   template std::size_t spray_particles<D>(const State<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

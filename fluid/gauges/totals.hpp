@@ -30,10 +30,18 @@ Vector<D> momentum(double mass, const State<D>& state);
 template <int D>
 Vector<3> angular_momentum(double mass, const State<D>& state);
 
-/// (current volume of the fluid)/(initial) - 1, from the mean particle number density of interior particles.
+/// What the number densities say of the volume of the fluid.
+struct VolumeDrift {
+  double inside = 0;  ///< (current volume)/(initial) - 1, from the mean particle number density of the particles inside
+  double share = 0;   ///< of all particles that these are
+
+  /// The same of all the fluid, as far as it is known: of films and spray it is not.
+  double known() const { return share * inside; }
+};
+
 template <int D>
-double volume_drift(const Constants<D>& constants, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
-                    const Corrections<D>& correction, const State<D>& state);
+VolumeDrift volume_drift(const Constants<D>& constants, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
+                         const Corrections<D>& correction, const State<D>& state);
 
 template <int D>
 std::size_t spray_particles(const State<D>& state);

@@ -12,7 +12,7 @@ template <int D>
 void check_speed(const Window& window, const Prediction<D>& prediction, const std::vector<Vector<D>>& surface_velocity, State<D>& state);
 
 /// Throws NumericalFailure when the fluid beside a body has lost or gained more than 5 % of its volume for ten windows. `drift`: of the
-/// volume, relative; 0 without a body.
+/// volume of all the fluid, as far as it is known, relative; 0 without a body.
 template <int D>
 void check_volume(const Window& window, double drift, State<D>& state);
 

@@ -67,7 +67,7 @@ void Measures<D>::add(const Fluid<D>& fluid) {
   most_iterations_ = std::max(most_iterations_, fluid.last_solve().iterations);
   if (steps_ == 1) first_angular_momentum_ = fluid.angular_momentum();
   largest_speed_ = std::max(largest_speed_, fluid.largest_speed());
-  drift_ = fluid.volume_drift();
+  drift_ = fluid.volume_drift().inside;
   if (std::abs(drift_) > std::abs(largest_drift_)) largest_drift_ = drift_;
 }
 

@@ -78,7 +78,7 @@ TEST(RollingTank, KeepsItsWaterAndDoesItsWork) {
   double work = 0, last = 0, drift = 0, kinetic = 0, difference = 0;
   run(fluid, 1.6, [&] {
     const double now = seconds(fluid.state().time);
-    drift = std::max(drift, std::abs(fluid.volume_drift()));
+    drift = std::max(drift, std::abs(fluid.volume_drift().inside));
     if (now > 0.55) return;
     work -= Probe<2>(fluid).force(fluid.walls().find("tank"), Vector<2>(0, -0.2)).value().moment[2] * (angle(now) - angle(last));
     last = now;

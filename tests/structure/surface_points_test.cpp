@@ -145,8 +145,8 @@ TEST(SurfacePoints, FollowAnAffineDeformationExactly) {
   }
 }
 
-// Seen to fail: with patches as long as the spacing of the body.
-TEST(SurfacePoints, AreNoCoarserThanTheFluid) {
+// Seen to fail: with patches as long as the spacing of the body, and as that of the fluid.
+TEST(SurfacePoints, StandForHalfASpacingOfTheFluidAtMost) {
   const auto reference = build_reference<2>(block<2>(6));
   const double dx = reference.bodies[0].spacing;
   const auto points = [&](double fluid_spacing) {
@@ -161,11 +161,11 @@ TEST(SurfacePoints, AreNoCoarserThanTheFluid) {
     EXPECT_NEAR(area, 26 * dx, 1e-9 * dx);
     return attachment.row.size();
   };
+  EXPECT_EQ(points(4 * dx), 26u);
   EXPECT_EQ(points(2 * dx), 26u);
-  EXPECT_EQ(points(dx), 26u);
-  EXPECT_EQ(points(0.5 * dx), 52u);
-  EXPECT_EQ(points(0.4 * dx), 78u);
-  EXPECT_EQ(points(0.25 * dx), 104u);
+  EXPECT_EQ(points(dx), 52u);
+  EXPECT_EQ(points(0.8 * dx), 78u);
+  EXPECT_EQ(points(0.5 * dx), 104u);
 }
 
 }  // namespace
