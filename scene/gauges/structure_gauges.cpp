@@ -48,7 +48,7 @@ void check_displacement(const GaugeCase& gauge, const Case& scene, const std::st
     fail_at(where, fmt::format("the gauge '{}' at {} is no point of the undeformed body '{}'; move it by {:.3g} m.", gauge.name,
                                place_text(gauge.point("at"), scene), body.name, distance));
   if (!body.is_shell) return;
-  for (const Shape& clamp : body.clamps) {
+  for (const Shape& clamp : body.rigid_clamps()) {
     if (distance_from(clamp, gauge.point("at"), scene) < 0)
       fail_at(where, fmt::format("the gauge '{}' at {} is inside a clamp of '{}', where a shell has no particles; move it out.", gauge.name,
                                  place_text(gauge.point("at"), scene), body.name));
