@@ -211,7 +211,7 @@ TEST(ImplicitStep, CostsAStiffBodyNoMoreThanItsWindows) {
   const int windows = 100;
   for (int n = 0; n < windows; ++n) structure.trial(structure.time(), to_ticks(2e-3));
   EXPECT_GT(structure.sub_steps(), 10000);
-  EXPECT_LT(structure.evaluations().elastic_force, 30.0 * windows * structure.particles());
+  EXPECT_LT(structure.evaluations().elastic_force, 30.0 * windows * static_cast<double>(structure.particles()));
   const double stiffness = 2e11 / (1 - 0.09) * std::pow(0.004, 3) / 12;
   const double bending = 7800 * 9.81 * 0.004 * std::pow(0.09, 4) / (8 * stiffness);
   EXPECT_NEAR(structure.displacement(tip)[0], bending, 0.05 * bending);
