@@ -78,8 +78,9 @@ TEST(EarlyStop, NamesExplicitStaggeringWhileTheMotionIsStillSound) {
   expect_named({10, 8, 1e5, 2, staggered}, 0.27,
                {"'plate' turns round from window to window at t = 0.0", "limit", "coupling.algorithm = \"semi-implicit\""});
   expect_named({10, 2, 1e7, 1, staggered}, 0.46, {"'plate' turns round from window to window at t = 0.0", "most near ("});
-  expect_named({3, 8, 1e9, 2, staggered}, 0.1, {"'plate' turns round from window to window at t = 0.3", "vibrates faster than the windows"},
-               0.4);
+  // An implicit step, which damps what a window does not resolve, would hold it.
+  expect_named({3, 8, 1e9, 2, staggered, 1, false, Integrator::explicit_steps}, 0.1,
+               {"'plate' turns round from window to window at t = 0.2", "vibrates faster than the windows"}, 0.4);
   expect_named({0.1, 4, 1e7, 1, staggered}, 0.23,
                {"The interface has made", "up to t = 0.0", "limit", "coupling.algorithm = \"semi-implicit\""});
 }
