@@ -26,11 +26,15 @@ constexpr double window_share_of_light = 0.5;
 /// two; the iterations find out what it gets wrong.
 constexpr double robin_layers = 5;
 
-/// Whether a body has no more behind its faces than so many layers of fluid particles.
+/// Whether the body has no more behind its faces than so many layers of fluid particles.
+bool is_below(double layers, std::size_t body, const Case& scene, const SurfaceProperties& properties) {
+  const double mass = section_mass(properties, body);
+  return mass > 0 && mass <= layers * scene.fluid->density * scene.fluid->spacing;
+}
+
 bool any_body_is_below(double layers, const Case& scene, const SurfaceProperties& properties) {
   for (std::size_t b = 0; b < scene.structure->bodies.size(); ++b)
-    if (const double mass = section_mass(properties, b); mass > 0 && mass <= layers * scene.fluid->density * scene.fluid->spacing)
-      return true;
+    if (is_below(layers, b, scene, properties)) return true;
   return false;
 }
 
@@ -65,6 +69,7 @@ Setup<D>::Setup(const Case& scene, const SurfaceProperties& of_surface)
       kernel(smoothing_length),
       fluid_weight(weight_of_fluid<D>(scene)) {
   for (const double depth : moved_depths<D>(scene)) moved_mass.push_back(density * depth);
+  for (std::size_t b = 0; b < scene.structure->bodies.size(); ++b) is_light.push_back(is_below(layers_of_light, b, scene, of_surface));
   for (const StructureBody& body : scene.structure->bodies) {
     body_density.push_back(body.density);
     body_name.push_back(body.name);

@@ -36,6 +36,7 @@ struct Setup {
   double density, spacing, smoothing_length, contact_distance, courant;  ///< of the fluid; courant with window_share
   double robin_mass_factor, least_robin_mass;  ///< m_p = max(factor m_s, least), m_s the mass behind a face [kg/m^2]
   std::vector<double> moved_mass;              ///< of the fluid that has to move with each body, m_a of stability/added_mass.hpp [kg/m^2]
+  std::vector<bool> is_light;                  ///< a body has no more behind its faces than half a layer of fluid particles
   std::vector<double> body_density;
   std::vector<std::string> body_name;
   VectorExpression gravity;

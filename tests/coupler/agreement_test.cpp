@@ -56,7 +56,7 @@ class Faces {
     return c;
   }
   static SurfaceProperties properties_of_two() {
-    SurfaceProperties of = properties(2 * points, 20);
+    SurfaceProperties of = properties(2 * points, 4);  // less than half a layer: light
     for (std::size_t k = points; k < 2 * points; ++k) of.body[k] = 1;
     return of;
   }
