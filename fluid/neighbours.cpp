@@ -114,9 +114,11 @@ void fill_and_sum_row(const Constants<D>& constants, const Period<D>& period, co
 }  // namespace
 
 template <int D>
-void find_neighbours(const Constants<D>& constants, const Period<D>& period, const CellGrid<D>& grid, const CellContents& contents,
+void find_neighbours(const Constants<D>& constants, const Period<D>& period, const CellOrder<D>& cells,
                      const std::vector<Vector<D>>& position, Neighbours<D>& result) {
-  const int n = static_cast<int>(position.size());
+  const CellGrid<D>& grid = cells.grid;
+  const CellContents &contents = cells.contents, &ghosts = cells.ghosts;
+  const int n = static_cast<int>(contents.order.size()), all = static_cast<int>(position.size());
   const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
   for (auto* v : {&result.begin, &result.count}) v->resize(n);
   result.beside_body.clear();
@@ -126,14 +128,14 @@ void find_neighbours(const Constants<D>& constants, const Period<D>& period, con
   result.concentration_gradient.resize(n);
   result.row_offset.resize(threads);
 
-  // Single precision, one array per axis, from the corner of the grid: the candidates of a row of cells are contiguous, so
+  // Single precision, one array per axis, from the corner of the box of all particles: the candidates of a row of cells are contiguous, so
   // their distances are computed many at a time.
   std::array<std::vector<float>, D>& coordinate = result.coordinate;
-  for (auto& values : coordinate) values.resize(n + near_lanes);
+  for (auto& values : coordinate) values.resize(all + near_lanes);
 #pragma omp parallel for schedule(static) num_threads(threads)
-  for (int i = 0; i < n; ++i)
-    for (int c = 0; c < D; ++c) coordinate[c][i] = static_cast<float>(position[i][c] - grid.origin()[c]);
-  double extent = grid.extent();
+  for (int i = 0; i < all; ++i)
+    for (int c = 0; c < D; ++c) coordinate[c][i] = static_cast<float>(position[i][c] - cells.corner[c]);
+  double extent = cells.extent;
   for (int c = 0; c < D; ++c) extent = std::max(extent, period.length(c));
   const float limit2 = near_limit2<D>(constants.kernel.support(), extent);
 
@@ -168,9 +170,12 @@ void find_neighbours(const Constants<D>& constants, const Period<D>& period, con
           std::array<float, D> shift_single;
           for (int c = 0; c < D; ++c) shift_single[c] = static_cast<float>(shift[c]);
           grid.for_rows_around(position[i] + shift, [&](int first_cell, int last_cell) {
-            const int first = contents.start[first_cell], last = contents.start[last_cell + 1];
-            fits = fits && next + found + (last - first) + near_lanes <= part * (thread + 1);
-            if (fits) found = keep_near<D>(coordinate, first, last, i, x, shift_single, limit2, found, column);
+            const auto look_through = [&](int first, int last) {
+              fits = fits && next + found + (last - first) + near_lanes <= part * (thread + 1);
+              if (fits) found = keep_near<D>(coordinate, first, last, i, x, shift_single, limit2, found, column);
+            };
+            look_through(contents.start[first_cell], contents.start[last_cell + 1]);
+            if (all > n) look_through(n + ghosts.start[first_cell], n + ghosts.start[last_cell + 1]);
           });
         };
         search(Vector<D>::Zero());
@@ -191,10 +196,10 @@ void complete_row(const Constants<D>& constants, const Period<D>& period, const 
       [&](auto periodic) { fill_and_sum_row<decltype(periodic)::value, D>(constants, period, position, i, n, offset, result); });
 }
 
-#define TERN_INSTANTIATE(D)                                                                                        \
-  template void find_neighbours<D>(const Constants<D>&, const Period<D>&, const CellGrid<D>&, const CellContents&, \
-                                   const std::vector<Vector<D>>&, Neighbours<D>&);                                 \
-  template void complete_row<D>(const Constants<D>&, const Period<D>&, const std::vector<Vector<D>>&, int, int,    \
+#define TERN_INSTANTIATE(D)                                                                                                   \
+  template void find_neighbours<D>(const Constants<D>&, const Period<D>&, const CellOrder<D>&, const std::vector<Vector<D>>&, \
+                                   Neighbours<D>&);                                                                           \
+  template void complete_row<D>(const Constants<D>&, const Period<D>&, const std::vector<Vector<D>>&, int, int,               \
                                 std::array<std::vector<double>, D>&, Neighbours<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

@@ -9,6 +9,7 @@
 #include "base/uninitialised.hpp"
 #include "fluid/period.hpp"
 #include "fluid/reference.hpp"
+#include "fluid/workspace.hpp"
 #include "sph/cell_grid.hpp"
 
 namespace tern::fluid {
@@ -27,6 +28,8 @@ struct Neighbours {
   std::vector<Matrix<D>> moment;                  ///< M = sum V grad w (r_j - r_i)^T [-]
   std::vector<Vector<D>> kernel_gradient;         ///< sum V grad w [1/m]
   std::vector<Vector<D>> concentration_gradient;  ///< sum V (1 + 0.2 (w/w(dx))^4) grad w [1/m]
+
+  std::size_t rows() const { return begin.size(); }
 
   std::vector<int> beside_body;  ///< particles that see a two-sided face or have lost a pair to one
 
@@ -58,10 +61,11 @@ void for_row_in_turns(const Neighbours<D>& neighbours, std::ptrdiff_t i, Sum& ev
   }
 }
 
-/// Finds pairs and sums for all particles at `position`, which must be sorted by `contents` of `grid` and lie within the
-/// period. A pair across its end has the column of the real particle and the weight of the nearest image.
+/// Finds pairs and sums for the particles of `cells` at `position`, which must be sorted by it and lie within the period. Behind them are
+/// the ghosts of `cells`, which have no rows. A pair across the end of the period has the column of the real particle and the weight of the
+/// nearest image.
 template <int D>
-void find_neighbours(const Constants<D>& constants, const Period<D>& period, const CellGrid<D>& grid, const CellContents& contents,
+void find_neighbours(const Constants<D>& constants, const Period<D>& period, const CellOrder<D>& cells,
                      const std::vector<Vector<D>>& position, Neighbours<D>& neighbours);
 
 /// Sums row i anew over its first n entries, which `column` holds already. `offset`: scratch.

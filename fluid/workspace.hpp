@@ -31,6 +31,9 @@ template <int D>
 struct CellOrder {
   CellGrid<D> grid;
   CellContents contents;
+  CellContents ghosts;                   ///< of particles of other ranks (domain.hpp)
+  Vector<D> corner = Vector<D>::Zero();  ///< of the box of all particles, those of other ranks included, ...
+  double extent = 0;                     ///< and its largest side in whole cells [m]
   /// Scratch, by the type of field.
   std::tuple<std::vector<Vector<D>>, std::vector<double>, std::vector<std::uint32_t>, std::vector<ParticleClass>> sorted;
 };

@@ -34,20 +34,29 @@ void wrap_into_period(const Period<D>& period, State<D>& state, Prediction<D>& p
 }
 
 template <int D>
-void sort_by_cell(double width, State<D>& state, Prediction<D>& prediction, CellOrder<D>& cells) {
+void sort_by_cell(const Ranks& ranks, double width, State<D>& state, Prediction<D>& prediction, CellOrder<D>& cells) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
   struct Box {
     Vector<D> low, high;
   };
+  const Vector<D> somewhere = n > 0 ? prediction.position[0] : Vector<D>(Vector<D>::Zero());
   const Box box = ordered_fold(
-      n, Box{prediction.position[0], prediction.position[0]},
+      n, Box{somewhere, somewhere},
       [&](std::ptrdiff_t i) {
         return Box{prediction.position[i], prediction.position[i]};
       },
       [](const Box& a, const Box& b) {
         return Box{a.low.cwiseMin(b.low), a.high.cwiseMax(b.high)};
       });
-  cells.grid.reset(box.low, box.high, width);
+  // Pairs are found in single precision, counted from this corner: with the same one on all ranks they are the same pairs everywhere.
+  Vector<D> low = n > 0 ? box.low : Vector<D>(Vector<D>::Constant(1e300));
+  Vector<D> high = n > 0 ? box.high : Vector<D>(Vector<D>::Constant(-1e300));
+  ranks.least(std::span(low.data(), D));
+  ranks.most(std::span(high.data(), D));
+  cells.grid.reset(low, high, width);
+  cells.corner = cells.grid.origin();
+  cells.extent = cells.grid.extent();
+  if (!ranks.alone()) cells.grid.reset(box.low, box.high, width);
   cells.contents.template fill<D>(cells.grid, prediction.position);
   const auto reorder = [&](auto& values, auto& scratch) {
     scratch.resize(n);
@@ -66,7 +75,7 @@ template void predict<2>(const Gravity<2>&, const Window&, const State<2>&, Pred
 template void predict<3>(const Gravity<3>&, const Window&, const State<3>&, Prediction<3>&);
 template void wrap_into_period<2>(const Period<2>&, State<2>&, Prediction<2>&);
 template void wrap_into_period<3>(const Period<3>&, State<3>&, Prediction<3>&);
-template void sort_by_cell<2>(double, State<2>&, Prediction<2>&, CellOrder<2>&);
-template void sort_by_cell<3>(double, State<3>&, Prediction<3>&, CellOrder<3>&);
+template void sort_by_cell<2>(const Ranks&, double, State<2>&, Prediction<2>&, CellOrder<2>&);
+template void sort_by_cell<3>(const Ranks&, double, State<3>&, Prediction<3>&, CellOrder<3>&);
 
 }  // namespace tern::fluid

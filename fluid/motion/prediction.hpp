@@ -4,6 +4,7 @@
 #include "fluid/reference.hpp"
 #include "fluid/state.hpp"
 #include "fluid/workspace.hpp"
+#include "ranks/ranks.hpp"
 
 namespace tern::fluid {
 
@@ -17,6 +18,6 @@ void wrap_into_period(const Period<D>& period, State<D>& state, Prediction<D>& p
 
 /// Puts all fields of the particles in the order of cells as wide as `width` [m].
 template <int D>
-void sort_by_cell(double width, State<D>& state, Prediction<D>& prediction, CellOrder<D>& cells);
+void sort_by_cell(const Ranks& ranks, double width, State<D>& state, Prediction<D>& prediction, CellOrder<D>& cells);
 
 }  // namespace tern::fluid

@@ -10,10 +10,10 @@ template <int D>
 void compute_velocity_gradient(const Period<D>& space, const Neighbours<D>& neighbours, const Corrections<D>& correction,
                                const std::vector<ParticleClass>& particle_class, const std::vector<Vector<D>>& position,
                                const std::vector<Vector<D>>& velocity, PackedVelocities<D>& packed) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(neighbours.rows());
   pack<D>(position, velocity, packed.motion);
-  packed.half_gradient.resize(n);
-  packed.strain_rate.resize(n);
+  packed.half_gradient.resize(position.size());
+  packed.strain_rate.resize(position.size());
   space.specialise([&](auto periodic) {
     const PackedPeriod<decltype(periodic)::value, D> period(space);
     parallel_for(n, [&](std::ptrdiff_t i) {

@@ -36,7 +36,7 @@ void damp_velocity_noise(double share, const Period<D>& space, const Neighbours<
                          const std::vector<ParticleClass>& particle_class, const PackedVelocities<D>& packed,
                          std::vector<Vector<D>>& velocity) {
   if (share == 0) return;
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(velocity.size());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(neighbours.rows());
   const std::vector<Motion<D>>& motion = packed.motion;
   const std::vector<std::array<Packed<D>, D>>& half_gradient = packed.half_gradient;
   space.specialise([&](auto periodic) {

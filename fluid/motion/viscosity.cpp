@@ -20,7 +20,7 @@ template <int D>
 void add_viscosity(const Constants<D>& constants, double duration, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
                    const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& velocity,
                    std::vector<Vector<D>>& predicted_velocity) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(neighbours.rows());
   const double scale = 2 * duration * constants.viscosity;
   const double least = least_height * constants.kernel.smoothing_length();
   const Faces<D>& faces = boundary.seen_walls();

@@ -27,7 +27,7 @@ void compute_divergence(const Period<D>& space, const Neighbours<D>& neighbours,
                         const Corrections<D>& correction, const std::vector<ParticleClass>& particle_class,
                         const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& velocity, std::vector<Motion<D>>& motion,
                         std::vector<double>& divergence) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(neighbours.rows());
   divergence.resize(n);
   pack<D>(position, velocity, motion);
   space.specialise([&](auto periodic) {
