@@ -1,8 +1,8 @@
 // A fluid in many processes against the same fluid in one. Started by mpirun with 1, 2, 3, 4 and 8 processes, each of which also computes
 // the whole fluid by itself.
 //
-// Seen red: with ghosts that keep the velocity of the window before (OneWindow), without the ghosts' c_i in the multigrid (iterations),
-// without the marks that go back to the owners (OneWindow, OfABrokenLattice), without the patches that other ranks fill (OneWindow).
+// Seen red: with ghosts that keep the velocity they begin with, and without the patches that other ranks fill (OneWindow); with marks
+// that do not go to the owners (Marks); with pairs counted from a corner of each rank (ManyWindows.OfAWave).
 
 #include <gtest/gtest.h>
 
@@ -161,6 +161,22 @@ TEST(Neighbours, AreThoseOfOneRank) {
   const auto of_one = neighbours_by_label(one, Ranks{}), of_many = neighbours_by_label(many, Ranks::all());
   if (!Ranks::all().first()) return;
   EXPECT_EQ(of_one, of_many);
+}
+
+// What a rank marks of the particles of others: they get it, and all copies of them.
+TEST(Marks, OnGhostsGoToTheirOwners) {
+  const Case scene = dam_break(20, 40);
+  Fluid<2> fluid(scene, Ranks::all());
+  fluid.begin_window(0, to_ticks(1e-4));
+  const std::size_t own = fluid.state().size(), all = fluid.prediction().position.size();
+  std::vector<ParticleClass> marks(all);
+  for (std::size_t i = own; i < all; ++i) marks[i].set(ParticleClass::beside_spray, true);
+  fluid.domain().exchange_marks(marks);
+  const auto marked = [](ParticleClass mark) { return mark.has(ParticleClass::beside_spray); };
+  const auto given = std::count_if(marks.begin(), marks.begin() + static_cast<std::ptrdiff_t>(own), marked);
+  EXPECT_EQ(std::count_if(marks.begin() + static_cast<std::ptrdiff_t>(own), marks.end(), marked), static_cast<std::ptrdiff_t>(all - own));
+  EXPECT_EQ(given > 0, Ranks::all().count() > 1);
+  EXPECT_LT(given, static_cast<std::ptrdiff_t>(own));
 }
 
 /// Largest distance of particles after each of 20 windows from those of one rank, which begins at `start`; in spacings.
