@@ -117,8 +117,9 @@ template <int D>
 void find_neighbours(const Constants<D>& constants, const Period<D>& period, const CellOrder<D>& cells,
                      const std::vector<Vector<D>>& position, Neighbours<D>& result) {
   const CellGrid<D>& grid = cells.grid;
-  const CellContents &contents = cells.contents, &ghosts = cells.ghosts;
-  const int n = static_cast<int>(contents.order.size()), all = static_cast<int>(position.size());
+  const int n = static_cast<int>(cells.contents.order.size()), all = static_cast<int>(position.size());
+  const int* const start = cells.contents.start.data();
+  const int* const ghost_start = all > n ? cells.ghosts.start.data() : nullptr;
   const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
   for (auto* v : {&result.begin, &result.count}) v->resize(n);
   result.beside_body.clear();
@@ -174,8 +175,8 @@ void find_neighbours(const Constants<D>& constants, const Period<D>& period, con
               fits = fits && next + found + (last - first) + near_lanes <= part * (thread + 1);
               if (fits) found = keep_near<D>(coordinate, first, last, i, x, shift_single, limit2, found, column);
             };
-            look_through(contents.start[first_cell], contents.start[last_cell + 1]);
-            if (all > n) look_through(n + ghosts.start[first_cell], n + ghosts.start[last_cell + 1]);
+            look_through(start[first_cell], start[last_cell + 1]);
+            if (ghost_start != nullptr) look_through(n + ghost_start[first_cell], n + ghost_start[last_cell + 1]);
           });
         };
         search(Vector<D>::Zero());
