@@ -151,8 +151,8 @@ template <bool periodic, int D>
     const int end = block + most - std::countl_zero(near), groups = (end - begin + lanes - 1) / lanes;
     if (groups <= 2) {
       // Both are made and kept as needed: a wrong guess of the processor would cost more than a group.
-      row.template put<periodic>(0, begin, end, periods);
-      row.template put<periodic>(1, begin + lanes, end, periods);
+      row.template put<periodic>(0, begin, last, periods);
+      row.template put<periodic>(1, begin + lanes, last, periods);
       row.length += groups * lanes;
       free = begin + groups * lanes;
       continue;
