@@ -56,8 +56,7 @@ Difference compare(const State<D>& one, const State<D>& many) {
   return difference;
 }
 
-/// A fluid of one process after so many windows, in disorder: on a lattice the distance of many pairs is the support, and rounding decides
-/// whether two cells that are as wide hold them side by side.
+/// A fluid of one process after so many windows, in disorder.
 template <int D>
 State<D> disordered(const Case& scene, int windows) {
   Fluid<D> fluid(scene);
@@ -100,6 +99,17 @@ void expect_the_window_of_one_rank(Case scene) {
 TEST(OneWindow, IsThatOfOneRank) { expect_the_window_of_one_rank<2>(dam_break(20, 40)); }
 
 TEST(OneWindow, IsThatOfOneRankAroundABlock) { expect_the_window_of_one_rank<2>(dam_break_on_block(2, 0.2 / 20)); }
+
+// On a lattice the distance of many pairs is the support.
+TEST(OneWindow, IsThatOfOneRankFromALattice) {
+  for (Case scene : {dam_break(20, 40), dam_break_on_block(2, 0.2 / 20)}) {
+    scene.fluid->numerics.pressure_tolerance = 1e-12;
+    expect_the_same_window<2>(scene, Fluid<2>(scene).state());
+  }
+  Case scene = dam_break_on_block(3, 0.2 / 10);
+  scene.fluid->numerics.pressure_tolerance = 1e-12;
+  expect_the_same_window<3>(scene, Fluid<3>(scene).state());
+}
 
 TEST(OneWindow, IsThatOfOneRankIn3D) { expect_the_window_of_one_rank<3>(dam_break_on_block(3, 0.2 / 10)); }
 
