@@ -29,13 +29,13 @@ int wrong_pairs(const Fluid<D>& fluid) {
   return wrong;
 }
 
-/// Of water in disorder, this many spacings long and six thick.
+/// Of water in disorder, this many spacings long and twelve thick.
 template <int D>
 int wrong_pairs_of_water(int length) {
   constexpr double dx = 0.01;
-  Fluid<D> fluid(scene(D, dx, {box({0, 0, 0}, {length * dx, 6 * dx, D == 3 ? 6 * dx : 0})}, {tank({-1, -1, -1}, {2, 1, 1})}));
+  Fluid<D> fluid(scene(D, dx, {box({0, 0, 0}, {length * dx, 12 * dx, D == 3 ? 12 * dx : 0})}, {tank({-1, -1, -1}, {2, 1, 1})}));
   std::mt19937 random(3);
-  jitter(fluid, 0.2, random);
+  jitter(fluid, 1, random);
   fluid.begin_window(0, to_ticks(1e-6));
   return wrong_pairs(fluid);
 }
