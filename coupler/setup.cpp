@@ -21,7 +21,8 @@ constexpr Algorithm algorithms[] = {
 /// A light body follows the load at once, and what a window changes of it, above all which particles touch, is more than the coupling
 /// iterations can bring to agree in windows as long as the fluid alone takes them.
 constexpr double window_share_of_light = 0.5;
-/// Robin mass of a surface whose answer is not learnt when windows are repeated, in layers of fluid particles; from 2 to 12 the iterations are as many.
+/// Robin mass of a surface whose answer is not learnt when windows are repeated, in layers of fluid particles; from 2 to 12 the iterations
+/// are as many.
 /// Few motions of a light body answer with its mass, all others are held by its stiffness. A mass like the fluid's own lies between the
 /// two; the iterations find out what it gets wrong.
 constexpr double robin_layers = 5;

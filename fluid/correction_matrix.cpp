@@ -18,7 +18,7 @@ constexpr double least_eigenvalue = 0.2;  ///< below, the inverse is not trusted
 template <int D>
 void correct_moments(const Neighbours<D>& neighbours, const Boundary<D>& boundary, std::vector<ParticleClass>& particle_class,
                      Corrections<D>& correction) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(particle_class.size());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(neighbours.rows());
   correction.matrix.resize(n);
   correction.fluid.resize(n);
   correction.trace.resize(n);

@@ -11,49 +11,77 @@
 namespace tern::fluid {
 
 template <int D>
-Fluid<D>::Fluid(const Case& scene)
+Fluid<D>::Fluid(const Case& scene, const Ranks& ranks)
     : state_(initial_state<D>(scene)),
       reference_(scene, state_.position),
+      domain_(ranks, reference_),
       reports_divergence_(scene.coupling.vem_coefficient.has_value()),
       boundary_(scene, reference_.constants),
       system_(reference_.period) {
-  state_.reference_speed = std::max(2 * reference_.speed_floor, largest_speed());
+  state_.reference_speed = std::max(2 * reference_.speed_floor, fluid::largest_speed(state_.velocity));
   if (boundary_.walls.moving()) state_.wall_velocity.assign(boundary_.walls.faces().size(), Vector<D>::Zero());
+  set_whole_state(std::move(state_));
+}
+
+template <int D>
+void Fluid<D>::set_whole_state(State<D> state) {
+  domain_.share_out(state);
+  state_ = std::move(state);
+  if (!domain_.alone()) totals_ = add_up(domain_.ranks(), totals_here());
+}
+
+template <int D>
+Totals<D> Fluid<D>::totals_here() const {
+  const double mass = constants().mass;
+  return {kinetic_energy(mass, state_),
+          state_.potential,
+          fluid::momentum(mass, state_),
+          fluid::angular_momentum(mass, state_),
+          fluid::largest_speed(state_.velocity),
+          fluid::largest_bulk_speed(state_),
+          fluid::filling(constants(), neighbours_, boundary_, correction_, state_),
+          state_.size(),
+          fluid::spray_particles(state_),
+          state_.removed,
+          state_.leaked,
+          state_.evaluations,
+          domain_.ghosts()};
 }
 
 template <int D>
 Energies Fluid<D>::energies() const {
+  if (!domain_.alone()) return {totals_.kinetic, totals_.potential};
   return {kinetic_energy(constants().mass, state_), state_.potential};
 }
 
 template <int D>
 Vector<D> Fluid<D>::momentum() const {
-  return fluid::momentum(constants().mass, state_);
+  return domain_.alone() ? fluid::momentum(constants().mass, state_) : totals_.momentum;
 }
 
 template <int D>
 Vector<3> Fluid<D>::angular_momentum() const {
-  return fluid::angular_momentum(constants().mass, state_);
+  return domain_.alone() ? fluid::angular_momentum(constants().mass, state_) : totals_.angular_momentum;
 }
 
 template <int D>
 VolumeDrift Fluid<D>::volume_drift() const {
-  return fluid::volume_drift(constants(), neighbours_, boundary_, correction_, state_);
+  return (domain_.alone() ? fluid::filling(constants(), neighbours_, boundary_, correction_, state_) : totals_.filling).volume_drift();
 }
 
 template <int D>
 double Fluid<D>::largest_speed() const {
-  return fluid::largest_speed(state_.velocity);
+  return domain_.alone() ? fluid::largest_speed(state_.velocity) : totals_.largest_speed;
 }
 
 template <int D>
 double Fluid<D>::largest_bulk_speed() const {
-  return fluid::largest_bulk_speed(state_);
+  return domain_.alone() ? fluid::largest_bulk_speed(state_) : totals_.largest_bulk_speed;
 }
 
 template <int D>
 std::size_t Fluid<D>::spray_particles() const {
-  return fluid::spray_particles(state_);
+  return domain_.alone() ? fluid::spray_particles(state_) : totals_.spray_particles;
 }
 
 template <int D>

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "fluid/boundary/boundary.hpp"
+#include "fluid/domain.hpp"
 #include "fluid/gauges/totals.hpp"
 #include "fluid/neighbours.hpp"
 #include "fluid/pressure/divergence_target.hpp"
@@ -30,10 +31,14 @@ struct Energies {
 };
 
 template <int D>
+class WholeState;
+
+template <int D>
 class Fluid {
  public:
-  /// Fills the fluid bodies with particles. Throws BadInput when none results.
-  explicit Fluid(const Case& scene);
+  /// Fills the fluid bodies with particles. Throws BadInput when none results. With several ranks each of them makes one, computes its
+  /// own part, and has all functions called with the same arguments as the others.
+  explicit Fluid(const Case& scene, const Ranks& ranks = {});
 
   // One window, in this order. Without a structure: empty surface and loads.
 
@@ -55,19 +60,26 @@ class Fluid {
   void pass_window();
 
   /// Step wanted for the next window.
-  StepProposal propose_step() const { return fluid::propose_step(reference_, state_); }
+  StepProposal propose_step() const { return fluid::propose_step(reference_, largest_speed(), state_); }
   /// Which surface can be left out of the next window; nothing where the fluid is periodic and has no end.
   std::optional<FluidExtent<D>> extent() const { return fluid_extent(reference_, state_); }
 
   const State<D>& state() const { return state_; }
   /// Goes on from another state, between two windows: of the same scene, possibly of another fluid. The next window rebuilds the rest.
   void set_state(State<D> state) { state_ = std::move(state); }
+  /// The same of a state that all ranks know.
+  void set_whole_state(State<D> state);
+  /// The state of all ranks, on the first one.
+  State<D> whole_state() const { return domain_.gather(state_); }
 
   // The data, for tests and gauges.
   const Reference<D>& reference() const { return reference_; }
   const Constants<D>& constants() const { return reference_.constants; }
   const Period<D>& period() const { return reference_.period; }
   const Boundary<D>& boundary() const { return boundary_; }
+  const Domain<D>& domain() const { return domain_; }
+  /// Copies of particles over particles.
+  double ghost_share() const { return totals_.particles > 0 ? double(totals_.ghosts) / double(totals_.particles) : 0; }
   const Walls<D>& walls() const { return boundary_.walls; }
   const Neighbours<D>& neighbours() const { return neighbours_; }
   const Corrections<D>& correction() const { return correction_; }
@@ -82,13 +94,14 @@ class Fluid {
     return {{{&boundary_.seen_walls(), &boundary_.wall_finder}, {&boundary_.surface, &boundary_.surface_finder}}};
   }
   const StepTiming& timing() const { return timing_; }
-  const Evaluations& evaluations() const { return state_.evaluations; }
+  Evaluations evaluations() const { return domain_.alone() ? state_.evaluations : totals_.evaluations; }
 
   // What the state says of itself.
   /// Whether the state has a pressure: not before the first solve.
   bool has_pressure() const { return state_.has_pressure; }
-  std::size_t removed() const { return state_.removed; }  ///< left the domain
-  std::size_t leaked() const { return state_.leaked; }    ///< went through a wall or the structure
+  std::size_t particles() const { return domain_.alone() ? state_.size() : totals_.particles; }
+  std::size_t removed() const { return domain_.alone() ? state_.removed : totals_.removed; }  ///< left the domain
+  std::size_t leaked() const { return domain_.alone() ? state_.leaked : totals_.leaked; }     ///< went through a wall or the structure
   int fallback_solves() const { return state_.fallback_solves; }
   /// What the pressure equation cannot obey, from the fluid that is enclosed by walls.
   const EnclosedAccount& sealed() const { return state_.enclosed; }
@@ -106,6 +119,8 @@ class Fluid {
   Vector<D> gravity_at(double t, const Vector<D>& x) const { return reference_.gravity.at(t, x); }  ///< [m/s^2]
 
  private:
+  friend class WholeState<D>;
+  Totals<D> totals_here() const;
   /// div u* of the particles `only`, or with nullptr of all.
   void compute_divergence(const std::vector<int>* only);
   /// Adds dt f/m to the velocity of the particles at the structure; whether any force is not 0.
@@ -117,6 +132,7 @@ class Fluid {
 
   State<D> state_;
   Reference<D> reference_;
+  Domain<D> domain_;
   bool reports_divergence_;  ///< of the particles at the structure
 
   // Rebuilt every step.
@@ -137,6 +153,21 @@ class Fluid {
   bool pressure_prepared_ = false, velocity_complete_ = false;  ///< by the functions of this name, in this window
 
   StepTiming timing_;
+  Totals<D> totals_;  ///< where there are several ranks
+};
+
+/// For as long as it lives the state of the fluid, on the first rank, is that of all ranks. All ranks gather it with whole_state().
+template <int D>
+class WholeState {
+ public:
+  explicit WholeState(Fluid<D>& fluid) : fluid_(fluid), part_(fluid.whole_state()) { std::swap(fluid_.state_, part_); }
+  ~WholeState() { std::swap(fluid_.state_, part_); }
+  WholeState(const WholeState&) = delete;
+  WholeState& operator=(const WholeState&) = delete;
+
+ private:
+  Fluid<D>& fluid_;
+  State<D> part_;
 };
 
 extern template class Fluid<2>;

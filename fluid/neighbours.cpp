@@ -151,8 +151,8 @@ template <bool periodic, int D>
     const int end = block + most - std::countl_zero(near), groups = (end - begin + lanes - 1) / lanes;
     if (groups <= 2) {
       // Both are made and kept as needed: a wrong guess of the processor would cost more than a group.
-      row.template put<periodic>(0, begin, end, periods);
-      row.template put<periodic>(1, begin + lanes, end, periods);
+      row.template put<periodic>(0, begin, last, periods);
+      row.template put<periodic>(1, begin + lanes, last, periods);
       row.length += groups * lanes;
       free = begin + groups * lanes;
       continue;
@@ -169,9 +169,9 @@ template <bool periodic, int D>
 }  // namespace
 
 template <int D>
-void find_neighbours(const Constants<D>& constants, const Period<D>& period, const RowGrid<D>& grid, const CellContents& contents,
+void find_neighbours(const Constants<D>& constants, const Period<D>& period, const RowOrder<D>& order,
                      const std::vector<Vector<D>>& position, Neighbours<D>& result) {
-  const int n = static_cast<int>(position.size());
+  const int n = static_cast<int>(order.contents.order.size()), all = static_cast<int>(position.size());
   const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
   for (auto* v : {&result.begin, &result.length, &result.count}) v->resize(n);
   result.beside_body.clear();
@@ -182,14 +182,14 @@ void find_neighbours(const Constants<D>& constants, const Period<D>& period, con
   result.row_offset.resize(threads);
   by_axis<D>(position, result.position);
 
-  // Single precision, one array per axis, from the corner of the grid: the candidates of a row are contiguous, so their distances are
-  // computed many at a time.
+  // Single precision, one array per axis, from the corner of the box of all particles: the candidates of a row are contiguous, so their
+  // distances are computed many at a time.
   std::array<std::vector<float>, D>& coordinate = result.coordinate;
-  for (auto& values : coordinate) values.resize(n + 4 * near_lanes);
-  parallel_for(n, [&](int i) {
-    for (int c = 0; c < D; ++c) coordinate[c][i] = static_cast<float>(position[i][c] - grid.origin()[c]);
+  for (auto& values : coordinate) values.resize(all + 4 * near_lanes);
+  parallel_for(all, [&](int i) {
+    for (int c = 0; c < D; ++c) coordinate[c][i] = static_cast<float>(position[i][c] - order.corner[c]);
   });
-  double extent = grid.extent();
+  double extent = order.extent;
   for (int c = 0; c < D; ++c) extent = std::max(extent, period.length(c));
   const double support = constants.kernel.support();
   const float limit2 = near_limit2<D>(support, extent);
@@ -216,7 +216,7 @@ void find_neighbours(const Constants<D>& constants, const Period<D>& period, con
       const int own_begin = static_cast<int>(static_cast<long>(n) * thread / threads);
       const int own_end = static_cast<int>(static_cast<long>(n) * (thread + 1) / threads);
       std::size_t next = part * thread;
-      RowBuilder<D> row{period, result.position, 2 * support, n, result.row_offset[thread]};
+      RowBuilder<D> row{period, result.position, 2 * support, all, result.row_offset[thread]};
       for (auto& values : row.offset) values.resize(longest);
       period.specialise([&](auto periodic) {
         for (int i = own_begin; i < own_end && fits; ++i) {
@@ -232,16 +232,21 @@ void find_neighbours(const Constants<D>& constants, const Period<D>& period, con
               shift_single[c] = static_cast<float>(shift[c]);
               if (periodic && period.repeats(c)) periods[c] = std::nearbyint(shift[c] / period.length(c));
             }
-            const auto in_row = [&](int first_cell, int last_cell) __attribute__((always_inline)) {
-              const int first = contents.start[first_cell], last = contents.start[last_cell + 1];
-              fits = fits && row.length + (last - first) <= room;
-              if (fits && first < last)
-                add_groups<decltype(periodic)::value, D>(coordinate, first, last, x, shift_single, limit2, periods, row);
+            const auto look_through = [&](const RowGrid<D>& grid, const std::vector<int>& start, int before)
+                __attribute__((always_inline)) {
+              const auto in_row = [&](int first_cell, int last_cell) __attribute__((always_inline)) {
+                const int first = before + start[first_cell], last = before + start[last_cell + 1];
+                fits = fits && row.length + (last - first) <= room;
+                if (fits && first < last)
+                  add_groups<decltype(periodic)::value, D>(coordinate, first, last, x, shift_single, limit2, periods, row);
+              };
+              grid.for_rows_around(position[i] + shift, reach, in_row);
             };
-            grid.for_rows_around(position[i] + shift, reach, in_row);
+            look_through(order.grid, order.contents.start, 0);
+            if (all > n) look_through(order.ghost_grid, order.ghosts.start, n);
           };
-          if (n >= lanes) search(Vector<D>::Zero());
-          if (periodic && n >= lanes) for_images<D>(period, position[i], low, high, support, search);
+          if (all >= lanes) search(Vector<D>::Zero());
+          if (periodic && all >= lanes) for_images<D>(period, position[i], low, high, support, search);
           if (!fits) break;
           result.length[i] = row.length;
           sum_row<D>(constants, row.offset, i, result);
@@ -267,9 +272,9 @@ void complete_row(const Constants<D>& constants, const Period<D>& period, int i,
   sum_row<D>(constants, offset, i, result);
 }
 
-#define TERN_INSTANTIATE(D)                                                                                       \
-  template void find_neighbours<D>(const Constants<D>&, const Period<D>&, const RowGrid<D>&, const CellContents&, \
-                                   const std::vector<Vector<D>>&, Neighbours<D>&);                                \
+#define TERN_INSTANTIATE(D)                                                                                                  \
+  template void find_neighbours<D>(const Constants<D>&, const Period<D>&, const RowOrder<D>&, const std::vector<Vector<D>>&, \
+                                   Neighbours<D>&);                                                                          \
   template void complete_row<D>(const Constants<D>&, const Period<D>&, int, ByAxis<D>&, Neighbours<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

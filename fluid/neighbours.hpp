@@ -10,7 +10,7 @@
 #include "fluid/lanes.hpp"
 #include "fluid/period.hpp"
 #include "fluid/reference.hpp"
-#include "fluid/row_grid.hpp"
+#include "fluid/workspace.hpp"
 #include "sph/cell_grid.hpp"
 
 namespace tern::fluid {
@@ -26,6 +26,8 @@ struct Neighbours {
   UninitialisedVector<float> weight;  ///< V_j |w'_ij| / (r_ij M_xx): V_j grad w_ij = weight (r_j - r_i) [1/m^2]
   ByAxis<D> position;                 ///< r* [m]
 
+  /// Particles with a row; ghosts have none.
+  std::size_t rows() const { return begin.size(); }
   /// j of entry k.
   int column(int k) const { return first[k / lanes] + k % lanes; }
 
@@ -56,7 +58,7 @@ struct Neighbours {
     std::vector<int> affected;  ///< particles whose rows are looked at
     std::vector<int> listed;    ///< per particle: 0 if not affected, else 1 + the number of its sight, or more
   };
-  std::array<std::vector<float>, D> coordinate;  ///< by axis, from the corner of the grid
+  std::array<std::vector<float>, D> coordinate;  ///< by axis, from the corner of all particles
   std::vector<ByAxis<D>> row_offset;             ///< by thread
   Cutting cutting;
 };
@@ -69,11 +71,11 @@ template <int D, class Add>
   for (; weight < end; weight += lanes, ++first) add(*first, load(weight));
 }
 
-/// Finds pairs and sums for all particles at `position`, which must be sorted by `contents` of `grid` and lie within the
-/// period. A pair across its end has the column of the real particle and the weight of the nearest image. Less than four particles have no
-/// neighbours: they are spray.
+/// Finds pairs and sums for the particles of `order` at `position`, which must be sorted by it and lie within the period. Behind them are
+/// the ghosts of `order`, which have no rows of their own in the lists. A pair across the end of the period has the column of the real
+/// particle and the weight of the nearest image. Less than four particles, with ghosts, have no neighbours: they are spray.
 template <int D>
-void find_neighbours(const Constants<D>& constants, const Period<D>& period, const RowGrid<D>& grid, const CellContents& contents,
+void find_neighbours(const Constants<D>& constants, const Period<D>& period, const RowOrder<D>& order,
                      const std::vector<Vector<D>>& position, Neighbours<D>& neighbours);
 
 /// Sums row i anew, without the entries whose weight has been set to 0. `offset`: scratch.

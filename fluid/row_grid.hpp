@@ -5,13 +5,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
+#include "sph/cell_grid.hpp"
 
 namespace tern::fluid {
+
+/// Of a row, in spacings: of what sums over pairs read together, most are neighbours.
+constexpr double row_width(int dimension) { return dimension == 2 ? 1.5 : 2; }
 
 template <int D>
 class RowGrid {
@@ -85,5 +91,19 @@ class RowGrid {
   double extent_ = 0;
   int count_ = 1;
 };
+
+/// Fills `contents` with the order of points in the rows of this grid. before(a, b): the order of points a and b with the same x.
+template <int D, class Before>
+void fill_rows(const RowGrid<D>& grid, const std::vector<Vector<D>>& position, Before&& before, CellContents& contents) {
+  contents.template fill<D>(grid, position);
+  const auto in_row = [&](int a, int b) {
+    const double x = position[a][0], y = position[b][0];
+    return x < y || (x == y && before(a, b));
+  };
+  parallel_for(grid.count(), static_cast<std::ptrdiff_t>(position.size()), [&](int cell) {
+    const auto first = contents.order.begin() + contents.start[cell], last = contents.order.begin() + contents.start[cell + 1];
+    if (last - first > 1) std::sort(first, last, in_row);
+  });
+}
 
 }  // namespace tern::fluid

@@ -8,9 +8,9 @@
 namespace tern::fluid {
 
 template <int D>
-StepProposal propose_step(const Reference<D>& reference, const State<D>& state) {
+StepProposal propose_step(const Reference<D>& reference, double fastest, const State<D>& state) {
   const Constants<D>& constants = reference.constants;
-  const double speed = std::max({largest_speed(state.velocity), largest_speed(state.wall_velocity), reference.speed_floor});
+  const double speed = std::max({fastest, largest_speed(state.wall_velocity), reference.speed_floor});
   StepProposal proposal{1e300, "none"};
   if (speed > 0) proposal = {constants.numerics.courant * constants.spacing / speed, "velocity"};
   if (reference.gravity_size > 0) {
@@ -40,8 +40,8 @@ std::optional<FluidExtent<D>> fluid_extent(const Reference<D>& reference, const 
   return extent;
 }
 
-template StepProposal propose_step<2>(const Reference<2>&, const State<2>&);
-template StepProposal propose_step<3>(const Reference<3>&, const State<3>&);
+template StepProposal propose_step<2>(const Reference<2>&, double, const State<2>&);
+template StepProposal propose_step<3>(const Reference<3>&, double, const State<3>&);
 template std::optional<FluidExtent<2>> fluid_extent<2>(const Reference<2>&, const State<2>&);
 template std::optional<FluidExtent<3>> fluid_extent<3>(const Reference<3>&, const State<3>&);
 

@@ -10,9 +10,9 @@
 
 namespace tern::fluid {
 
-/// Length wanted: by the fastest particle or wall, by gravity, by viscosity.
+/// Length wanted: by the fastest particle or wall, by gravity, by viscosity. `fastest`: particle [m/s].
 template <int D>
-StepProposal propose_step(const Reference<D>& reference, const State<D>& state);
+StepProposal propose_step(const Reference<D>& reference, double fastest, const State<D>& state);
 
 /// Which surface can be left out of the next window; nothing where the fluid is periodic and has no end.
 template <int D>

@@ -41,11 +41,13 @@ void Fluid<D>::begin_window(Ticks begin, Ticks duration) {
   ScopedTimer timer(timing_.neighbours);
   window_ = {seconds(begin), seconds(duration)};
   state_.time = begin;
-  prediction_.bulk_speed = fluid::largest_bulk_speed(state_);
+  prediction_.bulk_speed = largest_bulk_speed();
   predict(reference_.gravity, window_, state_, prediction_);
   wrap_into_period(reference_.period, state_, prediction_);
-  sort_in_rows(reference_.constants.spacing, reference_.constants.kernel.support(), state_, prediction_, rows_);
-  find_neighbours<D>(reference_.constants, reference_.period, rows_.grid, rows_.contents, prediction_.position, neighbours_);
+  domain_.migrate(state_, prediction_);
+  sort_in_rows(domain_.ranks(), reference_.constants.spacing, reference_.constants.kernel.support(), state_, prediction_, rows_);
+  domain_.find_ghosts(state_, prediction_, rows_);
+  find_neighbours<D>(reference_.constants, reference_.period, rows_, prediction_.position, neighbours_);
 }
 
 template <int D>
@@ -59,10 +61,11 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   state_.evaluations.structure_surface += static_cast<long>(surface.position.size());
   set_surface(constants, surface, boundary_);
   see_boundary(constants, reference_.period, prediction_.position, boundary_, neighbours_);
-  sum_over_hidden_side(constants, prediction_.position, prediction_.gravity, boundary_);
+  sum_over_hidden_side(constants, domain_.ranks(), prediction_.position, prediction_.gravity, boundary_);
 
   correct_moments(neighbours_, boundary_, state_.particle_class, correction_);  // M, C, C^F
   classify_particles(constants, neighbours_, boundary_, correction_, state_);   // free surface, spray
+  domain_.exchange_marks(state_.particle_class);
   by_axis<D>(state_.velocity, packed_.velocity);
   if (constants.viscosity > 0) {  // u* += dt nu lap u^n
     state_.evaluations.viscosity += static_cast<long>(state_.size());
@@ -71,6 +74,7 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   compute_velocity_gradient(reference_.period, neighbours_, correction_, state_.particle_class, packed_);  // L
   if (const double share = damped_share(reference_, window_.duration, prediction_.bulk_speed); share > 0) {
     state_.evaluations.noise_damping += static_cast<long>(state_.size());
+    packed_.with_gradient([&](auto&... values) { domain_.particles().update(values...); });
     damp_velocity_noise(share, reference_.period, neighbours_, state_.particle_class, packed_, prediction_.velocity);
   }
   compute_divergence(nullptr);  // div u*
@@ -88,7 +92,7 @@ void Fluid<D>::prepare_pressure() {
     state_.evaluations.density_source += static_cast<long>(state_.size());
     compute_density_source(reference_, prediction_.bulk_speed, neighbours_, boundary_, correction_, state_.particle_class, density_source_);
   }
-  find_enclosed_fluid(neighbours_, correction_, state_, system_);
+  find_enclosed_fluid(domain_, neighbours_, correction_, state_, system_);
   set_divergence_target(window_.duration, neighbours_, at_structure_, packed_, density_source_, divergence_target_);
   assemble_pressure_matrix(reference_.constants, state_, neighbours_, boundary_, correction_, system_.matrix);
   system_.left_behind.clear();
@@ -121,10 +125,10 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
   {
     ScopedTimer timer(timing_.pressure_solve);
     if (first) {
-      prepare_pressure_solve(constants, neighbours_, state_.particle_class, prediction_.position, at_structure_, system_);
+      prepare_pressure_solve(constants, domain_, neighbours_, state_.particle_class, prediction_.position, at_structure_, system_);
       if (system_.sealed.any()) account_for_enclosed_fluid(reference_, window_, boundary_, system_.source, system_.sealed, state_);
     }
-    solve_pressure_poisson(constants, window_, prediction_.position, at_structure_, state_, system_);
+    solve_pressure_poisson(constants, domain_, window_, prediction_.position, at_structure_, state_, system_);
   }
   if (first) drive_out_what_is_left();
   ScopedTimer timer(timing_.correction);
@@ -145,6 +149,7 @@ void Fluid<D>::drive_out_what_is_left() {
     ScopedTimer timer(timing_.correction);
     projected_velocity_ = prediction_.velocity;
     apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, nullptr, false, projected_velocity_);
+    domain_.particles().update(projected_velocity_);
     fluid::compute_divergence<D>(reference_.period, neighbours_, boundary_, correction_, state_.particle_class, projected_velocity_,
                                  nullptr, packed_.velocity, projected_divergence_);
     left.assign(system_.matrix.rows(), 0);
@@ -155,11 +160,13 @@ void Fluid<D>::drive_out_what_is_left() {
   find_left(system_.left_behind);
   {
     ScopedTimer timer(timing_.pressure_solve);
-    solve_for_correction(reference_.constants, window_, prediction_.position, at_structure_, state_, system_);
+    solve_for_correction(reference_.constants, domain_, window_, prediction_.position, at_structure_, state_, system_);
     add_correction(system_, state_);
+    domain_.particles().update(state_.pressure);
   }
   find_left(system_.still_left);
-  keep_best_share(system_, state_);
+  keep_best_share(domain_.ranks(), system_, state_);
+  domain_.particles().update(state_.pressure);
 }
 
 template <int D>
@@ -177,7 +184,8 @@ void Fluid<D>::end_window(const InterfaceForce<D>& force) {
   const Constants<D>& constants = reference_.constants;
   push(force.force);  // u^{n+1} = u** + dt a_interface
   settle_wall_contacts(constants, window_.duration, boundary_, prediction_.position, prediction_.velocity);
-  check_speed(window_, prediction_, boundary_.surface.velocity, state_);
+  domain_.forget_ghosts(state_);
+  check_speed(domain_.ranks(), window_, prediction_, boundary_.surface.velocity, state_);
   check_volume(window_, boundary_.surface.size() == 0 ? 0 : volume_drift().known(), state_);
   state_.potential -= work_of_gravity(constants.mass, window_.duration, state_, prediction_);
   advance(window_.duration, prediction_, state_);  // r^{n+1} = r* + dt/2 u^{n+1}
@@ -189,8 +197,9 @@ void Fluid<D>::end_window(const InterfaceForce<D>& force) {
   }
   state_.leaked += count_leaks(constants.spacing, boundary_.seen_walls(), boundary_.wall_rows, prediction_.position, state_.position);
   state_.leaked += count_leaks(constants.spacing, boundary_.surface, boundary_.surface_rows, prediction_.position, state_.position);
-  remove_escaped(reference_, window_, state_);
+  remove_escaped(reference_, domain_.ranks(), window_, state_);
   state_.time += to_ticks(window_.duration);
+  if (!domain_.alone()) totals_ = add_up(domain_.ranks(), totals_here());
 }
 
 template <int D>
@@ -202,6 +211,7 @@ void Fluid<D>::pass_window() {
 
 template <int D>
 void Fluid<D>::compute_divergence(const std::vector<int>* only) {
+  domain_.particles().update(prediction_.velocity);
   fluid::compute_divergence<D>(reference_.period, neighbours_, boundary_, correction_, state_.particle_class, prediction_.velocity, only,
                                packed_.velocity, divergence_);
 }

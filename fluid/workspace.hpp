@@ -32,6 +32,11 @@ template <int D>
 struct RowOrder {
   RowGrid<D> grid;
   CellContents contents;
+  // Of particles of other ranks, behind the own ones (domain.hpp): in rows of their own.
+  RowGrid<D> ghost_grid;
+  CellContents ghosts;
+  Vector<D> corner = Vector<D>::Zero();  ///< of the box of all particles, those of other ranks included, ...
+  double extent = 0;                     ///< and its largest side [m]
   /// Scratch, by the type of field.
   std::tuple<std::vector<Vector<D>>, std::vector<double>, std::vector<std::uint32_t>, std::vector<ParticleClass>> sorted;
 };
@@ -50,6 +55,15 @@ struct PackedVelocities {
   std::array<ByAxis<D>, D> half_gradient;  ///< [b][a]: half of du_a/dx_b; zero where there is none [1/s]
   std::vector<double> strain_rate;         ///< sqrt(2 E:E), E = (L + L^T)/2: that of a shear du/dy is |du/dy| [1/s]
   std::vector<double> has_gradient;        ///< 1 or 0
+
+  /// Calls visit(values...) with all arrays that are made of the gradient.
+  template <class Visit>
+  void with_gradient(Visit&& visit) {
+    const auto tie = [](auto&... values) { return std::tie(values...); };
+    std::apply(
+        [&](auto&... columns) { std::apply(visit, std::tuple_cat(std::apply(tie, columns)..., std::tie(strain_rate, has_gradient))); },
+        half_gradient);
+  }
 };
 
 }  // namespace tern::fluid

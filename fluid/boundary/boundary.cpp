@@ -37,21 +37,28 @@ void set_surface(const Constants<D>& constants, const Surface<D>& surface, Bound
 template <int D>
 void see_boundary(const Constants<D>& constants, const Period<D>& period, const std::vector<Vector<D>>& position, Boundary<D>& boundary,
                   Neighbours<D>& neighbours) {
-  see_walls<D>(constants.spacing, position, boundary);
-  see_faces<D>(position, boundary.surface, boundary.surface_finder, boundary.surface_rows);
+  const std::span<const Vector<D>> viewers = std::span(position).first(neighbours.rows());
+  see_walls<D>(constants.spacing, viewers, boundary);
+  see_faces<D>(viewers, boundary.surface, boundary.surface_finder, boundary.surface_rows);
   if (!boundary.surface_rows.face.empty()) {
     hide_walls_behind_structure<D>(position, boundary.seen_walls(), boundary.surface, boundary.surface_rows, boundary.wall_rows);
     cut_pairs_through_faces<D>(constants, period, position, boundary.surface, boundary.surface_rows, true, neighbours);
     find_covered_faces<D>(boundary.surface, boundary.walls.faces(), boundary.wall_finder, 0.5 * constants.spacing, boundary.covered_faces);
   }
-  if (boundary.walls.any_two_sided())
-    cut_pairs_through_faces<D>(constants, period, position, boundary.seen_walls(), boundary.wall_rows, false, neighbours);
+  if (!boundary.walls.any_two_sided()) return;
+  const FaceRows* seen = &boundary.wall_rows;
+  thread_local FaceRows seen_by_all;  // by particles of other ranks as well
+  if (position.size() > viewers.size()) {
+    see_faces<D>(position, boundary.seen_walls(), boundary.wall_finder, seen_by_all);
+    seen = &seen_by_all;
+  }
+  cut_pairs_through_faces<D>(constants, period, position, boundary.seen_walls(), *seen, false, neighbours);
 }
 
 template <int D>
-void sum_over_hidden_side(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
-                          Boundary<D>& boundary) {
-  leave_out_dry_walls<D>(constants, position, boundary.seen_walls(), boundary.walls.faces(), boundary.wall_finder,
+void sum_over_hidden_side(const Constants<D>& constants, const Ranks& ranks, const std::vector<Vector<D>>& position,
+                          const std::vector<Vector<D>>& gravity, Boundary<D>& boundary) {
+  leave_out_dry_walls<D>(constants, ranks, position, boundary.seen_walls(), boundary.walls.faces(), boundary.wall_finder,
                          boundary.space_before_walls, boundary.surface, boundary.surface_finder, boundary.walls.planes(),
                          boundary.wall_rows);
   leave_dry_planes<D>(position, boundary);
@@ -71,12 +78,13 @@ void set_surface_velocity(const std::vector<Vector<D>>& velocity, const std::vec
   boundary.surface.velocity = velocity;
 }
 
-#define TERN_INSTANTIATE(D)                                                                                                               \
-  template struct Boundary<D>;                                                                                                            \
-  template void move_walls<D>(const Constants<D>&, const Window&, Boundary<D>&, std::vector<Vector<D>>&);                                 \
-  template void set_surface<D>(const Constants<D>&, const Surface<D>&, Boundary<D>&);                                                     \
-  template void see_boundary<D>(const Constants<D>&, const Period<D>&, const std::vector<Vector<D>>&, Boundary<D>&, Neighbours<D>&);      \
-  template void sum_over_hidden_side<D>(const Constants<D>&, const std::vector<Vector<D>>&, const std::vector<Vector<D>>&, Boundary<D>&); \
+#define TERN_INSTANTIATE(D)                                                                                                              \
+  template struct Boundary<D>;                                                                                                           \
+  template void move_walls<D>(const Constants<D>&, const Window&, Boundary<D>&, std::vector<Vector<D>>&);                                \
+  template void set_surface<D>(const Constants<D>&, const Surface<D>&, Boundary<D>&);                                                    \
+  template void see_boundary<D>(const Constants<D>&, const Period<D>&, const std::vector<Vector<D>>&, Boundary<D>&, Neighbours<D>&);     \
+  template void sum_over_hidden_side<D>(const Constants<D>&, const Ranks&, const std::vector<Vector<D>>&, const std::vector<Vector<D>>&, \
+                                        Boundary<D>&);                                                                                   \
   template void set_surface_velocity<D>(const std::vector<Vector<D>>&, const std::vector<int>&, Boundary<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

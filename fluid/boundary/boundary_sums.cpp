@@ -43,7 +43,7 @@ HiddenSums<D> sum_hidden_by_walls(const Constants<D>& constants, const Vector<D>
 template <int D>
 void set_wall_sums(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
                    const Faces<D>& faces, FaceRows& rows, BoundarySums<D>& sums) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(rows.begin.size());
   for (auto* v : {&sums.number_density, &sums.flux}) v->resize(n);
   for (auto* m : {&sums.moment, &sums.tangential}) m->resize(n);
   for (auto* v :
@@ -105,7 +105,7 @@ void add_surface_sums(const Constants<D>& constants, const std::vector<Vector<D>
                       const Faces<D>& faces, const FaceFinder<D>& finder, const std::vector<std::uint8_t>& covered, FaceRows& rows,
                       BoundarySums<D>& sums) {
   if (rows.face.empty()) return;
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size()), count = static_cast<std::ptrdiff_t>(faces.size());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(rows.begin.size()), count = static_cast<std::ptrdiff_t>(faces.size());
   const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
   sums.borne_share.resize(count);
   sums.corner_scratch.resize(threads);

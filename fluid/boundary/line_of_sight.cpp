@@ -8,14 +8,14 @@
 namespace tern::fluid {
 
 template <int D>
-void see_faces(const std::vector<Vector<D>>& position, const Faces<D>& faces, const FaceFinder<D>& finder, FaceRows& rows) {
+void see_faces(std::span<const Vector<D>> position, const Faces<D>& faces, const FaceFinder<D>& finder, FaceRows& rows) {
   list_seen(static_cast<int>(position.size()), rows, [&](int i, std::vector<int>& seen) { finder.see(faces, position[i], seen); });
 }
 
 template <int D>
 void hide_walls_behind_structure(const std::vector<Vector<D>>& position, const Faces<D>& walls, const Faces<D>& surface,
                                  const FaceRows& surface_rows, FaceRows& wall_rows) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(wall_rows.begin.size());
   parallel_for(n, [&](std::ptrdiff_t i) {
     if (surface_rows.count[i] == 0 || wall_rows.count[i] == 0) return;
     int kept = 0;
@@ -35,13 +35,13 @@ template <int D>
 void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& period, const std::vector<Vector<D>>& position,
                              const Faces<D>& faces, const FaceRows& rows, bool past_corners, Neighbours<D>& neighbours) {
   auto& [sight, affected, listed] = neighbours.cutting;
-  const int n = static_cast<int>(position.size());
+  const int n = static_cast<int>(neighbours.rows()), all = static_cast<int>(rows.begin.size());
   const double support = constants.kernel.support();
   affected.clear();
-  listed.assign(n, 0);
+  listed.assign(all, 0);
   sight.clear();
   // What particle i sees of two-sided faces; its number in `sight` is kept in `listed`.
-  for (int i = 0; i < n; ++i)
+  for (int i = 0; i < all; ++i)
     for (int entry = rows.begin[i], end = entry + rows.count[i]; entry < end; ++entry) {
       const int k = rows.face[entry];
       if (!faces.two_sided[k]) continue;
@@ -82,9 +82,16 @@ void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& per
   };
   // The test is the same from both ends, so both rows lose the pair. A particle that sees no face itself loses pairs only to
   // neighbours that do; those are collected on the way.
+  // Particles of other ranks have no rows to collect them from: their neighbours here are looked for.
+  for (int i = 0; i < n && all > n; ++i)
+    for (int k = neighbours.begin[i]; k < neighbours.begin[i] + neighbours.length[i] && !listed[i]; ++k) {
+      const int j = neighbours.column(k);
+      if (j >= n && neighbours.weight[k] != 0 && listed[j]) affected.push_back(i), listed[i] = viewers + 1;
+    }
   neighbours.row_offset.resize(std::max<std::size_t>(1, neighbours.row_offset.size()));
   for (std::size_t a = 0; a < affected.size(); ++a) {
     const int i = affected[a];
+    if (i >= n) continue;
     bool any_cut = false;
     for (int k = neighbours.begin[i]; k < neighbours.begin[i] + neighbours.length[i]; ++k) {
       const int j = neighbours.column(k);
@@ -100,7 +107,7 @@ void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& per
 }
 
 #define TERN_INSTANTIATE(D)                                                                                                       \
-  template void see_faces<D>(const std::vector<Vector<D>>&, const Faces<D>&, const FaceFinder<D>&, FaceRows&);                    \
+  template void see_faces<D>(std::span<const Vector<D>>, const Faces<D>&, const FaceFinder<D>&, FaceRows&);                       \
   template void hide_walls_behind_structure<D>(const std::vector<Vector<D>>&, const Faces<D>&, const Faces<D>&, const FaceRows&,  \
                                                FaceRows&);                                                                        \
   template void cut_pairs_through_faces<D>(const Constants<D>&, const Period<D>&, const std::vector<Vector<D>>&, const Faces<D>&, \

@@ -2,6 +2,7 @@
 // What particles see: faces that no other hides, and each other where no body stands between them.
 
 #include <algorithm>
+#include <span>
 #include <vector>
 
 #include <omp.h>
@@ -56,9 +57,9 @@ void list_seen(int n, FaceRows& rows, See&& see) {
   }
 }
 
-/// Fills `rows` with the faces every particle sees, in the order of the particles, without the weights.
+/// Fills `rows` with the faces that particles at these positions see, in their order, without the weights.
 template <int D>
-void see_faces(const std::vector<Vector<D>>& position, const Faces<D>& faces, const FaceFinder<D>& finder, FaceRows& rows);
+void see_faces(std::span<const Vector<D>> position, const Faces<D>& faces, const FaceFinder<D>& finder, FaceRows& rows);
 
 /// Takes out of `wall_rows` the patches of walls that the structure hides from a particle.
 template <int D>

@@ -69,7 +69,7 @@ void list_patches(const PlaneWall& plane, double support, const Vector<3>& x, st
 }  // namespace
 
 template <int D>
-void see_walls(double spacing, const std::vector<Vector<D>>& position, Boundary<D>& boundary) {
+void see_walls(double spacing, std::span<const Vector<D>> position, Boundary<D>& boundary) {
   const Faces<D>& faces = boundary.seen_walls();
   FaceRows& rows = boundary.wall_rows;
   if constexpr (D == 3) {
@@ -150,7 +150,7 @@ void leave_dry_planes(const std::vector<Vector<D>>& position, Boundary<D>& bound
       return (dry_before(p, to[1], to[0]) - dry_before(p, from[1], to[0])) -
              (dry_before(p, to[1], from[0]) - dry_before(p, from[1], from[0]));
     };
-    for (std::size_t i = 0; i < position.size(); ++i) {
+    for (std::size_t i = 0; i < rows.plane.size(); ++i) {
       if (rows.plane[i] < 0) continue;
       const bool listed = !rows.before_plane(static_cast<std::ptrdiff_t>(i));
       rows.plane_share[i] *= std::clamp(1 - dry_around(rows.plane[i], position[i]) / (whole_patch * dry_patches), 0.0, 1.0);
@@ -165,8 +165,8 @@ void leave_dry_planes(const std::vector<Vector<D>>& position, Boundary<D>& bound
   }
 }
 
-#define TERN_INSTANTIATE(D)                                                        \
-  template void see_walls<D>(double, const std::vector<Vector<D>>&, Boundary<D>&); \
+#define TERN_INSTANTIATE(D)                                                     \
+  template void see_walls<D>(double, std::span<const Vector<D>>, Boundary<D>&); \
   template void leave_dry_planes<D>(const std::vector<Vector<D>>&, Boundary<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

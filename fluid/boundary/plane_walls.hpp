@@ -6,6 +6,7 @@
 // a share goes from 1 to 0 over half a spacing of what it lacks until it does, and over the first four patches that are dry.
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "base/vector.hpp"
@@ -56,7 +57,7 @@ struct PlaneWall {
 
 /// Faces of the walls that each particle sees. Of particles with a share of 1 in a plane wall only the patch at their foot.
 template <int D>
-void see_walls(double spacing, const std::vector<Vector<D>>& position, Boundary<D>& boundary);
+void see_walls(double spacing, std::span<const Vector<D>> position, Boundary<D>& boundary);
 
 /// Once it is known which patches are wet: takes back the shares where some are dry, and lists all patches of these particles.
 template <int D>

@@ -14,7 +14,7 @@ void settle_wall_contacts(const Constants<D>& constants, double duration, const 
   const Faces<D>& faces = boundary.seen_walls();
   const double distance = constants.numerics.contact_distance * constants.spacing;
   if (distance == 0) return;
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(boundary.wall_rows.begin.size());
   const bool moving = boundary.walls.moving();
   parallel_for(n, [&](std::ptrdiff_t i) {
     // Too slow for any face at rest, in whatever direction it flies.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include <omp.h>
 
@@ -27,6 +28,13 @@ inline void fill_row(const Constants<3>& constants, double scale, double step, d
   }
 }
 
+/// What all threads of all ranks have filled, as the part of the first thread.
+void add_up_over_ranks(const Ranks& ranks, std::vector<std::vector<std::int64_t>>& filled) {
+  for (std::size_t thread = 1; thread < filled.size(); ++thread)
+    for (std::size_t k = 0; k < filled[thread].size(); ++k) filled[0][k] += std::exchange(filled[thread][k], 0);
+  ranks.sum(std::span(filled[0]));
+}
+
 /// A point just in front of a face, so that the face's own half space counts as hidden.
 template <int D>
 Vector<D> just_before(const Constants<D>& constants, const Faces<D>& faces, std::size_t k) {
@@ -49,11 +57,11 @@ double hidden_density(const Constants<D>& constants, const Faces<D>& faces, cons
 }
 
 template <int D>
-void leave_out_dry_walls(const Constants<D>& constants, const std::vector<Vector<D>>& position, const Faces<D>& walls,
+void leave_out_dry_walls(const Constants<D>& constants, const Ranks& ranks, const std::vector<Vector<D>>& position, const Faces<D>& walls,
                          const Faces<D>& whole_walls, const FaceFinder<D>& wall_finder, std::vector<double>& space,
                          const Faces<D>& structure, const FaceFinder<D>& structure_finder, const std::vector<PlaneWall>& planes,
                          FaceRows& wall_rows) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size()), count = static_cast<std::ptrdiff_t>(walls.size());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(wall_rows.begin.size()), count = static_cast<std::ptrdiff_t>(walls.size());
   const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
   const double scale = constants.volume / filled_unit;
   wall_rows.wet.resize(walls.size());
@@ -79,6 +87,11 @@ void leave_out_dry_walls(const Constants<D>& constants, const std::vector<Vector
         filled[walls.original[k]] += std::llrint(scale * constants.kernel.value((walls.position[k] - position[i]).norm()));
       }
     }
+    if (!ranks.alone()) {
+#pragma omp master
+      add_up_over_ranks(ranks, wall_rows.filled);
+#pragma omp barrier
+    }
 #pragma omp for schedule(static)
     for (std::ptrdiff_t k = 0; k < count; ++k) {
       std::int64_t sum = 0;
@@ -97,10 +110,10 @@ void leave_out_dry_walls(const Constants<D>& constants, const std::vector<Vector
   for (std::ptrdiff_t k = 0; k < count; ++k) wall_rows.wet[k] = wall_rows.wet[walls.original[k]];  // an image comes after its original
 }
 
-#define TERN_INSTANTIATE(D)                                                                                                           \
-  template double hidden_density<D>(const Constants<D>&, const Faces<D>&, const FaceFinder<D>&, const Vector<D>&, std::vector<int>&); \
-  template void leave_out_dry_walls<D>(const Constants<D>&, const std::vector<Vector<D>>&, const Faces<D>&, const Faces<D>&,          \
-                                       const FaceFinder<D>&, std::vector<double>&, const Faces<D>&, const FaceFinder<D>&,             \
+#define TERN_INSTANTIATE(D)                                                                                                                \
+  template double hidden_density<D>(const Constants<D>&, const Faces<D>&, const FaceFinder<D>&, const Vector<D>&, std::vector<int>&);      \
+  template void leave_out_dry_walls<D>(const Constants<D>&, const Ranks&, const std::vector<Vector<D>>&, const Faces<D>&, const Faces<D>&, \
+                                       const FaceFinder<D>&, std::vector<double>&, const Faces<D>&, const FaceFinder<D>&,                  \
                                        const std::vector<PlaneWall>&, FaceRows&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

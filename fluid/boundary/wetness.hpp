@@ -5,6 +5,7 @@
 
 #include "fluid/boundary/plane_walls.hpp"
 #include "fluid/reference.hpp"
+#include "ranks/ranks.hpp"
 #include "sph/faces.hpp"
 
 namespace tern::fluid {
@@ -19,7 +20,7 @@ double hidden_density(const Constants<D>& constants, const Faces<D>& faces, cons
 /// it, less what the structure takes of that. `space`: part of sum V w that walls leave open in front of each of their
 /// patches, negative where it is not yet known. `whole_walls`: as they are without a structure.
 template <int D>
-void leave_out_dry_walls(const Constants<D>& constants, const std::vector<Vector<D>>& position, const Faces<D>& walls,
+void leave_out_dry_walls(const Constants<D>& constants, const Ranks& ranks, const std::vector<Vector<D>>& position, const Faces<D>& walls,
                          const Faces<D>& whole_walls, const FaceFinder<D>& wall_finder, std::vector<double>& space,
                          const Faces<D>& structure, const FaceFinder<D>& structure_finder, const std::vector<PlaneWall>& planes,
                          FaceRows& wall_rows);

@@ -41,17 +41,16 @@ Vector<3> angular_momentum(double mass, const State<D>& state) {
 }
 
 template <int D>
-VolumeDrift volume_drift(const Constants<D>& constants, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
-                         const Corrections<D>& correction, const State<D>& state) {
-  double sum = 0;
-  std::size_t count = 0;
+Filling filling(const Constants<D>& constants, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
+                const Corrections<D>& correction, const State<D>& state) {
+  Filling filled;
+  filled.all = static_cast<double>(state.size());
   for (std::size_t i = 0; i < correction.trace.size(); ++i) {
     if (i >= state.size() || !state.particle_class[i].interior() || correction.trace[i] < 0.925) continue;
-    sum += (neighbours.number_density[i] + boundary.sums.number_density[i]) / constants.lattice.density;
-    ++count;
+    filled.density += (neighbours.number_density[i] + boundary.sums.number_density[i]) / constants.lattice.density;
+    ++filled.inside;
   }
-  if (count == 0) return {};
-  return {static_cast<double>(count) / sum - 1, static_cast<double>(count) / static_cast<double>(state.size())};
+  return filled;
 }
 
 template <int D>
@@ -60,15 +59,39 @@ std::size_t spray_particles(const State<D>& state) {
       std::count_if(state.particle_class.begin(), state.particle_class.end(), [](ParticleClass own) { return own.spray(); }));
 }
 
-#define TERN_INSTANTIATE(D)                                                                                                  \
-  template double largest_speed(const std::vector<Vector<D>>&);                                                              \
-  template double largest_bulk_speed<D>(const State<D>&);                                                                    \
-  template double kinetic_energy<D>(double, const State<D>&);                                                                \
-  template Vector<D> momentum<D>(double, const State<D>&);                                                                   \
-  template Vector<3> angular_momentum<D>(double, const State<D>&);                                                           \
-  template VolumeDrift volume_drift<D>(const Constants<D>&, const Neighbours<D>&, const Boundary<D>&, const Corrections<D>&, \
-                                       const State<D>&);                                                                     \
-  template std::size_t spray_particles<D>(const State<D>&);
+template <int D>
+Totals<D> add_up(const Ranks& ranks, const Totals<D>& own) {
+  Totals<D> all = own;
+  std::vector<double> sums;
+  // The same list twice: into the sums and out of them. Whole numbers below 2^53 are exact.
+  const auto for_each_sum = [&](auto&& visit) {
+    visit(all.kinetic), visit(all.potential), visit(all.filling.density), visit(all.filling.inside), visit(all.filling.all);
+    for (int c = 0; c < D; ++c) visit(all.momentum[c]);
+    for (int c = 0; c < 3; ++c) visit(all.angular_momentum[c]);
+    visit(all.particles), visit(all.spray_particles), visit(all.removed), visit(all.leaked), visit(all.ghosts);
+    Evaluations::for_each_field([&](const char*, auto& count) { visit(count); }, all.evaluations);
+  };
+  // Every rank moves all walls.
+  if (!ranks.first()) all.evaluations.moving_walls = 0;
+  for_each_sum([&](auto& value) { sums.push_back(static_cast<double>(value)); });
+  ranks.sum(std::span(sums));
+  std::size_t next = 0;
+  for_each_sum([&](auto& value) { value = static_cast<std::remove_reference_t<decltype(value)>>(sums[next++]); });
+  double speeds[] = {own.largest_speed, own.largest_bulk_speed};
+  ranks.most(std::span<double>(speeds));
+  all.largest_speed = speeds[0], all.largest_bulk_speed = speeds[1];
+  return all;
+}
+
+#define TERN_INSTANTIATE(D)                                                                                                           \
+  template double largest_speed(const std::vector<Vector<D>>&);                                                                       \
+  template double largest_bulk_speed<D>(const State<D>&);                                                                             \
+  template double kinetic_energy<D>(double, const State<D>&);                                                                         \
+  template Vector<D> momentum<D>(double, const State<D>&);                                                                            \
+  template Vector<3> angular_momentum<D>(double, const State<D>&);                                                                    \
+  template Filling filling<D>(const Constants<D>&, const Neighbours<D>&, const Boundary<D>&, const Corrections<D>&, const State<D>&); \
+  template std::size_t spray_particles<D>(const State<D>&);                                                                           \
+  template Totals<D> add_up<D>(const Ranks&, const Totals<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)
 #undef TERN_INSTANTIATE

@@ -6,6 +6,7 @@
 #include "fluid/reference.hpp"
 #include "fluid/state.hpp"
 #include "fluid/workspace.hpp"
+#include "ranks/ranks.hpp"
 
 namespace tern::fluid {
 
@@ -39,11 +40,35 @@ struct VolumeDrift {
   double known() const { return share * inside; }
 };
 
+/// Numbers of particles inside and of all, and the sum of the particle number densities of those inside over that of the lattice.
+struct Filling {
+  double density = 0, inside = 0, all = 0;
+
+  VolumeDrift volume_drift() const { return inside > 0 ? VolumeDrift{inside / density - 1, inside / all} : VolumeDrift{}; }
+};
+
 template <int D>
-VolumeDrift volume_drift(const Constants<D>& constants, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
-                         const Corrections<D>& correction, const State<D>& state);
+Filling filling(const Constants<D>& constants, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
+                const Corrections<D>& correction, const State<D>& state);
 
 template <int D>
 std::size_t spray_particles(const State<D>& state);
+
+/// All of them.
+template <int D>
+struct Totals {
+  double kinetic = 0, potential = 0;
+  Vector<D> momentum = Vector<D>::Zero();
+  Vector<3> angular_momentum = Vector<3>::Zero();
+  double largest_speed = 0, largest_bulk_speed = 0;
+  Filling filling;
+  std::size_t particles = 0, spray_particles = 0, removed = 0, leaked = 0;
+  Evaluations evaluations;
+  std::size_t ghosts = 0;  ///< domain.hpp
+};
+
+/// Of all ranks, from those of each.
+template <int D>
+Totals<D> add_up(const Ranks& ranks, const Totals<D>& own);
 
 }  // namespace tern::fluid

@@ -4,6 +4,7 @@
 #include "fluid/reference.hpp"
 #include "fluid/state.hpp"
 #include "fluid/workspace.hpp"
+#include "ranks/ranks.hpp"
 #include "sph/faces.hpp"
 
 namespace tern::fluid {
@@ -15,6 +16,6 @@ std::size_t count_leaks(double spacing, const Faces<D>& faces, const FaceRows& r
 
 /// Removes the particles outside the domain. Throws NumericalFailure when none is left.
 template <int D>
-void remove_escaped(const Reference<D>& reference, const Window& window, State<D>& state);
+void remove_escaped(const Reference<D>& reference, const Ranks& ranks, const Window& window, State<D>& state);
 
 }  // namespace tern::fluid

@@ -5,12 +5,6 @@
 #include "base/parallel.hpp"
 
 namespace tern::fluid {
-namespace {
-
-/// Of a row, in spacings: of what sums over pairs read together, most are neighbours.
-constexpr double row_width(int dimension) { return dimension == 2 ? 1.5 : 2; }
-
-}  // namespace
 
 template <int D>
 void predict(const Gravity<D>& gravity, const Window& window, const State<D>& state, Prediction<D>& prediction) {
@@ -42,30 +36,34 @@ void wrap_into_period(const Period<D>& period, State<D>& state, Prediction<D>& p
 }
 
 template <int D>
-void sort_in_rows(double spacing, double support, State<D>& state, Prediction<D>& prediction, RowOrder<D>& rows) {
+void sort_in_rows(const Ranks& ranks, double spacing, double support, State<D>& state, Prediction<D>& prediction, RowOrder<D>& rows) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
   struct Box {
     Vector<D> low, high;
   };
+  const Vector<D> somewhere = n > 0 ? prediction.position[0] : Vector<D>(Vector<D>::Zero());
   const Box box = ordered_fold(
-      n, Box{prediction.position[0], prediction.position[0]},
+      n, Box{somewhere, somewhere},
       [&](std::ptrdiff_t i) {
         return Box{prediction.position[i], prediction.position[i]};
       },
       [](const Box& a, const Box& b) {
         return Box{a.low.cwiseMin(b.low), a.high.cwiseMax(b.high)};
       });
-  rows.grid.reset(box.low, box.high, support, row_width(D) * spacing);
+  // Pairs are found in single precision, counted from this corner: with the same one on all ranks they are the same pairs everywhere.
+  Vector<D> low = n > 0 ? box.low : Vector<D>(Vector<D>::Constant(1e300));
+  Vector<D> high = n > 0 ? box.high : Vector<D>(Vector<D>::Constant(-1e300));
+  ranks.least(std::span(low.data(), D));
+  ranks.most(std::span(high.data(), D));
+  if (low[0] > high[0]) low = high = somewhere;
+  const double width = row_width(D) * spacing;
+  rows.grid.reset(low, high, support, width);
+  rows.corner = rows.grid.origin();
+  rows.extent = rows.grid.extent();
+  if (!ranks.alone()) rows.grid.reset(box.low, box.high, support, width);
   CellContents& contents = rows.contents;
-  contents.template fill<D>(rows.grid, prediction.position);
-  const auto before = [&](int a, int b) {
-    const double x = prediction.position[a][0], y = prediction.position[b][0];
-    return x < y || (x == y && state.id[a] < state.id[b]);
-  };
-  parallel_for(rows.grid.count(), n, [&](int cell) {
-    const auto first = contents.order.begin() + contents.start[cell], last = contents.order.begin() + contents.start[cell + 1];
-    if (last - first > 1) std::sort(first, last, before);
-  });
+  fill_rows(
+      rows.grid, prediction.position, [&](int a, int b) { return state.id[a] < state.id[b]; }, contents);
   const auto reorder = [&](auto& values, auto& scratch) {
     scratch.resize(n);
     parallel_for(n, [&](std::ptrdiff_t i) { scratch[i] = values[contents.order[i]]; });
@@ -83,7 +81,7 @@ template void predict<2>(const Gravity<2>&, const Window&, const State<2>&, Pred
 template void predict<3>(const Gravity<3>&, const Window&, const State<3>&, Prediction<3>&);
 template void wrap_into_period<2>(const Period<2>&, State<2>&, Prediction<2>&);
 template void wrap_into_period<3>(const Period<3>&, State<3>&, Prediction<3>&);
-template void sort_in_rows<2>(double, double, State<2>&, Prediction<2>&, RowOrder<2>&);
-template void sort_in_rows<3>(double, double, State<3>&, Prediction<3>&, RowOrder<3>&);
+template void sort_in_rows<2>(const Ranks&, double, double, State<2>&, Prediction<2>&, RowOrder<2>&);
+template void sort_in_rows<3>(const Ranks&, double, double, State<3>&, Prediction<3>&, RowOrder<3>&);
 
 }  // namespace tern::fluid

@@ -4,6 +4,7 @@
 #include "fluid/reference.hpp"
 #include "fluid/state.hpp"
 #include "fluid/workspace.hpp"
+#include "ranks/ranks.hpp"
 
 namespace tern::fluid {
 
@@ -17,6 +18,6 @@ void wrap_into_period(const Period<D>& period, State<D>& state, Prediction<D>& p
 
 /// Puts all fields of the particles in the order of rows for this spacing and support [m]. The order depends on positions and labels alone.
 template <int D>
-void sort_in_rows(double spacing, double support, State<D>& state, Prediction<D>& prediction, RowOrder<D>& rows);
+void sort_in_rows(const Ranks& ranks, double spacing, double support, State<D>& state, Prediction<D>& prediction, RowOrder<D>& rows);
 
 }  // namespace tern::fluid

@@ -24,32 +24,35 @@ constexpr double lost_volume = 0.05;  ///< of the fluid, when it lasts; sound ru
 }  // namespace
 
 template <int D>
-void check_speed(const Window& window, const Prediction<D>& prediction, const std::vector<Vector<D>>& surface_velocity, State<D>& state) {
+void check_speed(const Ranks& ranks, const Window& window, const Prediction<D>& prediction, const std::vector<Vector<D>>& surface_velocity,
+                 State<D>& state) {
   if (state.time == 0)
     for (const auto& u : surface_velocity) state.reference_speed = std::max(state.reference_speed, u.norm());
   state.reference_speed = std::max(state.reference_speed, largest_speed(state.wall_velocity));
   const double reference = state.reference_speed > 0 ? state.reference_speed : 1.0;
-  const double fastest = std::sqrt(ordered_max(static_cast<std::ptrdiff_t>(state.size()), 0.0, [&](std::ptrdiff_t i) {
+  const double fastest = std::sqrt(ranks.most(ordered_max(static_cast<std::ptrdiff_t>(state.size()), 0.0, [&](std::ptrdiff_t i) {
     const double squared = prediction.velocity[i].squaredNorm();
     return std::isfinite(squared) ? squared : 1e300;
-  }));
+  })));
   state.windows_of_collapse = fastest < collapsed * reference ? 0 : state.windows_of_collapse + 1;
   const bool lasts = state.windows_of_collapse == lasting;
   if (fastest < impossible * reference && !lasts) return;
-  for (std::size_t i = 0; i < state.size(); ++i) {
+  std::string sentence;
+  for (std::size_t i = 0; i < state.size() && sentence.empty(); ++i) {
     const double speed = prediction.velocity[i].norm();
     if (speed < (1 - 1e-12) * fastest) continue;
     std::string where;
     for (int c = 0; c < D; ++c) where += fmt::format("{}{:.5g}", c ? ", " : "", prediction.position[i][c]);
-    throw NumericalFailure(fmt::format(
+    sentence = fmt::format(
         "The speed of fluid particle {} at ({}) m is {:.4g} m/s at t = {:.6g} s, above the limit of {:.4g} m/s ({} the reference speed of "
         "the scene); pressure there {:.4g} Pa. The step has {}: use a smaller fluid.numerics.courant, or for a light structure the "
         "coupling "
         "algorithm implicit.",
         state.id[i], where, speed, window.begin + window.duration, (lasts ? collapsed : impossible) * reference,
         lasts ? "for ten windows a hundred times" : "a thousand times", state.pressure[i],
-        lasts ? fmt::format("collapsed to {:.3g} s, which this speed asks for", window.duration) : "become unstable"));
+        lasts ? fmt::format("collapsed to {:.3g} s, which this speed asks for", window.duration) : "become unstable");
   }
+  throw NumericalFailure(ranks.first_word(sentence));
 }
 
 template <int D>
@@ -63,8 +66,8 @@ void check_volume(const Window& window, double drift, State<D>& state) {
       drift < 0 ? "lost" : "gained", 100 * std::abs(drift), window.begin + window.duration, 100 * lost_volume));
 }
 
-template void check_speed<2>(const Window&, const Prediction<2>&, const std::vector<Vector<2>>&, State<2>&);
-template void check_speed<3>(const Window&, const Prediction<3>&, const std::vector<Vector<3>>&, State<3>&);
+template void check_speed<2>(const Ranks&, const Window&, const Prediction<2>&, const std::vector<Vector<2>>&, State<2>&);
+template void check_speed<3>(const Ranks&, const Window&, const Prediction<3>&, const std::vector<Vector<3>>&, State<3>&);
 template void check_volume<2>(const Window&, double, State<2>&);
 template void check_volume<3>(const Window&, double, State<3>&);
 

@@ -9,11 +9,11 @@ namespace tern::fluid {
 template <int D>
 void compute_velocity_gradient(const Period<D>& space, const Neighbours<D>& neighbours, const Corrections<D>& correction,
                                const std::vector<ParticleClass>& particle_class, PackedVelocities<D>& packed) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(particle_class.size());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(neighbours.rows()), all = static_cast<std::ptrdiff_t>(particle_class.size());
   for (auto& column : packed.half_gradient)
-    for (auto& values : column) values.resize(n);
-  packed.strain_rate.resize(n);
-  packed.has_gradient.resize(n);
+    for (auto& values : column) values.resize(all);
+  packed.strain_rate.resize(all);
+  packed.has_gradient.resize(all);
   space.specialise([&](auto periodic) {
     const LanePeriod<decltype(periodic)::value, D> period(space);
     parallel_for(n, [&](std::ptrdiff_t i) {

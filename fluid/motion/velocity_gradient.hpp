@@ -14,14 +14,15 @@ Matrix<D> velocity_gradient_sum(const Neighbours<D>& neighbours, const LanePerio
   std::array<double, D> x, u;
   for (int c = 0; c < D; ++c) x[c] = neighbours.position[c][i], u[c] = velocity[c][i];
   std::array<std::array<Four, D>, D> sums{};
-  for_groups(neighbours, i, [&](int j, Four weight) __attribute__((always_inline)) {
-    std::array<Four, D> jump;
-    for (int a = 0; a < D; ++a) jump[a] = load(velocity[a].data() + j) - u[a];
-    for (int b = 0; b < D; ++b) {
-      const Four r = weight * period.between(x[b], neighbours.position[b].data() + j, b);
-      for (int a = 0; a < D; ++a) sums[a][b] += jump[a] * r;
-    }
-  });
+  for_groups(
+      neighbours, i, [&](int j, Four weight) __attribute__((always_inline)) {
+        std::array<Four, D> jump;
+        for (int a = 0; a < D; ++a) jump[a] = load(velocity[a].data() + j) - u[a];
+        for (int b = 0; b < D; ++b) {
+          const Four r = weight * period.between(x[b], neighbours.position[b].data() + j, b);
+          for (int a = 0; a < D; ++a) sums[a][b] += jump[a] * r;
+        }
+      });
   Matrix<D> result;
   for (int a = 0; a < D; ++a)
     for (int b = 0; b < D; ++b) result(a, b) = sum(sums[a][b]);

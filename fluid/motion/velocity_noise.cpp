@@ -36,7 +36,7 @@ void damp_velocity_noise(double share, const Period<D>& space, const Neighbours<
                          const std::vector<ParticleClass>& particle_class, const PackedVelocities<D>& packed,
                          std::vector<Vector<D>>& velocity) {
   if (share == 0) return;
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(velocity.size());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(neighbours.rows());
   space.specialise([&](auto periodic) {
     const LanePeriod<decltype(periodic)::value, D> period(space);
     parallel_for(n, [&](std::ptrdiff_t i) {
@@ -49,23 +49,24 @@ void damp_velocity_noise(double share, const Period<D>& space, const Neighbours<
       }
       const double rate = packed.strain_rate[i];
       std::array<Four, D> change{};
-      for_groups(neighbours, i, [&](int j, Four weight) __attribute__((always_inline)) {
-        std::array<Four, D> r, jump;
-        Four r2{}, part{};
-        for (int c = 0; c < D; ++c) {
-          r[c] = period.between(x[c], neighbours.position[c].data() + j, c);
-          jump[c] = load(packed.velocity[c].data() + j) - u[c];
-          r2 += r[c] * r[c];
-        }
-        for (int b = 0; b < D; ++b)
-          for (int a = 0; a < D; ++a) jump[a] -= (own[b][a] + load(packed.half_gradient[b][a].data() + j)) * r[b];
-        for (int c = 0; c < D; ++c) part += jump[c] * r[c];
-        const Four size = part < 0 ? -part : part;
-        const Four smooth = 0.5 * resolved * (rate + load(packed.strain_rate.data() + j)) * r2 + 1e-300;
-        const Four unresolved = part * (size / (size > smooth ? size : smooth));
-        const Four exchange = weight * load(packed.has_gradient.data() + j) * unresolved;
-        for (int c = 0; c < D; ++c) change[c] += exchange * r[c];
-      });
+      for_groups(
+          neighbours, i, [&](int j, Four weight) __attribute__((always_inline)) {
+            std::array<Four, D> r, jump;
+            Four r2{}, part{};
+            for (int c = 0; c < D; ++c) {
+              r[c] = period.between(x[c], neighbours.position[c].data() + j, c);
+              jump[c] = load(packed.velocity[c].data() + j) - u[c];
+              r2 += r[c] * r[c];
+            }
+            for (int b = 0; b < D; ++b)
+              for (int a = 0; a < D; ++a) jump[a] -= (own[b][a] + load(packed.half_gradient[b][a].data() + j)) * r[b];
+            for (int c = 0; c < D; ++c) part += jump[c] * r[c];
+            const Four size = part < 0 ? -part : part;
+            const Four smooth = 0.5 * resolved * (rate + load(packed.strain_rate.data() + j)) * r2 + 1e-300;
+            const Four unresolved = part * (size / (size > smooth ? size : smooth));
+            const Four exchange = weight * load(packed.has_gradient.data() + j) * unresolved;
+            for (int c = 0; c < D; ++c) change[c] += exchange * r[c];
+          });
       for (int c = 0; c < D; ++c) velocity[i][c] += share * sum(change[c]);
     });
   });

@@ -19,15 +19,16 @@ constexpr double least_height = 1.0 / 6;  ///< of h, for y_ik: keeps the limit o
 template <int D>
 void add_viscosity(const Constants<D>& constants, double duration, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
                    const std::vector<Vector<D>>& position, const ByAxis<D>& velocity, std::vector<Vector<D>>& predicted_velocity) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(position.size());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(neighbours.rows());
   const double scale = 2 * duration * constants.viscosity;
   const double least = least_height * constants.kernel.smoothing_length();
   const Faces<D>& faces = boundary.seen_walls();
   parallel_for(n, [&](std::ptrdiff_t i) {
     std::array<Four, D> sums{};
-    for_groups(neighbours, i, [&](int j, Four weight) __attribute__((always_inline)) {
-      for (int c = 0; c < D; ++c) sums[c] += weight * (load(velocity[c].data() + j) - velocity[c][i]);
-    });
+    for_groups(
+        neighbours, i, [&](int j, Four weight) __attribute__((always_inline)) {
+          for (int c = 0; c < D; ++c) sums[c] += weight * (load(velocity[c].data() + j) - velocity[c][i]);
+        });
     Vector<D> total, u;
     for (int c = 0; c < D; ++c) total[c] = sum(sums[c]), u[c] = velocity[c][i];
     for (int entry = boundary.wall_rows.begin[i]; entry < boundary.wall_rows.begin[i] + boundary.wall_rows.count[i]; ++entry) {

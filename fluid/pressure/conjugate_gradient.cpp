@@ -6,13 +6,14 @@
 
 namespace tern::fluid {
 
-SolveResult conjugate_gradient(const EdgeMatrix& matrix, const Apply& add, const Apply& precondition, const std::vector<double>& b,
-                               double tolerance, int limit, std::vector<double>& p, ConjugateGradientWork& work) {
+SolveResult conjugate_gradient(const Ranks& ranks, const Halo& ghosts, const EdgeMatrix& matrix, const Apply& add,
+                               const Apply& precondition, const std::vector<double>& b, double tolerance, int limit, std::vector<double>& p,
+                               ConjugateGradientWork& work) {
   const std::ptrdiff_t n = matrix.rows();
-  for (auto* v : {&work.residual, &work.preconditioned, &work.direction, &work.product}) v->assign(matrix.rows(), 0);
+  for (auto* v : {&work.residual, &work.preconditioned, &work.direction, &work.product}) v->assign(p.size(), 0);
   auto& [r, z, d, q] = work;
-  const auto dot = [n](const std::vector<double>& x, const std::vector<double>& y) {
-    return ordered_dot(std::span(x).first(n), std::span(y).first(n));
+  const auto dot = [&](const std::vector<double>& x, const std::vector<double>& y) {
+    return ranks.sum(ordered_dot(std::span(x).first(n), std::span(y).first(n)));
   };
 
   SolveResult result;
@@ -22,6 +23,7 @@ SolveResult conjugate_gradient(const EdgeMatrix& matrix, const Apply& add, const
     result.converged = true;
     return result;
   }
+  ghosts.update(p);
   matrix.multiply(p, q);
   add(p, q);
   parallel_for(n, [&](std::ptrdiff_t i) { r[i] = b[i] - q[i]; });
@@ -35,6 +37,7 @@ SolveResult conjugate_gradient(const EdgeMatrix& matrix, const Apply& add, const
     const double beta = result.iterations == 0 ? 0 : rho_next / rho;
     rho = rho_next;
     parallel_for(n, [&](std::ptrdiff_t i) { d[i] = z[i] + beta * d[i]; });
+    ghosts.update(d);
     matrix.multiply(d, q);
     add(d, q);
     const double curvature = dot(d, q);

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "fluid/pressure/edge_matrix.hpp"
+#include "ranks/halo.hpp"
+#include "ranks/ranks.hpp"
 
 namespace tern::fluid {
 
@@ -22,10 +24,11 @@ struct ConjugateGradientWork {
 /// z = B r; B symmetric positive definite.
 using Apply = std::function<void(const std::vector<double>& r, std::vector<double>& z)>;
 
-/// A is the matrix and what `add` adds to its product, y += (A - matrix) x. Starts from p, which is 0 where there is no unknown. Ends
-/// without convergence after `limit` iterations or when A or B turns out not to be positive definite (which rounding can cause near
-/// singularity).
-SolveResult conjugate_gradient(const EdgeMatrix& matrix, const Apply& add, const Apply& precondition, const std::vector<double>& b,
-                               double tolerance, int limit, std::vector<double>& p, ConjugateGradientWork& work);
+/// `ghosts`: of the rows of other ranks, which come behind the own ones in p. A is the matrix and what `add` adds to its product,
+/// y += (A - matrix) x. Starts from p, which is 0 where there is no unknown. Ends without convergence after `limit` iterations or when A or
+/// B turns out not to be positive definite (which rounding can cause near singularity).
+SolveResult conjugate_gradient(const Ranks& ranks, const Halo& ghosts, const EdgeMatrix& matrix, const Apply& add,
+                               const Apply& precondition, const std::vector<double>& b, double tolerance, int limit, std::vector<double>& p,
+                               ConjugateGradientWork& work);
 
 }  // namespace tern::fluid

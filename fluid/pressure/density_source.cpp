@@ -30,7 +30,7 @@ template <int D>
 void compute_density_source(const Reference<D>& reference, double bulk_speed, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
                             const Corrections<D>& correction, const std::vector<ParticleClass>& particle_class,
                             std::vector<double>& source) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(particle_class.size());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(neighbours.rows());
   source.resize(n);
   const Constants<D>& constants = reference.constants;
   const double rate = constants.numerics.density_relaxation / density_time_scale(reference, bulk_speed);

@@ -27,7 +27,7 @@ void compute_divergence(const Period<D>& space, const Neighbours<D>& neighbours,
                         const Corrections<D>& correction, const std::vector<ParticleClass>& particle_class,
                         const std::vector<Vector<D>>& velocity, const std::vector<int>* only, ByAxis<D>& packed,
                         std::vector<double>& divergence) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(velocity.size());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(neighbours.rows());
   divergence.resize(n);
   const std::ptrdiff_t rows = only ? static_cast<std::ptrdiff_t>(only->size()) : n;
   by_axis<D>(velocity, packed);

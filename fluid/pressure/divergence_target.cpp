@@ -20,7 +20,7 @@ namespace tern::fluid {
 template <int D>
 void set_divergence_target(double duration, const Neighbours<D>& neighbours, const std::vector<int>& at_structure,
                            const PackedVelocities<D>& velocities, const std::vector<double>& density_source, std::vector<double>& target) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(velocities.strain_rate.size());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(neighbours.rows());
   target.resize(n);
   const auto source = [&](std::ptrdiff_t i) { return density_source.empty() ? 0 : density_source[i]; };
   parallel_for(n, [&](std::ptrdiff_t i) {

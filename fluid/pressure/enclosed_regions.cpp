@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/error.hpp"
 #include "base/log.hpp"
 
 namespace tern::fluid {
@@ -90,6 +91,34 @@ void find_enclosed_regions(const Neighbours<D>& neighbours, const std::vector<Pa
   }
 }
 
+template <int D>
+void check_that_none_is_enclosed(const Domain<D>& domain, const Neighbours<D>& neighbours, const std::vector<ParticleClass>& particle_class,
+                                 const std::vector<std::uint8_t>& at_surface, EnclosedRegions& regions) {
+  const int n = static_cast<int>(neighbours.rows());
+  std::vector<std::uint8_t>& tied = regions.tied;
+  regions.size.clear();
+  tied.assign(particle_class.size(), 0);
+  for (int i = 0; i < n; ++i) tied[i] = particle_class[i].pressure_unknown() && at_surface[i] != 0;
+  const auto sweep_over = [&](int i, std::int64_t& loose, std::int64_t& newly_tied) {
+    if (!particle_class[i].pressure_unknown() || tied[i]) return;
+    for (int k = neighbours.begin[i]; k < neighbours.begin[i] + neighbours.length[i] && !tied[i]; ++k)
+      tied[i] = neighbours.weight[k] != 0 && tied[neighbours.column(k)];
+    tied[i] ? ++newly_tied : ++loose;
+  };
+  // Ties go from rank to rank: as many rounds as ranks lie between the surface and the bottom.
+  while (true) {
+    domain.particles().update(tied);
+    std::int64_t found[] = {0, 0}, seen = 0;  // loose, newly tied
+    for (int i = n - 1; i >= 0; --i) sweep_over(i, seen, found[1]);
+    for (int i = 0; i < n; ++i) sweep_over(i, found[0], found[1]);
+    domain.ranks().sum(std::span<std::int64_t>(found));
+    if (found[0] == 0) return;
+    if (found[1] == 0) break;
+  }
+  throw EndOfModel(
+      "Not with --ranks: fluid that walls enclose all round, without a free surface. Run the case without --ranks, or open the container.");
+}
+
 void select_regions(const EnclosedRegions& regions, const std::vector<std::uint8_t>& property, bool value, EnclosedRegions& selected) {
   selected.size.clear();
   std::vector<int>& number = selected.queue;
@@ -144,6 +173,8 @@ void account_for_enclosed_fluid(const Reference<D>& reference, const Window& win
 }
 
 #define TERN_INSTANTIATE(D)                                                                                                         \
+  template void check_that_none_is_enclosed<D>(const Domain<D>&, const Neighbours<D>&, const std::vector<ParticleClass>&,           \
+                                               const std::vector<std::uint8_t>&, EnclosedRegions&);                                 \
   template void find_enclosed_regions<D>(const Neighbours<D>&, const std::vector<ParticleClass>&, const std::vector<std::uint8_t>&, \
                                          EnclosedRegions&);                                                                         \
   template void account_for_enclosed_fluid<D>(const Reference<D>&, const Window&, const Boundary<D>&, const std::vector<double>&,   \

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "fluid/boundary/boundary.hpp"
+#include "fluid/domain.hpp"
 #include "fluid/neighbours.hpp"
 #include "fluid/particle_class.hpp"
 #include "fluid/reference.hpp"
@@ -42,6 +43,11 @@ struct EnclosedRegions {
 template <int D>
 void find_enclosed_regions(const Neighbours<D>& neighbours, const std::vector<ParticleClass>& particle_class,
                            const std::vector<std::uint8_t>& at_surface, EnclosedRegions& regions);
+
+/// With several ranks, which know no enclosed regions: throws EndOfModel where there are any.
+template <int D>
+void check_that_none_is_enclosed(const Domain<D>& domain, const Neighbours<D>& neighbours, const std::vector<ParticleClass>& particle_class,
+                                 const std::vector<std::uint8_t>& at_surface, EnclosedRegions& regions);
 
 /// Those of `regions` whose number has this `property`.
 void select_regions(const EnclosedRegions& regions, const std::vector<std::uint8_t>& property, bool value, EnclosedRegions& selected);

@@ -20,7 +20,7 @@ template <int D>
 void assemble_left_behind(const Constants<D>& constants, double duration, const Neighbours<D>& neighbours,
                           const std::vector<int>& at_structure, const std::vector<ParticleClass>& particle_class,
                           const std::vector<double>& divergence, const std::vector<double>& target, std::vector<double>& left) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(particle_class.size());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(neighbours.rows());
   const double scale = -constants.density / duration * constants.volume;
   parallel_for(n, [&](std::ptrdiff_t i) {
     if (particle_class[i].pressure_unknown()) left[i] = scale * (divergence[i] - target[i]);
@@ -35,7 +35,7 @@ void add_correction(const PressureSystem<D>& system, State<D>& state) {
 }
 
 template <int D>
-void keep_best_share(PressureSystem<D>& system, State<D>& state) {
+void keep_best_share(const Ranks& ranks, PressureSystem<D>& system, State<D>& state) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
   const std::vector<int>& part = system.multigrid.part_of_particle();
   if (system.multigrid.parts() == 0) return;  // spray alone
@@ -48,6 +48,8 @@ void keep_best_share(PressureSystem<D>& system, State<D>& state) {
     share[part[i]] += left[i] * change;
     square[part[i]] += change * change;
   }
+  ranks.sum(std::span(share));
+  ranks.sum(std::span(square));
   for (std::size_t k = 0; k < share.size(); ++k) share[k] = square[k] > 0 ? std::clamp(share[k] / square[k], 0.0, 1.0) : 0;
   parallel_for(n, [&](std::ptrdiff_t i) {
     state.pressure[i] -= (1 - share[part[i]]) * system.correction[i];
@@ -60,7 +62,7 @@ void keep_best_share(PressureSystem<D>& system, State<D>& state) {
                                         const std::vector<ParticleClass>&, const std::vector<double>&, const std::vector<double>&, \
                                         std::vector<double>&);                                                                     \
   template void add_correction<D>(const PressureSystem<D>&, State<D>&);                                                            \
-  template void keep_best_share<D>(PressureSystem<D>&, State<D>&);
+  template void keep_best_share<D>(const Ranks&, PressureSystem<D>&, State<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)
 #undef TERN_INSTANTIATE

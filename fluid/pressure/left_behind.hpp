@@ -23,6 +23,6 @@ void add_correction(const PressureSystem<D>& system, State<D>& state);
 /// Takes back what is too much of a correction that has been added: of each part of the fluid the share s in [0, 1] stays with which
 /// left_behind + s (still_left - left_behind) has the least sum of squares. system.left_behind is what was answered: s of it.
 template <int D>
-void keep_best_share(PressureSystem<D>& system, State<D>& state);
+void keep_best_share(const Ranks& ranks, PressureSystem<D>& system, State<D>& state);
 
 }  // namespace tern::fluid

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Cholesky>
 
@@ -28,18 +29,21 @@ int cells_of_period(double length, double width) {
 }  // namespace
 
 template <int D>
-void Multigrid<D>::build(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position, const std::vector<ParticleClass>& particle_class,
-                         const std::vector<int>& beside_body, double spacing, double gradient_scale, const YieldingSurface<D>& yielding,
-                         const std::vector<int>& at_structure) {
+void Multigrid<D>::build(const Domain<D>& domain, EdgeMatrix& matrix, const std::vector<Vector<D>>& position,
+                         const std::vector<ParticleClass>& particle_class, const std::vector<int>& beside_body, double spacing,
+                         double gradient_scale, const YieldingSurface<D>& yielding, const std::vector<int>& at_structure) {
   matrix_ = &matrix;
+  domain_ = &domain;
+  if (!domain.alone()) domain.particles().update(matrix.constant_of_all(position.size()));
   if (levels_.empty()) levels_.resize(1);
   build_finest(matrix, position, particle_class, beside_body, spacing, gradient_scale);
   std::size_t level = 0;
-  while (levels_[level].nodes() > coarsest_nodes && level < 12) {
+  // Ranks share what is coarser than the finest level.
+  while ((level == 0 && !domain.alone()) || (levels_[level].nodes() > coarsest_nodes && level < 12)) {
     if (levels_.size() == level + 1) levels_.emplace_back();
     build_next(levels_[level], levels_[level + 1]);
     ++level;
-    if (levels_[level].nodes() == levels_[level - 1].nodes()) break;
+    if ((level > 1 || domain.alone()) && levels_[level].nodes() == levels_[level - 1].nodes()) break;
   }
   levels_.resize(level + 1);
 
@@ -52,11 +56,10 @@ void Multigrid<D>::build(const EdgeMatrix& matrix, const std::vector<Vector<D>>&
       if (last.row[a][s] != 0) dense(a, last.neighbour[a][s]) += last.row[a][s];
   for (const Entry& entry : last.further_entries) dense(entry.row, entry.column) += entry.value;
   build_yielding(yielding, at_structure);
+  for (auto* v : {&r_, &z_, &az_}) v->assign(position.size(), 0);
   Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> in_place(dense);
   coarsest_solution_.resize(last.nodes());
   find_parts();
-
-  for (auto* v : {&r_, &z_, &az_}) v->assign(matrix.rows(), 0);
 }
 
 template <int D>
@@ -66,7 +69,7 @@ void Multigrid<D>::find_parts() {
   parts_.reset(n);
   for (int a = 0; a < n; ++a) for_entries(last, a, [&](int b, float) { parts_.join(a, b); });
   parts_.count_parts(n);
-  part_of_particle_.assign(matrix_->rows(), 0);
+  part_of_particle_.assign(r_.size(), 0);
   if (parts_.count() < 2) return;
   auto &part = part_of_node_, &finer = part_of_finer_node_;
   part.resize(n);
@@ -88,10 +91,12 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
                                 const std::vector<ParticleClass>& particle_class, const std::vector<int>& beside_body, double spacing,
                                 double gradient_scale) {
   Level& level = levels_[0];
-  const int n = matrix.rows();
+  const int n = static_cast<int>(position.size());
   Vector<D> low = Vector<D>::Constant(1e300), high = Vector<D>::Constant(-1e300);
   for (int i = 0; i < n; ++i)
     if (particle_class[i].pressure_unknown()) low = low.cwiseMin(position[i]), high = high.cwiseMax(position[i]);
+  domain_->ranks().least(std::span(low.data(), D));
+  domain_->ranks().most(std::span(high.data(), D));
   if (low[0] > high[0]) low = high = Vector<D>::Zero();
   Vector<D> origin, inverse_width;
   std::array<int, D> cells;
@@ -108,6 +113,27 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
     if (!level.periodic[c]) cells[c] = static_cast<int>((high[c] - origin[c]) * inverse_width[c]) + 1;
     level.size[c] = level.periodic[c] ? cells[c] : cells[c] + 1;
   }
+  level.first = {};
+  level.whole = level.size;
+  if (!domain_->alone()) {
+    std::array<int, D> last{};
+    level.first.fill(std::numeric_limits<int>::max() - 1);
+    for (int i = 0; i < n; ++i)
+      for (int c = 0; c < D && particle_class[i].pressure_unknown(); ++c) {
+        const int cell = static_cast<int>((position[i][c] - origin[c]) * inverse_width[c]);
+        level.first[c] = std::min(level.first[c], cell);
+        last[c] = std::max(last[c], cell);
+      }
+    for (int c = 0; c < D; ++c) {
+      if (level.periodic[c]) {
+        level.first[c] = 0;
+        continue;
+      }
+      level.first[c] = std::min(level.first[c], last[c]) & ~1;
+      cells[c] = last[c] - level.first[c] + 1;
+      level.size[c] = cells[c] + 1;
+    }
+  }
   const int count = count_places<D>(cells);
 
   // Particles by cell; only cells that hold one are kept, in order.
@@ -117,12 +143,14 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
     if (!particle_class[i].pressure_unknown()) continue;
     std::array<int, D> cell;
     for (int c = 0; c < D; ++c) {
-      cell[c] = static_cast<int>((position[i][c] - origin[c]) * inverse_width[c]);
+      cell[c] = static_cast<int>((position[i][c] - origin[c]) * inverse_width[c]) - level.first[c];
       if (level.periodic[c]) cell[c] %= cells[c];
     }
     cell_of[i] = flat_index<D>(cell, cells);
   }
-  split_cells(beside_body, count);
+  // Several ranks do not part the grid at bodies: pressures beside a thin plate then take more iterations.
+  static const std::vector<int> nowhere;
+  split_cells(domain_->alone() ? beside_body : nowhere, count);
   const int all_cells = count + static_cast<int>(home_of_further_cell_.size());
   const auto coordinates_of = [&](int flat) { return coordinate_of<D>(flat < count ? flat : home_of_further_cell_[flat - count], cells); };
   population.assign(all_cells, 0);
@@ -166,6 +194,7 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
   for (int i = 0; i < n; ++i)
     if (cell_of[i] >= 0) cell_particle_[next[compact[cell_of[i]]]++] = i;
   split_places(cells);
+  find_owners(origin, inverse_width);
   connect(level);
   node_cell_.resize(level.nodes());
   for (auto& cells_around : node_cell_) cells_around.fill(-1);
@@ -234,6 +263,38 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
   finish(level);
 }
 
+/// Which nodes of the finest level are of other ranks; these know them as well.
+template <int D>
+void Multigrid<D>::find_owners(const Vector<D>& origin, const Vector<D>& inverse_width) {
+  Level& level = levels_[0];
+  level.foreign.clear();
+  if (domain_->alone()) return;
+  const Ranks& ranks = domain_->ranks();
+  level.foreign.resize(level.nodes());
+  std::vector<std::vector<int>> take(static_cast<std::size_t>(ranks.count())), give(take.size());
+  std::vector<std::vector<std::array<int, D>>> wanted(take.size()), asked;
+  for (std::size_t node = 0; node < level.nodes(); ++node) {
+    std::array<int, D> at = level.coordinate[node];
+    Vector<D> x;
+    for (int c = 0; c < D; ++c) {
+      at[c] += level.first[c];
+      x[c] = origin[c] + at[c] / inverse_width[c];
+    }
+    const int owner = domain_->owner(x + period_.into(x));
+    level.foreign[node] = owner != ranks.own();
+    if (!level.foreign[node]) continue;
+    take[owner].push_back(static_cast<int>(node));
+    wanted[owner].push_back(at);
+  }
+  ranks.deal(wanted, asked);
+  for (std::size_t r = 0; r < asked.size(); ++r)
+    for (std::array<int, D> at : asked[r]) {
+      for (int c = 0; c < D; ++c) at[c] -= level.first[c];
+      give[r].push_back(node_at(level, at));
+    }
+  nodes_.reset(ranks, give, take);
+}
+
 template <int D>
 void Multigrid<D>::number_places(Level& level) {
   level.coordinate.clear();
@@ -268,7 +329,7 @@ void Multigrid<D>::connect(Level& level) {
   level.neighbour.resize(level.nodes());
   for (auto& nodes : level.color) nodes.clear();
   for (int node = 0; node < static_cast<int>(level.nodes()); ++node) {
-    level.color[color_of(level, node)].push_back(node);
+    if (level.own(static_cast<std::size_t>(node))) level.color[color_of(level, node)].push_back(node);
     if (!level.by_split.empty() && level.by_split[node]) {
       level.neighbour[node].fill(undecided);
       continue;
@@ -330,13 +391,18 @@ void Multigrid<D>::finish(Level& level) {
 
 template <int D>
 void Multigrid<D>::build_next(Level& fine, Level& coarse) {
+  const bool shared = &fine == &levels_[0] && !domain_->alone();  // by all ranks: the fine level
   // Nodes with even coordinates; a fine node between them has the 2, 4 or 8 around it as parents, all of them active.
   std::array<bool, D> halved;
   for (int c = 0; c < D; ++c) {
     coarse.periodic[c] = fine.periodic[c];
     halved[c] = !fine.periodic[c] || (fine.size[c] % 2 == 0 && fine.size[c] > 2);
     coarse.size[c] = fine.periodic[c] ? (halved[c] ? fine.size[c] / 2 : fine.size[c]) : (fine.size[c] + 2) / 2;
+    if (shared && !fine.periodic[c]) coarse.size[c] = (fine.whole[c] + 2) / 2;
   }
+  coarse.first = {};
+  coarse.whole = coarse.size;
+
   coarse.map.assign(count_places<D>(coarse.size), -1);
   fine.parent.resize(fine.nodes());
   fine.parent_weight.resize(fine.nodes());
@@ -345,7 +411,7 @@ void Multigrid<D>::build_next(Level& fine, Level& coarse) {
     for (int c = 0; c < D; ++c) {
       const bool odd = halved[c] && at[c] & 1, upper = (corner >> c) & 1;
       if (!odd && upper) return 0.0f;
-      parent[c] = halved[c] ? wrapped(at[c] / 2 + (upper ? 1 : 0), coarse.size[c], coarse.periodic[c]) : at[c];
+      parent[c] = halved[c] ? wrapped((at[c] + fine.first[c]) / 2 + (upper ? 1 : 0), coarse.size[c], coarse.periodic[c]) : at[c];
       if (odd) weight *= 0.5f;
     }
     return weight;
@@ -355,6 +421,12 @@ void Multigrid<D>::build_next(Level& fine, Level& coarse) {
       std::array<int, D> parent;
       if (parent_of(at, corner, parent) > 0) coarse.map[flat_index<D>(parent, coarse.size)] = 0;
     }
+  if (shared) {
+    std::vector<std::uint8_t> marked(coarse.map.size());
+    for (std::size_t place = 0; place < marked.size(); ++place) marked[place] = coarse.map[place] == 0;
+    domain_->ranks().most(std::span(marked));
+    for (std::size_t place = 0; place < marked.size(); ++place) coarse.map[place] = marked[place] ? 0 : -1;
+  }
   number_places(coarse);
   for (std::size_t node = 0; node < fine.nodes(); ++node)
     for (int corner = 0; corner < corners; ++corner) {
@@ -400,6 +472,7 @@ void Multigrid<D>::build_next(Level& fine, Level& coarse) {
   coarse.row.assign(coarse.nodes(), {});
   const auto is_by_split = [](const Level& level, int node) { return !level.by_split.empty() && level.by_split[node]; };
   for (int a = 0; a < static_cast<int>(fine.nodes()); ++a) {
+    if (!fine.own(static_cast<std::size_t>(a))) continue;
     bool by_split = is_by_split(fine, a);
     for (int parent : fine.parent[a]) by_split = by_split || (parent >= 0 && is_by_split(coarse, parent));
     if (by_split) {
@@ -421,6 +494,7 @@ void Multigrid<D>::build_next(Level& fine, Level& coarse) {
       coarse.row[fine.parent[a][term.parent]][term.coarse] += term.weight * fine.row[a][term.fine];
     }
   }
+  if (shared) domain_->ranks().sum(std::span(coarse.row.data()->data(), coarse.nodes() * stencil));
   finish(coarse);
 }
 

@@ -11,6 +11,10 @@
 // connect them; on the coarser levels the same holds for the finer nodes around a place. This needs no notion of what the
 // body looks like, and beyond its tip both sides meet in one node again.
 //
+// With several ranks each holds the part of the finest grid around its own and its ghost particles. A node belongs to the rank in whose
+// part of space it lies, which knows all particles around it. The smoothing of a rank takes the nodes of others as they were before; the
+// coarser grids, with a sixteenth (2D) or a 64th (3D) as many nodes as there are particles, are the same on all ranks.
+//
 // In a periodic direction the grid closes on itself: m 2^k cells per period, m = 4 .. 7, as near to H = 2 dx as that allows;
 // it is coarsened while the number of cells is even.
 
@@ -21,6 +25,7 @@
 #include <vector>
 
 #include "base/vector.hpp"
+#include "fluid/domain.hpp"
 #include "fluid/particle_class.hpp"
 #include "fluid/period.hpp"
 #include "fluid/pressure/connected_parts.hpp"
@@ -35,12 +40,12 @@ class Multigrid {
  public:
   explicit Multigrid(const Period<D>& period) : period_(period) {}
 
-  /// Rebuilds the hierarchy for the matrix A of particles at x; unknowns are those that `particle_class` says.
+  /// Rebuilds the hierarchy for the matrix A of particles at x, own ones and ghosts; unknowns are those that `particle_class` says.
   /// `beside_body`: particles near bodies that may part the fluid. `gradient_scale`: V times the ratio of A to a Laplacian of
   /// unit coefficient. `yielding`: what the matrix has a bound of, on the particles `at_structure`. Matrix and arrays must outlive use.
-  void build(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position, const std::vector<ParticleClass>& particle_class,
-             const std::vector<int>& beside_body, double spacing, double gradient_scale, const YieldingSurface<D>& yielding,
-             const std::vector<int>& at_structure);
+  void build(const Domain<D>& domain, EdgeMatrix& matrix, const std::vector<Vector<D>>& position,
+             const std::vector<ParticleClass>& particle_class, const std::vector<int>& beside_body, double spacing, double gradient_scale,
+             const YieldingSurface<D>& yielding, const std::vector<int>& at_structure);
 
   /// z = B r, symmetric positive definite: one V(1,1) cycle from zero. 0 where r and the matrix have no unknown.
   void apply(const std::vector<double>& r, std::vector<double>& z);
@@ -72,6 +77,8 @@ class Multigrid {
 
   struct Level {
     std::array<int, D> size{};                   ///< places per direction of the index map
+    std::array<int, D> first{}, whole{};         ///< of the finest level: where the map begins in that of all ranks (even), and its size
+    std::vector<std::uint8_t> foreign;           ///< nodes of other ranks; empty: there are none
     std::array<bool, D> periodic{};              ///< directions in which the place after the last is the first
     std::vector<int> map;                        ///< number of the first node at a place, or -1
     std::vector<std::array<int, D>> coordinate;  ///< the first node of each place in their order, then the further ones
@@ -89,6 +96,7 @@ class Multigrid {
     std::vector<float> x, b, residual;
     Beside beside;
     std::size_t nodes() const { return coordinate.size(); }
+    bool own(std::size_t node) const { return foreign.empty() || !foreign[node]; }
   };
 
   /// Number of the node at a place of the index map, wrapped where the level is periodic; -1 where there is none.
@@ -97,6 +105,7 @@ class Multigrid {
   static void number_places(Level& level);
   void build_finest(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position, const std::vector<ParticleClass>& particle_class,
                     const std::vector<int>& beside_body, double spacing, double gradient_scale);
+  void find_owners(const Vector<D>& origin, const Vector<D>& inverse_width);
   void build_next(Level& fine, Level& coarse);
   void connect(Level& level);
   void mark_by_split(Level& level);
@@ -143,6 +152,8 @@ class Multigrid {
   static float further_product(const Level& level, int first, int last);
 
   Period<D> period_;
+  const Domain<D>* domain_ = nullptr;
+  Halo nodes_;  ///< of the finest level
   const EdgeMatrix* matrix_ = nullptr;
   const YieldingSurface<D>* yielding_ = nullptr;  ///< null: nothing yields
   const std::vector<int>* at_structure_ = nullptr;

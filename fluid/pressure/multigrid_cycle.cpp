@@ -65,25 +65,30 @@ void Multigrid<D>::cycle(std::size_t l) {
     return;
   }
   std::fill(level.x.begin(), level.x.end(), 0.0f);
+  const bool shared = l == 0 && !domain_->alone();
   smooth(level, true);
+  if (shared) nodes_.update(level.x);
   compute_residual(level);
   Level& coarse = levels_[l + 1];
   std::fill(coarse.b.begin(), coarse.b.end(), 0.0f);
   for (std::size_t node = 0; node < level.nodes(); ++node)
     for (int corner = 0; corner < corners; ++corner)
-      if (level.parent[node][corner] >= 0) coarse.b[level.parent[node][corner]] += level.parent_weight[node][corner] * level.residual[node];
+      if (level.parent[node][corner] >= 0 && level.own(node))
+        coarse.b[level.parent[node][corner]] += level.parent_weight[node][corner] * level.residual[node];
+  if (shared) domain_->ranks().sum(std::span(coarse.b));
   cycle(l + 1);
   for (std::size_t node = 0; node < level.nodes(); ++node)
     for (int corner = 0; corner < corners; ++corner)
       if (level.parent[node][corner] >= 0) level.x[node] += level.parent_weight[node][corner] * coarse.x[level.parent[node][corner]];
   add_difference(level, level.x, level.b);  // so that the last smoothing starts from the residual with R
   smooth(level, false);
+  if (shared) nodes_.update(level.x);
 }
 
 template <int D>
 void Multigrid<D>::apply(const std::vector<double>& r, std::vector<double>& z) {
   const std::ptrdiff_t n = matrix_->rows();
-  double largest = ordered_max(n, 0.0, [&](std::ptrdiff_t i) { return std::abs(r[i]); });
+  double largest = domain_->ranks().most(ordered_max(n, 0.0, [&](std::ptrdiff_t i) { return std::abs(r[i]); }));
   if (!(largest > 0)) largest = 1;
   const double inverse_largest = 1 / largest;
   const auto& diagonal = matrix_->diagonal();
@@ -95,7 +100,9 @@ void Multigrid<D>::apply(const std::vector<double>& r, std::vector<double>& z) {
     r_[i] = static_cast<float>(r[i] * inverse_largest);
     z_[i] = jacobi_weight * r_[i] / diagonal[i];
   });
+  domain_->particles().update(r_, z_);
   multiply();
+  domain_->particles().update(az_);
 
   Level& finest = levels_[0];
   const std::ptrdiff_t cells = static_cast<std::ptrdiff_t>(cell_node_.size());

@@ -76,7 +76,8 @@ void tie_to_bodies(const std::vector<int>& at_structure, State<D>& state, Pressu
 }  // namespace
 
 template <int D>
-void find_enclosed_fluid(const Neighbours<D>& neighbours, const Corrections<D>& correction, State<D>& state, PressureSystem<D>& system) {
+void find_enclosed_fluid(const Domain<D>& domain, const Neighbours<D>& neighbours, const Corrections<D>& correction, State<D>& state,
+                         PressureSystem<D>& system) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
   system.at_surface.resize(n);
   parallel_for(n, [&](std::ptrdiff_t i) {
@@ -84,6 +85,10 @@ void find_enclosed_fluid(const Neighbours<D>& neighbours, const Corrections<D>& 
     system.at_surface[i] =
         own.has(ParticleClass::beside_spray) || (!state.fills_enclosure && 1 - correction.trace[i] >= 0.5 * deficit_of_surface);
   });
+  if (!domain.alone()) {
+    check_that_none_is_enclosed(domain, neighbours, state.particle_class, system.at_surface, system.enclosed);
+    return;
+  }
   find_enclosed_regions<D>(neighbours, state.particle_class, system.at_surface, system.enclosed);
   if (!system.enclosed.any()) return;
   for (std::ptrdiff_t i = 0; i < n; ++i) state.particle_class[i].set(ParticleClass::enclosed, system.enclosed.region[i] >= 0);
@@ -135,7 +140,7 @@ void assemble_pressure_source(const Constants<D>& constants, double duration, co
 }
 
 #define TERN_INSTANTIATE(D)                                                                                                                \
-  template void find_enclosed_fluid<D>(const Neighbours<D>&, const Corrections<D>&, State<D>&, PressureSystem<D>&);                        \
+  template void find_enclosed_fluid<D>(const Domain<D>&, const Neighbours<D>&, const Corrections<D>&, State<D>&, PressureSystem<D>&);      \
   template void assemble_pressure_matrix<D>(const Constants<D>&, const State<D>&, const Neighbours<D>&, const Boundary<D>&,                \
                                             const Corrections<D>&, EdgeMatrix&);                                                           \
   template void complete_pressure_matrix<D>(const Constants<D>&, const InterfaceCondition<D>&, const Neighbours<D>&, const Boundary<D>&,   \

@@ -2,6 +2,7 @@
 // Matrix and right-hand side of the pressure Poisson equation.
 
 #include "fluid/boundary/boundary.hpp"
+#include "fluid/domain.hpp"
 #include "fluid/neighbours.hpp"
 #include "fluid/pressure/pressure_system.hpp"
 #include "fluid/reference.hpp"
@@ -11,9 +12,11 @@
 
 namespace tern::fluid {
 
-/// system.enclosed, whose particles it marks in the state: what they lack of their support is no surface.
+/// system.enclosed, whose particles it marks in the state: what they lack of their support is no surface. Throws EndOfModel where there
+/// are any and several ranks.
 template <int D>
-void find_enclosed_fluid(const Neighbours<D>& neighbours, const Corrections<D>& correction, State<D>& state, PressureSystem<D>& system);
+void find_enclosed_fluid(const Domain<D>& domain, const Neighbours<D>& neighbours, const Corrections<D>& correction, State<D>& state,
+                         PressureSystem<D>& system);
 
 /// The rows of all particles that see no face of the structure.
 template <int D>

@@ -19,8 +19,8 @@ constexpr double correction_tolerance = 0.1, correction_tolerance_by_that_of_pre
 
 /// `solution`, from what it is, of the matrix and this source.
 template <int D>
-void solve(const Window& window, const std::vector<Vector<D>>& position, const std::vector<int>& at_structure, double tolerance,
-           std::vector<double>& source, std::vector<double>& solution, State<D>& state, PressureSystem<D>& system) {
+void solve(const Domain<D>& domain, const Window& window, const std::vector<Vector<D>>& position, const std::vector<int>& at_structure,
+           double tolerance, std::vector<double>& source, std::vector<double>& solution, State<D>& state, PressureSystem<D>& system) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
   // Sealed fluid can obey the source but for its mean.
   if (system.sealed.any()) system.sealed.subtract_means(source);
@@ -31,34 +31,41 @@ void solve(const Window& window, const std::vector<Vector<D>>& position, const s
     system.multigrid.apply(r, z);
     if (system.sealed.any()) system.sealed.subtract_means(z);
   };
-  system.result = conjugate_gradient(system.matrix, yielding, multigrid, source, tolerance, multigrid_limit, solution, system.work);
+  system.result = conjugate_gradient(domain.ranks(), domain.particles(), system.matrix, yielding, multigrid, source, tolerance,
+                                     multigrid_limit, solution, system.work);
   if (!system.result.converged) {
     ++state.fallback_solves;
-    spdlog::warn(
-        "The multigrid solve stopped after {} iterations at a residual of {:.1e}; this step is solved by "
-        "Jacobi-preconditioned conjugate gradients.",
-        system.result.iterations, system.result.residual);
+    if (domain.ranks().first())
+      spdlog::warn(
+          "The multigrid solve stopped after {} iterations at a residual of {:.1e}; this step is solved by "
+          "Jacobi-preconditioned conjugate gradients.",
+          system.result.iterations, system.result.residual);
     std::fill(solution.begin(), solution.end(), 0.0);
     const int wasted = system.result.iterations;
     const auto jacobi = [&](const std::vector<double>& r, std::vector<double>& z) {
       for (std::ptrdiff_t i = 0; i < n; ++i) z[i] = r[i] / system.matrix.diagonal()[i];
       if (system.sealed.any()) system.sealed.subtract_means(z);
     };
-    system.result = conjugate_gradient(system.matrix, yielding, jacobi, source, tolerance, jacobi_limit, solution, system.work);
+    system.result = conjugate_gradient(domain.ranks(), domain.particles(), system.matrix, yielding, jacobi, source, tolerance, jacobi_limit,
+                                       solution, system.work);
     system.result.iterations += wasted;
   }
   system.result.iterations += before;
   if (!system.result.converged) {
-    const std::ptrdiff_t worst = std::max_element(system.work.residual.begin(), system.work.residual.begin() + n,
-                                                  [](double a, double b) { return std::abs(a) < std::abs(b); }) -
-                                 system.work.residual.begin();
-    std::string where;
-    for (int c = 0; c < D; ++c) where += fmt::format("{}{:.5g}", c ? ", " : "", position[worst][c]);
-    throw NumericalFailure(fmt::format(
-        "The pressure solve did not converge in the window from t = {:.6g} s: relative residual {:.2g} after {} iterations, asked for "
-        "is {:g}; largest at fluid particle {} at ({}) m. Either a velocity has run away before: look at the last frames, or try a smaller "
-        "fluid.numerics.courant; or raise fluid.numerics.pressure_tolerance.",
-        window.begin, system.result.residual, system.result.iterations, tolerance, state.id[worst], where));
+    const auto residual = [&](std::ptrdiff_t i) { return std::abs(system.work.residual[i]); };
+    const double largest = domain.ranks().most(ordered_max(n, 0.0, residual));
+    std::string sentence;
+    for (std::ptrdiff_t worst = 0; worst < n && sentence.empty(); ++worst) {
+      if (residual(worst) < largest) continue;
+      std::string where;
+      for (int c = 0; c < D; ++c) where += fmt::format("{}{:.5g}", c ? ", " : "", position[worst][c]);
+      sentence = fmt::format(
+          "The pressure solve did not converge in the window from t = {:.6g} s: relative residual {:.2g} after {} iterations, asked for "
+          "is {:g}; largest at fluid particle {} at ({}) m. Either a velocity has run away before: look at the last frames, or try a "
+          "smaller fluid.numerics.courant; or raise fluid.numerics.pressure_tolerance.",
+          window.begin, system.result.residual, system.result.iterations, tolerance, state.id[worst], where);
+    }
+    throw NumericalFailure(domain.ranks().first_word(sentence));
   }
   if (system.sealed.any()) system.sealed.subtract_means(solution);
 }
@@ -66,47 +73,50 @@ void solve(const Window& window, const std::vector<Vector<D>>& position, const s
 }  // namespace
 
 template <int D>
-void prepare_pressure_solve(const Constants<D>& constants, const Neighbours<D>& neighbours,
+void prepare_pressure_solve(const Constants<D>& constants, const Domain<D>& domain, const Neighbours<D>& neighbours,
                             const std::vector<ParticleClass>& particle_class, const std::vector<Vector<D>>& position,
                             const std::vector<int>& at_structure, PressureSystem<D>& system) {
   system.result = {};
-  system.multigrid.build(system.matrix, position, particle_class, neighbours.beside_body, constants.spacing, constants.volume,
+  system.multigrid.build(domain, system.matrix, position, particle_class, neighbours.beside_body, constants.spacing, constants.volume,
                          system.yielding, at_structure);
 }
 
 template <int D>
-void solve_pressure_poisson(const Constants<D>& constants, const Window& window, const std::vector<Vector<D>>& position,
-                            const std::vector<int>& at_structure, State<D>& state, PressureSystem<D>& system) {
+void solve_pressure_poisson(const Constants<D>& constants, const Domain<D>& domain, const Window& window,
+                            const std::vector<Vector<D>>& position, const std::vector<int>& at_structure, State<D>& state,
+                            PressureSystem<D>& system) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
-  system.solution.assign(system.matrix.rows(), 0);
+  system.solution.assign(state.pressure.size(), 0);
   parallel_for(n, [&](std::ptrdiff_t i) { system.solution[i] = state.particle_class[i].pressure_unknown() ? state.pressure[i] : 0; });
 
-  solve(window, position, at_structure, constants.numerics.pressure_tolerance, system.source, system.solution, state, system);
+  solve(domain, window, position, at_structure, constants.numerics.pressure_tolerance, system.source, system.solution, state, system);
   parallel_for(n, [&](std::ptrdiff_t i) { state.pressure[i] = system.solution[i]; });
+  domain.particles().update(state.pressure);
   state.has_pressure = true;
 }
 
 template <int D>
-void solve_for_correction(const Constants<D>& constants, const Window& window, const std::vector<Vector<D>>& position,
-                          const std::vector<int>& at_structure, State<D>& state, PressureSystem<D>& system) {
+void solve_for_correction(const Constants<D>& constants, const Domain<D>& domain, const Window& window,
+                          const std::vector<Vector<D>>& position, const std::vector<int>& at_structure, State<D>& state,
+                          PressureSystem<D>& system) {
   const SolveResult of_the_equation = system.result;
-  system.correction.assign(system.matrix.rows(), 0);
+  system.correction.assign(state.pressure.size(), 0);
   const double tolerance = std::min(correction_tolerance, correction_tolerance_by_that_of_pressure * constants.numerics.pressure_tolerance);
-  solve(window, position, at_structure, tolerance, system.left_behind, system.correction, state, system);
+  solve(domain, window, position, at_structure, tolerance, system.left_behind, system.correction, state, system);
   system.result = of_the_equation;
 }
 
-template void prepare_pressure_solve<2>(const Constants<2>&, const Neighbours<2>&, const std::vector<ParticleClass>&,
+template void prepare_pressure_solve<2>(const Constants<2>&, const Domain<2>&, const Neighbours<2>&, const std::vector<ParticleClass>&,
                                         const std::vector<Vector<2>>&, const std::vector<int>&, PressureSystem<2>&);
-template void prepare_pressure_solve<3>(const Constants<3>&, const Neighbours<3>&, const std::vector<ParticleClass>&,
+template void prepare_pressure_solve<3>(const Constants<3>&, const Domain<3>&, const Neighbours<3>&, const std::vector<ParticleClass>&,
                                         const std::vector<Vector<3>>&, const std::vector<int>&, PressureSystem<3>&);
-template void solve_pressure_poisson<2>(const Constants<2>&, const Window&, const std::vector<Vector<2>>&, const std::vector<int>&,
-                                        State<2>&, PressureSystem<2>&);
-template void solve_pressure_poisson<3>(const Constants<3>&, const Window&, const std::vector<Vector<3>>&, const std::vector<int>&,
-                                        State<3>&, PressureSystem<3>&);
-template void solve_for_correction<2>(const Constants<2>&, const Window&, const std::vector<Vector<2>>&, const std::vector<int>&, State<2>&,
-                                      PressureSystem<2>&);
-template void solve_for_correction<3>(const Constants<3>&, const Window&, const std::vector<Vector<3>>&, const std::vector<int>&, State<3>&,
-                                      PressureSystem<3>&);
+template void solve_pressure_poisson<2>(const Constants<2>&, const Domain<2>&, const Window&, const std::vector<Vector<2>>&,
+                                        const std::vector<int>&, State<2>&, PressureSystem<2>&);
+template void solve_pressure_poisson<3>(const Constants<3>&, const Domain<3>&, const Window&, const std::vector<Vector<3>>&,
+                                        const std::vector<int>&, State<3>&, PressureSystem<3>&);
+template void solve_for_correction<2>(const Constants<2>&, const Domain<2>&, const Window&, const std::vector<Vector<2>>&,
+                                      const std::vector<int>&, State<2>&, PressureSystem<2>&);
+template void solve_for_correction<3>(const Constants<3>&, const Domain<3>&, const Window&, const std::vector<Vector<3>>&,
+                                      const std::vector<int>&, State<3>&, PressureSystem<3>&);
 
 }  // namespace tern::fluid

@@ -1,6 +1,7 @@
 #pragma once
 // Solution of the pressure Poisson equation: conjugate gradients with a multigrid cycle, or, should that fail, with the diagonal.
 
+#include "fluid/domain.hpp"
 #include "fluid/neighbours.hpp"
 #include "fluid/pressure/pressure_system.hpp"
 #include "fluid/reference.hpp"
@@ -11,19 +12,21 @@ namespace tern::fluid {
 
 /// What the solve needs of the matrix alone: the multigrid and the enclosed regions. Begins the count of iterations.
 template <int D>
-void prepare_pressure_solve(const Constants<D>& constants, const Neighbours<D>& neighbours,
+void prepare_pressure_solve(const Constants<D>& constants, const Domain<D>& domain, const Neighbours<D>& neighbours,
                             const std::vector<ParticleClass>& particle_class, const std::vector<Vector<D>>& position,
                             const std::vector<int>& at_structure, PressureSystem<D>& system);
 
 /// state.pressure, starting from that before. Throws NumericalFailure when it does not converge. `position`: of the particles, for the
 /// message.
 template <int D>
-void solve_pressure_poisson(const Constants<D>& constants, const Window& window, const std::vector<Vector<D>>& position,
-                            const std::vector<int>& at_structure, State<D>& state, PressureSystem<D>& system);
+void solve_pressure_poisson(const Constants<D>& constants, const Domain<D>& domain, const Window& window,
+                            const std::vector<Vector<D>>& position, const std::vector<int>& at_structure, State<D>& state,
+                            PressureSystem<D>& system);
 
 /// system.correction: what the matrix answers to system.left_behind, roughly. Leaves system.result as the solve before made it.
 template <int D>
-void solve_for_correction(const Constants<D>& constants, const Window& window, const std::vector<Vector<D>>& position,
-                          const std::vector<int>& at_structure, State<D>& state, PressureSystem<D>& system);
+void solve_for_correction(const Constants<D>& constants, const Domain<D>& domain, const Window& window,
+                          const std::vector<Vector<D>>& position, const std::vector<int>& at_structure, State<D>& state,
+                          PressureSystem<D>& system);
 
 }  // namespace tern::fluid

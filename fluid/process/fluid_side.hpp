@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "fluid/process/output.hpp"
+#include "fluid/process/ranks.hpp"
 
 namespace tern::fluid {
 
@@ -13,11 +14,17 @@ class FluidSide {
   static constexpr const char* role = "fluid";
 
   FluidSide(const Case& scene, const Fluid<D>& fluid) : scene_(scene), fluid_(fluid) {}
+  /// In many processes.
+  FluidSide(const Case& scene, Leader<D>& leader) : scene_(scene), fluid_(leader.fluid()), leader_(&leader) {}
 
   Ticks time() const { return fluid_.state().time; }
-  GaugeValues gauges() const { return gauge_values(fluid_, scene_); }
+  GaugeValues gauges() const {
+    return look([&](const Fluid<D>& fluid) { return gauge_values(fluid, scene_); });
+  }
   std::vector<double> energies() const { return energy_values(fluid_); }
-  void write_frame(FrameWriter& frames, long step) const { fluid::write_frame(fluid_, frames, step); }
+  void write_frame(FrameWriter& frames, long step) const {
+    look([&](const Fluid<D>& fluid) { fluid::write_frame(fluid, frames, step); });
+  }
   void add_window() { measures_.add(fluid_); }
   void report(RunReport& report) const { measures_.report(fluid_, report); }
 
@@ -28,8 +35,14 @@ class FluidSide {
   }
 
  private:
+  template <class Look>
+  auto look(Look&& look) const {
+    return leader_ ? leader_->look(look) : look(fluid_);
+  }
+
   const Case& scene_;
   const Fluid<D>& fluid_;
+  Leader<D>* leader_ = nullptr;
   Measures<D> measures_;
 };
 

@@ -1,8 +1,13 @@
 // tern-fluid: the fluid of a scene, alone or as one of three processes.
 
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
 #include "base/error.hpp"
 #include "base/timing.hpp"
 #include "fluid/process/participant.hpp"
+#include "fluid/process/ranks.hpp"
 #include "run/solo_run.hpp"
 
 namespace {
@@ -13,36 +18,35 @@ using namespace tern;
 template <int D>
 struct Alone {
   SoloStep advance(Ticks now, Ticks target) {
-    const StepProposal proposal = fluid.propose_step();
+    const StepProposal proposal = leader.fluid().propose_step();
     const Ticks duration = control.next(proposal.seconds, now, target);
     report.set_count("window_halvings", control.halvings());
     report.set_measure("window_s", seconds(duration));
     ScopedTimer timer(compute_s);
-    fluid.begin_window(now, duration);
-    fluid.pass_window();
-    return {duration, control.halvings() > 0 ? "repeated" : proposal.limit, fluid.last_solve().iterations};
+    leader.compute_window(now, duration);
+    return {duration, control.halvings() > 0 ? "repeated" : proposal.limit, leader.fluid().last_solve().iterations};
   }
   void save(StateWriter& file) const {
-    file("fluid", fluid.state());
+    file("fluid", leader.fluid().state());
     file("control", control);
   }
   void restore(StateReader& file) {
     fluid::State<D> state;
     file("fluid", state);
-    fluid.set_state(std::move(state));
+    leader.own_fluid().set_state(std::move(state));
     file("control", control);
     shorten();
   }
 
-  Alone(const CommandLine& command, const Case& scene, RunReport& report_of_run)
-      : fluid(scene), report(report_of_run), repeat(command.repeat) {
+  Alone(const CommandLine& command, const Case& scene, const Ranks& ranks, RunReport& report_of_run)
+      : leader(scene, ranks), report(report_of_run), repeat(command.repeat) {
     shorten();
   }
   void shorten() {
     if (repeat.halvings > 0) control.shorten(repeat.halvings, to_ticks(repeat.until_s), repeat.longest_s);
   }
 
-  fluid::Fluid<D> fluid;
+  fluid::Leader<D> leader;
   RunReport& report;
   CommandLine::Repeat repeat;
   double& compute_s = report.timing("compute");
@@ -50,15 +54,23 @@ struct Alone {
 };
 
 template <int D>
-void run_without_structure(const CommandLine& command, const Case& scene, RunReport& report) {
-  Alone<D> alone(command, scene, report);
-  run_alone(command, scene, report, fluid::FluidSide<D>(scene, alone.fluid), gauge_columns(scene, GaugeOwner::fluid),
+void run_without_structure(const CommandLine& command, const Case& scene, const Ranks& ranks, RunReport& report) {
+  Alone<D> alone(command, scene, ranks, report);
+  run_alone(command, scene, report, fluid::FluidSide<D>(scene, alone.leader), gauge_columns(scene, GaugeOwner::fluid),
             fluid_energy_columns(), alone);
 }
 
 template <int D>
-void run(const CommandLine& command, const Case& scene, RunReport& report) {
-  if (command.alone()) return run_without_structure<D>(command, scene, report);
+void run(const CommandLine& command, const Case& scene, const Ranks& ranks, RunReport& report) {
+  if (!ranks.alone()) {
+    fluid::check_case_for_ranks(scene);
+    if (!command.alone()) throw BadInput("Not with --ranks: a coupler (--endpoint).");
+    if (command.resume) throw BadInput("Not with --ranks: --resume. Run the case anew, or without --ranks.");
+    Case without_checkpoints = scene;
+    without_checkpoints.output.checkpoint_interval = 0;
+    return run_without_structure<D>(command, without_checkpoints, ranks, report);
+  }
+  if (command.alone()) return run_without_structure<D>(command, scene, ranks, report);
   proto::take_part(command, wire::FLUID, [&](proto::ParticipantChannel& channel) {
     fluid::Fluid<D> fluid(scene);
     fluid::Participant<D> participant(command, scene, report, channel, fluid);
@@ -66,13 +78,31 @@ void run(const CommandLine& command, const Case& scene, RunReport& report) {
   });
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  return run_main(argc, argv, "fluid", [](const CommandLine& command, const Case& scene, RunReport& report) {
+int lead(int argc, char** argv, const Ranks& ranks) {
+  return run_main(argc, argv, "fluid", [&](const CommandLine& command, const Case& scene, RunReport& report) {
     if (!scene.fluid) throw BadInput(scene.path + " has no [fluid] table, so there is nothing for tern-fluid to do.");
     if (command.alone() && scene.structure)
       throw BadInput(scene.path + " has a [structure] table: start tern-fluid with --endpoint, or use ./tern run.");
-    scene.dimension == 2 ? run<2>(command, scene, report) : run<3>(command, scene, report);
+    scene.dimension == 2 ? run<2>(command, scene, ranks, report) : run<3>(command, scene, ranks, report);
   });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (!ranks_were_started()) {
+    // As many processes that know nothing of each other would all write into one directory.
+    if (const char* count = std::getenv("OMPI_COMM_WORLD_SIZE"); count != nullptr && std::string(count) != "1") {
+      std::fputs("tern-fluid: this build has no ranks (cmake --preset ranks has); start it without mpirun.\n", stderr);
+      return static_cast<int>(ExitCode::bad_input);
+    }
+    return lead(argc, argv, {});
+  }
+  const RanksAtWork at_work;
+  const Ranks ranks = Ranks::all();
+  fluid::announce(ranks);
+  if (!ranks.first()) return fluid::follow(argc, argv, ranks);
+  const int code = lead(argc, argv, ranks);
+  fluid::dismiss(ranks);
+  return code;
 }

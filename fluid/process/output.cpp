@@ -73,7 +73,7 @@ void Measures<D>::add(const Fluid<D>& fluid) {
 
 template <int D>
 void Measures<D>::report(const Fluid<D>& fluid, RunReport& report) const {
-  report.set_count("particles", static_cast<long>(fluid.state().size()));
+  report.set_count("particles", static_cast<long>(fluid.particles()));
   report.set_count("particles_leaked", static_cast<long>(fluid.leaked()));
   report.set_count("particles_removed", static_cast<long>(fluid.removed()));
   report.set_count("spray_particles", static_cast<long>(fluid.spray_particles()));
@@ -87,11 +87,16 @@ void Measures<D>::report(const Fluid<D>& fluid, RunReport& report) const {
     report.set_measure("angular_momentum_change", (fluid.angular_momentum() - first_angular_momentum_).norm() / first);
   report.set_measure("largest_speed_m_per_s", fluid.largest_speed());
   report.set_measure("largest_speed_of_run_m_per_s", largest_speed_);
+  if (!fluid.domain().alone()) {
+    report.set_count("ranks", fluid.domain().ranks().count());
+    report.set_measure("rank_imbalance", fluid.domain().imbalance());
+    report.set_measure("ghost_share", fluid.ghost_share());
+  }
   if (fluid.sealed().any) {
     report.set_measure(D == 2 ? "sealed_flux_removed_m2_per_s" : "sealed_flux_removed_m3_per_s", fluid.sealed().largest_flux);
     report.set_measure("sealed_volume_error", fluid.sealed().volume_error);
   }
-  const Evaluations& evaluations = fluid.evaluations();
+  const Evaluations evaluations = fluid.evaluations();
   report.set_evaluations("viscosity", evaluations.viscosity);
   report.set_evaluations("noise_damping", evaluations.noise_damping);
   report.set_evaluations("density_source", evaluations.density_source);

@@ -138,6 +138,8 @@ def parser():
     for role in ("fluid", "structure"):
         one.add_argument(f"--{role}", metavar="COMMAND", help=f"program to start in place of tern-{role}, with its options; it is "
                          "given those of tern-" + role + " in addition (docs/PARTICIPANTS.md)")
+    one.add_argument("--ranks", metavar="N", type=int, help="run the fluid in N processes (docs/SCALE.md); another N has other last digits")
+    one.add_argument("--oversubscribe", action="store_true", help="with --ranks: even where there are fewer cores")
     one.add_argument("--record", action="store_true", help="keep all messages of fluid and structure in interface.record, from which "
                      "either can be played back (docs/PARTICIPANTS.md)")
     one.add_argument("--only", choices=("fluid", "structure", "coupler"), help="start this process only")
@@ -185,9 +187,10 @@ def parser():
 
     one = _add(commands, "test", _test, "build and run all tests",
                ["./tern test", "./tern test -L unit       (labels: unit, verify, process)",
+                "./tern test --build ranks -L ranks     (a fluid in many processes)",
                 "./tern test -L fuzz       (fuzzers of messages and case files, a minute each; not part of the others)",
                 "./tern test --build asan"])
-    one.add_argument("-L", "--label", metavar="LABEL", help="only tests with this label: unit, verify, process or fuzz")
+    one.add_argument("-L", "--label", metavar="LABEL", help="only tests with this label: unit, verify, process, fuzz or ranks")
     one.add_argument("--build", choices=build.PRESETS, default="release", help="build to test (default release)")
 
     one = _add(commands, "check", _case_tool, "validate a case; print particles, step limits, memory, expected time",

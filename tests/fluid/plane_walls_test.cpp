@@ -22,9 +22,10 @@ struct Seen {
 
   Seen(const Fluid<3>& fluid, const Case& c, const std::vector<Vector<3>>& position) : boundary(c, fluid.constants()) {
     Neighbours<3> none;
+    none.begin.resize(position.size());
     const std::vector<Vector<3>> gravity(position.size(), Vector<3>(0, -9.81, 0));
     see_boundary<3>(fluid.constants(), fluid.period(), position, boundary, none);
-    sum_over_hidden_side<3>(fluid.constants(), position, gravity, boundary);
+    sum_over_hidden_side<3>(fluid.constants(), {}, position, gravity, boundary);
   }
 };
 
@@ -90,9 +91,10 @@ TEST(PlaneWalls, GiveWayToPatchesGradually) {
       one.resize(first);
       one.push_back(position[first + static_cast<std::size_t>(k)]);
       Neighbours<3> none;
+      none.begin.resize(one.size());
       const std::vector<Vector<3>> gravity(one.size(), Vector<3>(0, -9.81, 0));
       see_boundary<3>(fluid.constants(), fluid.period(), one, boundary, none);
-      sum_over_hidden_side<3>(fluid.constants(), one, gravity, boundary);
+      sum_over_hidden_side<3>(fluid.constants(), {}, one, gravity, boundary);
       const double share = boundary.wall_rows.plane[first] < 0 ? 0 : boundary.wall_rows.plane_share[first];
       if (before >= 0) largest_change = std::max(largest_change, std::abs(share - before));
       least = std::min(least, share), most = std::max(most, share);

@@ -100,7 +100,7 @@ std::vector<Vector<2>> images_in_a_box(const Vector<2>& x, bool container, doubl
   FaceFinder<2> finder;
   finder.fill(walls.faces(), 0.3);
   FaceRows rows;
-  see_faces<2>({x}, walls.faces(), finder, rows);
+  see_faces<2>(std::vector<Vector<2>>{x}, walls.faces(), finder, rows);
   std::vector<Vector<2>> images;
   mirror_in_walls<2>(walls.faces(), rows, 0, x, 0.25 * dx, images);
   std::sort(images.begin(), images.end(), [](const auto& a, const auto& b) { return std::tie(a[0], a[1]) < std::tie(b[0], b[1]); });

@@ -30,7 +30,8 @@ NEEDS = {
     "wire": ("interface", "scene"),
     "transport": ("wire",),
     "participant": ("transport", "run"),
-    "fluid": ("sph", "scene", "interface"),
+    "ranks": ("base",),
+    "fluid": ("sph", "scene", "interface", "ranks"),
     **{numerics: ("sph", "scene", "interface", "meeting") for numerics in ("structure", "coupler")},
     **{f"{numerics}_process": (numerics, "participant") for numerics in NUMERICS},
     "fixtures": (),  # of the tests

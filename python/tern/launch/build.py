@@ -18,7 +18,7 @@ from tern.launch import packages
 
 PROGRESS_INTERVAL_S = 10.0  # where standard error is no terminal
 EXECUTABLES = ("tern-case", "tern-fluid", "tern-structure", "tern-coupler")
-PRESETS = ("release", "debug", "asan", "tsan")
+PRESETS = ("release", "ranks", "debug", "asan", "tsan")
 FUZZERS = ("fuzz-message", "fuzz-case")  # of the preset fuzz
 
 
@@ -35,7 +35,7 @@ def ensure(preset="release", targets=EXECUTABLES):
         if preset != "release":
             raise Error(BAD_INPUT, f"--build {preset}: an installed tern is one build; the others are made from its sources.")
         return paths.build()
-    packages.ensure(packages.BUILD)
+    packages.ensure([*packages.BUILD, *(packages.RANKS if preset == "ranks" else [])])
     directory = paths.build(preset)
     directory.mkdir(parents=True, exist_ok=True)
     with open(directory / ".tern-lock", "w", encoding="utf-8") as lock:

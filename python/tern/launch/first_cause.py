@@ -21,6 +21,10 @@ class Cause:
 def _candidate(process, report):
     """(unix seconds, Cause) of one failed process: its own report, if it is about a failure, else its exit status."""
     code = process.exit_code
+    if process.ranks and process.ranks.killed:
+        rank, number = process.ranks.killed
+        name = signal.Signals(number).name if number in signal.valid_signals() else "unknown"
+        return process.ended_at, Cause(PEER_LOST, f"Rank {rank} of {process.program} was killed by signal {number} ({name}).", process.role)
     if code < 0:
         name = signal.Signals(-code).name if -code in signal.valid_signals() else "unknown"
         return process.ended_at, Cause(PEER_LOST, f"{process.program} was killed by signal {-code} ({name}).",

@@ -18,6 +18,7 @@ BUILD = (
     "libprotobuf-dev protobuf-compiler libhdf5-dev libtomlplusplus-dev libcli11-dev libspdlog-dev libfmt-dev "
     "libmuparser-dev nlohmann-json3-dev libgtest-dev libgmock-dev"
 ).split()
+RANKS = "libopenmpi-dev openmpi-bin iproute2".split()  # of a fluid in many processes
 TESTS = "iproute2 chromium".split()  # network namespaces; pages are looked at
 REPORT = ["python3-markdown", "python3-pil"]
 FILM = ["ffmpeg"]

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from tern import paths
 from tern.launch import process_state
+from tern.launch.ranks import Ranks
 
 GRACE_AFTER_FAILURE_S = 5.0    # the others notice a lost peer by themselves: killed < 1 s, frozen < 10 s at the same time
 GRACE_NEVER_JOINED_S = 1.0     # the coupler, if it was it that refused the foreign program, ends with the cause
@@ -39,6 +40,7 @@ class Process:
     stopped_since: float | None = None  # monotonic seconds
     frozen: bool = False                # stopped for so long that the launcher ended the run
     never_joined: bool = False    # a foreign program that ended before the run began
+    ranks: Ranks | None = None    # what it started in its turn
 
     @property
     def foreign(self):
@@ -102,12 +104,15 @@ class Group:
             self._guardian.stdin.close()
         self._guardian.wait()
 
-    def start(self, role, command, program=None, environment=None):
-        """Starts one executable; standard output and error are the launcher's. `program`: a foreign one, by its name."""
+    def start(self, role, command, program=None, environment=None, in_ranks=False):
+        """Starts one executable; standard output and error are the launcher's. `program`: a foreign one, by its name. `in_ranks`: the
+        command starts many processes (ranks.py)."""
         environment = (environment or os.environ) | {"TERN_LAUNCHER": str(os.getpid())}  # with whom it ends (base/interrupt.hpp)
-        handle = subprocess.Popen(command, stdin=subprocess.DEVNULL, process_group=0, env=environment)
+        handle = subprocess.Popen(command, stdin=subprocess.DEVNULL, process_group=0, env=environment,
+                                  stderr=subprocess.PIPE if in_ranks else None, text=in_ranks or None)
         self._tell(f"started {handle.pid}")
-        self.processes.append(Process(role, program or f"tern-{role}", handle, os.pidfd_open(handle.pid)))
+        ranks = Ranks(Path(self.directory), handle.stderr) if in_ranks else None
+        self.processes.append(Process(role, program or f"tern-{role}", handle, os.pidfd_open(handle.pid), ranks=ranks))
 
     def running(self):
         return [process for process in self.processes if process.exit_code is None]
@@ -191,6 +196,8 @@ class Group:
             process.ended_at = time.time()
             process.cpu_s = usage.ru_utime + usage.ru_stime
             os.close(process.pidfd)
+            if process.ranks:
+                process.ranks.finish()
             self._tell(f"ended {process.handle.pid}")
             ended.append(process)
         return ended
@@ -204,6 +211,8 @@ class Group:
 
     @staticmethod
     def _signal(process, number):
+        if process.ranks and process.ranks.signal(number) and number not in (signal.SIGKILL, signal.SIGCONT):
+            return  # mpirun ends with them
         try:
             os.killpg(process.handle.pid, number)
         except ProcessLookupError:

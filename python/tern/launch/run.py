@@ -14,13 +14,13 @@ from pathlib import Path
 
 from tern import paths
 from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, PEER_LOST, STATUS, Error
-from tern.launch import build, cases, first_cause, packages, resumption, spent, window_repeat
+from tern.launch import build, cases, first_cause, packages, ranks, resumption, spent, window_repeat
 from tern.launch.processes import Group, Interrupts
 from tern.launch.record import ROOM, overwrite_json, write_json
 from tern.results import summary
 
 OLD_SOLVERS = Path("proto/python/participants")  # where they were one version ago
-IN_LAUNCH = ("until", "threads", "deadline", "record", "allow_unstable", "only", "endpoint", "network_options")
+IN_LAUNCH = ("until", "threads", "ranks", "oversubscribe", "deadline", "record", "allow_unstable", "only", "endpoint", "network_options")
 ROLES = ("coupler", "fluid", "structure")  # the order of starting: the coupler binds the endpoint
 TICK_S = 2.0**-32  # the clock of a run counts these
 
@@ -35,6 +35,8 @@ class Request:
     force: bool = False
     until: float | None = None   # s
     threads: int | None = None
+    ranks: int | None = None     # processes of the fluid
+    oversubscribe: bool = False  # more of them than cores
     deadline: float | None = None  # s
     quiet: bool = False
     build: str = "release"
@@ -266,9 +268,12 @@ def resumed(out, request):
 
 def _run_once(request, work):
     path = cases.find(request.case)
-    directory = build.ensure(request.build)
+    many = request.ranks is not None
+    directory = build.ensure("ranks" if many and request.build == "release" else request.build)
     case = cases.read(directory, path, request.case_options)
     roles = roles_of(case, request.only)
+    if many:
+        ranks.check(request.ranks, request.oversubscribe, roles, request.resume)
     commands = {role: command for role in ("fluid", "structure")
                 if (command := foreign_command(getattr(request, role), role, case, roles))}
     for command in commands.values():
@@ -350,6 +355,10 @@ def _run_once(request, work):
                 if role in commands:
                     group.start(role, [*commands[role], str(path), *own], Path(commands[role][0]).name,
                                 foreign_environment(directory, request.threads))
+                elif many:
+                    words = [str(directory / f"tern-{role}"), str(path), *own]
+                    group.start(role, ranks.command(words, request.ranks, request.oversubscribe), None,
+                                ranks.environment(group.directory), in_ranks=True)
                 else:
                     group.start(role, [str(directory / f"tern-{role}"), str(path), *own])
         except OSError as error:

@@ -1,0 +1,103 @@
+#pragma once
+// Which part of the fluid is computed here. Alone: all of it, and every function of this file does nothing.
+//
+// Space is cut in two again and again, across the longest side of the particles in it, until each rank has its part. A rank owns the
+// particles whose predicted position lies in its part, and keeps copies of all others within the support of it, the ghosts. Arrays that
+// are read at neighbours hold the own particles first, then the ghosts, each in rows along x (row_grid.hpp).
+
+#include <vector>
+
+#include "fluid/particle_class.hpp"
+#include "fluid/reference.hpp"
+#include "fluid/state.hpp"
+#include "fluid/workspace.hpp"
+#include "ranks/halo.hpp"
+#include "ranks/ranks.hpp"
+
+namespace tern::fluid {
+
+/// Parts of space, one per rank. The same on all ranks.
+template <int D>
+class Partition {
+ public:
+  /// Cuts space so that every rank gets as many of the particles, which lie at `position` on the ranks.
+  void cut(const Ranks& ranks, const std::vector<Vector<D>>& position);
+
+  int owner(const Vector<D>& x) const {
+    int first = 0, last = ranks_;
+    while (last - first > 1) {
+      const int middle = (first + last) / 2;
+      (below(middle, x) ? last : first) = middle;
+    }
+    return first;
+  }
+  /// Calls visit(rank) for the ranks whose part is nearer than `reach` to x in all directions, in their order.
+  template <class Visit>
+  void for_owners_around(const Vector<D>& x, double reach, Visit&& visit) const {
+    for_owners_around(x, reach, visit, 0, ranks_);
+  }
+
+ private:
+  /// Between the ranks before number m and those from m on, within the part of both.
+  struct Cut {
+    int axis = 0;
+    double place = 0;
+  };
+  bool below(int middle, const Vector<D>& x) const { return x[cuts_[middle].axis] < cuts_[middle].place; }
+  template <class Visit>
+  void for_owners_around(const Vector<D>& x, double reach, Visit& visit, int first, int last) const {
+    if (last - first == 1) {
+      visit(first);
+      return;
+    }
+    const int middle = (first + last) / 2;
+    const double height = x[cuts_[middle].axis] - cuts_[middle].place;
+    if (height < reach) for_owners_around(x, reach, visit, first, middle);
+    if (height >= -reach) for_owners_around(x, reach, visit, middle, last);
+  }
+
+  int ranks_ = 1;
+  std::vector<Cut> cuts_;  ///< by the number m
+};
+
+template <int D>
+class Domain {
+ public:
+  Domain(const Ranks& ranks, const Reference<D>& reference);
+
+  const Ranks& ranks() const { return ranks_; }
+  bool alone() const { return ranks_.alone(); }
+  int owner(const Vector<D>& x) const { return partition_.owner(x); }
+  std::size_t ghosts() const { return ghosts_; }
+  /// Of arrays with own particles and ghosts.
+  const Halo& particles() const { return particles_; }
+  /// Most particles of a rank over their mean.
+  double imbalance() const { return imbalance_; }
+
+  /// Of a state that all ranks know: keeps the own part.
+  void share_out(State<D>& state);
+  /// Sends particles to their owners, of parts that are cut anew where these have become too unequal.
+  void migrate(State<D>& state, Prediction<D>& prediction);
+  /// Finds the ghosts, with their positions and what is known of them at the begin of a window, and puts them in rows of their own.
+  void find_ghosts(State<D>& state, Prediction<D>& prediction, RowOrder<D>& rows);
+  void forget_ghosts(State<D>& state);
+  /// Marks that ranks have set on ghosts go to the owners, then all marks to the ghosts.
+  void exchange_marks(std::vector<ParticleClass>& particle_class) const;
+  /// All particles on the first rank, none on the others; not in the order of anything.
+  State<D> gather(const State<D>& own) const;
+
+ private:
+  void move(State<D>& state, Prediction<D>& prediction, const std::vector<Vector<D>>& position);
+
+  Ranks ranks_;
+  Period<D> period_;
+  double spacing_, support_;  ///< [m]
+  double reach_;              ///< of the ghosts [m]
+  Partition<D> partition_;
+  Halo particles_;
+  std::size_t ghosts_ = 0;
+  double imbalance_ = 1;
+  int windows_since_cut_ = 0;
+};
+
+}  // namespace tern::fluid

@@ -1,0 +1,102 @@
+// A build in which the processes of a fluid speak by MPI.
+
+#include <algorithm>
+#include <cstdlib>
+
+#include <mpi.h>
+
+#include "ranks/ranks.hpp"
+
+namespace tern {
+namespace {
+
+constexpr std::size_t most_bytes = std::size_t{1} << 30;  ///< of one message: MPI counts in int
+
+bool at_work() {
+  int begun = 0, ended = 0;
+  MPI_Initialized(&begun);
+  MPI_Finalized(&ended);
+  return begun && !ended;
+}
+
+}  // namespace
+
+Ranks Ranks::all() {
+  Ranks ranks;
+  if (!at_work()) return ranks;
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks.count_);
+  MPI_Comm_rank(MPI_COMM_WORLD, &ranks.own_);
+  return ranks;
+}
+
+void Ranks::exchange(std::span<const RankMessage> give, std::span<const RankMessage> take) const {
+  thread_local std::vector<MPI_Request> requests;
+  requests.clear();
+  const auto post = [&](const RankMessage& message, auto&& begin) {
+    for (std::size_t first = 0; first < message.size; first += most_bytes) {
+      requests.emplace_back();
+      begin(static_cast<char*>(message.bytes) + first, static_cast<int>(std::min(most_bytes, message.size - first)), requests.back());
+    }
+  };
+  for (const RankMessage& message : take)
+    post(message, [&](void* to, int n, MPI_Request& request) { MPI_Irecv(to, n, MPI_BYTE, message.rank, 0, MPI_COMM_WORLD, &request); });
+  for (const RankMessage& message : give)
+    post(message,
+         [&](void* from, int n, MPI_Request& request) { MPI_Isend(from, n, MPI_BYTE, message.rank, 0, MPI_COMM_WORLD, &request); });
+  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+}
+
+void Ranks::combine(void* values, std::size_t n, Kind kind, Operation operation) const {
+  const MPI_Datatype type = kind == Kind::real     ? MPI_DOUBLE
+                            : kind == Kind::single ? MPI_FLOAT
+                            : kind == Kind::whole  ? MPI_INT64_T
+                                                   : MPI_UINT8_T;
+  const MPI_Op op = operation == Operation::sum ? MPI_SUM : operation == Operation::least ? MPI_MIN : MPI_MAX;
+  const int size = static_cast<int>(n);
+  if (n <= 64) {
+    MPI_Allreduce(MPI_IN_PLACE, values, size, type, op, MPI_COMM_WORLD);
+    return;
+  }
+  // The same bits on all ranks, whatever the library does with long arrays.
+  MPI_Reduce(first() ? MPI_IN_PLACE : values, values, size, type, op, 0, MPI_COMM_WORLD);
+  MPI_Bcast(values, size, type, 0, MPI_COMM_WORLD);
+}
+
+void Ranks::swap_sizes(std::vector<std::int64_t>& sizes) const {
+  std::vector<std::int64_t> from(sizes.size());
+  MPI_Alltoall(sizes.data(), 1, MPI_INT64_T, from.data(), 1, MPI_INT64_T, MPI_COMM_WORLD);
+  sizes.swap(from);
+}
+
+void Ranks::tell(void* bytes, std::size_t size, int from) const {
+  if (!alone()) MPI_Bcast(bytes, static_cast<int>(size), MPI_BYTE, from, MPI_COMM_WORLD);
+}
+
+std::string Ranks::first_word(const std::string& own) const {
+  if (alone()) return own;
+  int speaker = own.empty() ? count_ : own_;
+  MPI_Allreduce(MPI_IN_PLACE, &speaker, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
+  if (speaker == count_) return {};
+  std::string word = own;
+  std::uint64_t size = word.size();
+  tell(&size, sizeof size, speaker);
+  word.resize(size);
+  tell(word.data(), size, speaker);
+  return word;
+}
+
+RanksAtWork::RanksAtWork() {
+  int given = 0;
+  MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &given);
+}
+RanksAtWork::~RanksAtWork() { MPI_Finalize(); }
+bool ranks_were_started() {
+  // Of Open MPI and of MPICH. Without them MPI is not asked to begin: it would start a process of its own.
+  return std::getenv("OMPI_COMM_WORLD_SIZE") != nullptr || std::getenv("PMI_SIZE") != nullptr;
+}
+void abandon_ranks(int exit_code) {
+  if (at_work()) MPI_Abort(MPI_COMM_WORLD, exit_code);
+  std::_Exit(exit_code);
+}
+
+}  // namespace tern

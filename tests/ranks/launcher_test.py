@@ -1,0 +1,180 @@
+"""./tern run --ranks: results, refusals, and how such a run ends.
+
+Seen red: with a first_cause that does not ask which rank was killed (Ends).
+"""
+
+import json
+import os
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+import h5py
+import numpy
+
+ROOT = Path(__file__).resolve().parents[2]
+CASE = ROOT / "cases" / "dam_break_front"
+COARSE = ["--set", "fluid.spacing=0.0073"]
+OVERSUBSCRIBED = ["--oversubscribe"]
+FULL_TANK = """
+title = "A tank that is full"
+dimension = 2
+end_time = 0.1
+gravity = [0, -9.81]
+
+[[wall]]
+name = "tank"
+container = { box = { min = [0, 0], max = [0.2, 0.2] } }
+
+[fluid]
+density = 1000
+spacing = 0.01
+
+[[fluid.body]]
+shape = { box = { min = [0, 0], max = [0.2, 0.2] } }
+"""
+
+
+def alive(pid):
+    """Whether it runs; a zombie does not."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rsplit(")", 1)[1].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def children_of(pid):
+    """All processes below one."""
+    answer = subprocess.run(["ps", "-e", "-o", "pid=,ppid=,comm="], stdout=subprocess.PIPE, text=True, check=True).stdout
+    rows = [line.split() for line in answer.splitlines()]
+    found, todo = [], [str(pid)]
+    while todo:
+        parent = todo.pop()
+        for row in rows:
+            if row[1] == parent:
+                todo.append(row[0])
+                found.append((int(row[0]), row[2]))
+    return found
+
+
+class RanksTest(unittest.TestCase):
+    def setUp(self):
+        directory = tempfile.TemporaryDirectory(prefix="tern-ranks-")
+        self.addCleanup(directory.cleanup)
+        self.directory = Path(directory.name)
+
+    def start(self, name, *words, case=CASE):
+        return subprocess.Popen([ROOT / "tern", "run", case, "--quiet", "--out", self.directory / name, *words], stdout=subprocess.PIPE,
+                                stderr=subprocess.PIPE, text=True)
+
+    def run_case(self, name, *words, case=CASE):
+        with self.start(name, *words, case=case) as process:
+            _, errors = process.communicate(timeout=300)
+        return process.returncode, errors
+
+    def contents(self, name):
+        return json.loads((self.directory / name / "run.json").read_text(encoding="utf-8"))
+
+    def frames(self, name):
+        """All datasets of all frames."""
+        datasets = {}
+        with h5py.File(self.directory / name / "fluid.h5") as file:
+            file.visititems(lambda path, item: datasets.__setitem__(path, item[()]) if isinstance(item, h5py.Dataset) else None)
+        return datasets
+
+    def wait_for_ranks(self, process, count):
+        """Process ids of the ranks, once the run has begun."""
+        deadline = time.monotonic() + 60
+        while time.monotonic() < deadline:
+            ranks = [pid for pid, name in children_of(process.pid) if name == "tern-fluid"]
+            if len(ranks) == count and list(self.directory.glob("*/steps.csv")) and len(
+                    next(self.directory.glob("*/steps.csv")).read_text(encoding="utf-8").splitlines()) > 3:
+                return ranks
+            time.sleep(0.1)
+        self.fail("the run did not begin")
+
+
+class Results(RanksTest):
+    def test_one_rank_is_the_fluid_without_ranks(self):
+        self.assertEqual(self.run_case("alone", "--until", "0.02", *COARSE)[0], 0)
+        self.assertEqual(self.run_case("one", "--until", "0.02", "--ranks", "1", *COARSE), (0, ""))
+        for name in ("gauges.csv", "energy.csv"):
+            self.assertEqual((self.directory / "alone" / name).read_bytes(), (self.directory / "one" / name).read_bytes())
+        alone, one = self.frames("alone"), self.frames("one")
+        self.assertEqual(alone.keys(), one.keys())
+        for path, values in alone.items():
+            self.assertTrue(numpy.array_equal(values, one[path]), path)
+
+    def test_three_ranks_have_the_files_of_one(self):
+        for count in (1, 3):
+            self.assertEqual(self.run_case(f"n{count}", "--until", "0.05", "--ranks", str(count), *OVERSUBSCRIBED, *COARSE), (0, ""))
+        one, three = self.frames("n1"), self.frames("n3")
+        self.assertEqual(one.keys(), three.keys())
+        for path, values in one.items():
+            self.assertEqual((values.shape, values.dtype), (three[path].shape, three[path].dtype), path)
+            if path.endswith("/id"):
+                self.assertTrue(numpy.array_equal(values, three[path]))
+            if path.endswith("/position"):
+                self.assertLess(numpy.abs(values - three[path]).max(), 0.1 * 0.0073, path)
+        fluid = self.contents("n3")["processes"]["fluid"]
+        text = json.dumps(fluid)
+        for name in ("ranks", "rank_imbalance", "ghost_share"):
+            self.assertIn(f'"{name}"', text)
+
+
+class Refusals(RanksTest):
+    def test_names_what_several_ranks_cannot_compute(self):
+        for case, what in (("dam_break_plate", "coupler and structure"), ("piston", "coupler and structure")):
+            answer = subprocess.run([ROOT / "tern", "run", case, "--quiet", "--out", self.directory / case, "--ranks", "2",
+                                     *OVERSUBSCRIBED], stderr=subprocess.PIPE, text=True, timeout=100, check=False)
+            self.assertEqual(answer.returncode, 2, answer.stderr)
+            self.assertIn(what, answer.stderr)
+            self.assertIn("ot with --ranks", answer.stderr)
+
+    def test_more_ranks_than_cores(self):
+        code, errors = self.run_case("many", "--ranks", "4096")
+        self.assertEqual(code, 2)
+        self.assertIn("--oversubscribe", errors)
+
+
+class Ends(RanksTest):
+    def test_an_interrupt_ends_all_with_readable_results(self):
+        process = self.start("run", "--ranks", "2", *OVERSUBSCRIBED, "--set", "fluid.spacing=0.002")
+        ranks = self.wait_for_ranks(process, 2)
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=30)
+        self.assertEqual(process.returncode, 130)
+        self.assertFalse([pid for pid in ranks if alive(pid)])
+        self.assertIn("frame_000000/position", self.frames("run"))
+        self.assertEqual(self.contents("run")["status"], "interrupted")
+
+    def test_a_killed_rank_is_named_and_no_other_is_left(self):
+        for victim in (0, 1):
+            with self.subTest(victim=victim):
+                name = f"killed{victim}"
+                process = self.start(name, "--ranks", "2", *OVERSUBSCRIBED, "--set", "fluid.spacing=0.002")
+                ranks = self.wait_for_ranks(process, 2)
+                number = {int(Path(f"/proc/{pid}/environ").read_bytes().split(b"OMPI_COMM_WORLD_RANK=")[1].split(b"\0")[0]): pid
+                          for pid in ranks}
+                os.kill(number[victim], signal.SIGKILL)
+                process.communicate(timeout=60)
+                self.assertEqual(process.returncode, 4)
+                self.assertIn(f"Rank {victim} of tern-fluid was killed by signal 9", self.contents(name)["first_cause"])
+                self.assertFalse([pid for pid in ranks if alive(pid)])
+                self.assertIn("frame_000000/position", self.frames(name))
+                for path in self.directory.glob("*/steps.csv"):
+                    path.unlink()
+
+    def test_a_failure_has_its_sentence(self):
+        case = self.directory / "case.toml"
+        case.write_text(FULL_TANK, encoding="utf-8")
+        code, errors = self.run_case("failed", "--ranks", "2", *OVERSUBSCRIBED, case=case)
+        self.assertEqual(code, 3, errors)
+        self.assertIn("fluid that walls enclose all round", self.contents("failed")["first_cause"])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,289 @@
+// A fluid in many processes against the same fluid in one. Started by mpirun with 1, 2, 3, 4 and 8 processes, each of which also computes
+// the whole fluid by itself.
+//
+// Seen red: with ghosts that keep the velocity they begin with, and without the patches that other ranks fill (OneWindow); with marks
+// that do not go to the owners (Marks); with pairs counted from a corner of each rank (ManyWindows.OfAWave).
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <numeric>
+
+#include "base/error.hpp"
+#include "fixtures/fluid_scenes.hpp"
+#include "fluid/fluid.hpp"
+
+namespace tern::fluid {
+namespace {
+
+using namespace testing;
+
+/// Places of the particles in the order of their labels.
+template <int D>
+std::vector<std::size_t> by_label(const State<D>& state) {
+  std::vector<std::size_t> order(state.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return state.id[a] < state.id[b]; });
+  return order;
+}
+
+struct Difference {
+  double position = 0, velocity = 0, pressure = 0;  ///< largest [m], [m/s]; relative, 2-norm
+  std::size_t classes = 0, particles = 0;
+};
+
+template <int D>
+Difference compare(const State<D>& one, const State<D>& many) {
+  Difference difference;
+  if (one.size() != many.size()) {
+    difference.particles = std::max(one.size(), many.size()) - std::min(one.size(), many.size());
+    return difference;
+  }
+  const auto a = by_label(one), b = by_label(many);
+  double squared = 0, norm = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    const std::size_t i = a[k], j = b[k];
+    difference.particles += one.id[i] != many.id[j];
+    difference.position = std::max(difference.position, (one.position[i] - many.position[j]).norm());
+    difference.velocity = std::max(difference.velocity, (one.velocity[i] - many.velocity[j]).norm());
+    squared += std::pow(one.pressure[i] - many.pressure[j], 2);
+    norm += one.pressure[i] * one.pressure[i];
+    difference.classes += !(one.particle_class[i] == many.particle_class[j]);
+  }
+  difference.pressure = std::sqrt(squared / norm);
+  return difference;
+}
+
+/// A fluid of one process after so many windows, in disorder.
+template <int D>
+State<D> disordered(const Case& scene, int windows) {
+  Fluid<D> fluid(scene);
+  std::mt19937 random(7);
+  jitter(fluid, 0.02, random);
+  for (int k = 0; k < windows; ++k) step(fluid, fluid.propose_step().seconds);
+  return fluid.state();
+}
+
+template <int D>
+void expect_the_same_window(const Case& scene, const State<D>& start) {
+  Fluid<D> one(scene), many(scene, Ranks::all());
+  one.set_state(start);
+  many.set_whole_state(start);
+  const double duration = one.propose_step().seconds;
+  EXPECT_NEAR(many.propose_step().seconds, duration, 1e-12 * duration);
+  step(one, duration);
+  step(many, duration);
+  EXPECT_LE(many.last_solve().iterations, one.last_solve().iterations + 2);
+  EXPECT_NEAR(many.energies().kinetic, one.energies().kinetic, 1e-9 * one.energies().kinetic);
+  EXPECT_NEAR(many.volume_drift().share, one.volume_drift().share, 1e-12);
+  EXPECT_NEAR(many.volume_drift().inside, one.volume_drift().inside, 1e-12);
+  EXPECT_EQ(many.spray_particles(), one.spray_particles());
+  const State<D> whole = many.whole_state();
+  if (!Ranks::all().first()) return;
+  const Difference difference = compare(one.state(), whole);
+  EXPECT_EQ(difference.particles, 0u);
+  EXPECT_EQ(difference.classes, 0u);
+  EXPECT_LT(difference.pressure, 1e-9);
+  EXPECT_LT(difference.velocity, 1e-10 * start.reference_speed);
+  EXPECT_LT(difference.position, 1e-10 * scene.fluid->spacing);
+}
+
+template <int D>
+void expect_the_window_of_one_rank(Case scene) {
+  scene.fluid->numerics.pressure_tolerance = 1e-12;
+  expect_the_same_window<D>(scene, disordered<D>(scene, 30));
+}
+
+TEST(OneWindow, IsThatOfOneRank) { expect_the_window_of_one_rank<2>(dam_break(20, 40)); }
+
+TEST(OneWindow, IsThatOfOneRankAroundABlock) { expect_the_window_of_one_rank<2>(dam_break_on_block(2, 0.2 / 20)); }
+
+// On a lattice the distance of many pairs is the support.
+TEST(OneWindow, IsThatOfOneRankFromALattice) {
+  for (Case scene : {dam_break(20, 40), dam_break_on_block(2, 0.2 / 20)}) {
+    scene.fluid->numerics.pressure_tolerance = 1e-12;
+    expect_the_same_window<2>(scene, Fluid<2>(scene).state());
+  }
+  Case scene = dam_break_on_block(3, 0.2 / 10);
+  scene.fluid->numerics.pressure_tolerance = 1e-12;
+  expect_the_same_window<3>(scene, Fluid<3>(scene).state());
+}
+
+TEST(OneWindow, IsThatOfOneRankIn3D) { expect_the_window_of_one_rank<3>(dam_break_on_block(3, 0.2 / 10)); }
+
+TEST(OneWindow, IsThatOfOneRankWithViscosity) {
+  Case scene = dam_break(20, 40);
+  scene.fluid->viscosity = 0.5;
+  expect_the_window_of_one_rank<2>(scene);
+}
+
+TEST(OneWindow, IsThatOfOneRankBeyondTheEndOfThePeriod) {
+  Case scene = testing::scene(2, 1.0 / 32, {box({0, 0, 0}, {1, 0.5, 0})}, {tank({0, 0, 0}, {1, 1, 0})});
+  make_periodic(scene, {0, -1, 0}, {1, 2, 1}, "x");
+  scene.fluid->bodies[0].velocity = {Expression("0.7 + 0.2*sin(2*pi*x)"), Expression("0.2*cos(2*pi*x)*y"), Expression()};
+  expect_the_window_of_one_rank<2>(scene);
+}
+
+TEST(OneWindow, TakesAsManyIterationsAtTheUsualTolerance) {
+  const Case scene = dam_break(40, 80);
+  const State<2> start = disordered<2>(scene, 5);
+  Fluid<2> one(scene), many(scene, Ranks::all());
+  one.set_state(start);
+  many.set_whole_state(start);
+  const double duration = one.propose_step().seconds;
+  step(one, duration);
+  step(many, duration);
+  EXPECT_LE(many.last_solve().iterations, one.last_solve().iterations + 2);
+}
+
+/// Sum over the neighbours of a number made of their labels: as good as the set of labels.
+template <int D>
+std::map<std::uint32_t, std::uint64_t> neighbours_by_label(const Fluid<D>& fluid, const Ranks& ranks) {
+  std::vector<std::uint32_t> label = fluid.state().id;
+  label.resize(fluid.prediction().position.size());
+  fluid.domain().particles().update(label);
+  std::vector<std::uint64_t> sums;
+  const Neighbours<D>& neighbours = fluid.neighbours();
+  for (std::size_t i = 0; i < neighbours.rows(); ++i) {
+    std::uint64_t sum = 0;
+    neighbours.for_each(static_cast<std::ptrdiff_t>(i), [&](int j, float) { sum += (label[j] + std::uint64_t{1}) * 0x9e3779b97f4a7c15u; });
+    sums.push_back(sum);
+  }
+  const auto all_labels = ranks.gather(fluid.state().id);
+  const auto all_sums = ranks.gather(sums);
+  std::map<std::uint32_t, std::uint64_t> result;
+  for (std::size_t k = 0; k < all_labels.size(); ++k) result[all_labels[k]] = all_sums[k];
+  return result;
+}
+
+TEST(Neighbours, AreThoseOfOneRank) {
+  const Case scene = dam_break_on_block(3, 0.2 / 10);
+  const State<3> start = disordered<3>(scene, 3);
+  Fluid<3> one(scene), many(scene, Ranks::all());
+  one.set_state(start);
+  many.set_whole_state(start);
+  for (Fluid<3>* fluid : {&one, &many}) {
+    fluid->begin_window(start.time, to_ticks(1e-4));
+    fluid->see_surface({});
+  }
+  const auto of_one = neighbours_by_label(one, Ranks{}), of_many = neighbours_by_label(many, Ranks::all());
+  if (!Ranks::all().first()) return;
+  EXPECT_EQ(of_one, of_many);
+}
+
+// What a rank marks of the particles of others: they get it, and all copies of them.
+TEST(Marks, OnGhostsGoToTheirOwners) {
+  const Case scene = dam_break(20, 40);
+  Fluid<2> fluid(scene, Ranks::all());
+  fluid.begin_window(0, to_ticks(1e-4));
+  const std::size_t own = fluid.state().size(), all = fluid.prediction().position.size();
+  std::vector<ParticleClass> marks(all);
+  for (std::size_t i = own; i < all; ++i) marks[i].set(ParticleClass::beside_spray, true);
+  fluid.domain().exchange_marks(marks);
+  const auto marked = [](ParticleClass mark) { return mark.has(ParticleClass::beside_spray); };
+  const auto given = std::count_if(marks.begin(), marks.begin() + static_cast<std::ptrdiff_t>(own), marked);
+  EXPECT_EQ(std::count_if(marks.begin() + static_cast<std::ptrdiff_t>(own), marks.end(), marked), static_cast<std::ptrdiff_t>(all - own));
+  EXPECT_EQ(given > 0, Ranks::all().count() > 1);
+  EXPECT_LT(given, static_cast<std::ptrdiff_t>(own));
+}
+
+/// Largest distance of particles after each of 20 windows from those of one rank, which begins at `start`; in spacings.
+template <int D>
+std::vector<double> distances(const Case& scene, const State<D>& start, const Ranks& ranks) {
+  Fluid<D> one(scene), many(scene, ranks);
+  one.set_state(start);
+  many.set_whole_state(start);
+  std::vector<double> distance;
+  for (int k = 0; k < 20; ++k) {
+    const double duration = one.propose_step().seconds;
+    step(one, duration);
+    step(many, duration);
+    const State<D> whole = many.whole_state();
+    distance.push_back(ranks.first() ? compare(one.state(), whole).position / scene.fluid->spacing : 0);
+  }
+  return distance;
+}
+
+TEST(ManyWindows, OfAWaveStayWithThoseOfOneRank) {
+  Case scene = testing::scene(2, 0.025, {water_with_wave(1, 0.05)}, {tank({0, 0, 0}, {1, 1, 0})});
+  scene.fluid->numerics.pressure_tolerance = 1e-12;
+  const State<2> start = disordered<2>(scene, 10);
+  const auto distance = distances(scene, start, Ranks::all());
+  EXPECT_LT(distance.back(), 1e-7);
+}
+
+TEST(ManyWindows, HaveTheSameBitsInEveryRun) {
+  const Case scene = dam_break_on_block(2, 0.2 / 20);
+  State<2> before;
+  for (int run = 0; run < 2; ++run) {
+    Fluid<2> fluid(scene, Ranks::all());
+    for (int k = 0; k < 50; ++k) step(fluid, fluid.propose_step().seconds);
+    const State<2> whole = fluid.whole_state();
+    if (run == 1) {
+      ASSERT_EQ(whole.size(), before.size());
+      EXPECT_EQ(whole.id, before.id);
+      EXPECT_EQ(0, std::memcmp(whole.position.data(), before.position.data(), whole.size() * sizeof(Vector<2>)));
+      EXPECT_EQ(0, std::memcmp(whole.pressure.data(), before.pressure.data(), whole.size() * sizeof(double)));
+    }
+    before = whole;
+  }
+}
+
+TEST(Partition, GivesAllRanksAsMuchWhenTheFluidHasMoved) {
+  const Case scene = dam_break(40, 40);
+  Fluid<2> fluid(scene, Ranks::all());
+  auto first = fluid.state().id;
+  while (fluid.state().time < to_ticks(0.12)) step(fluid, fluid.propose_step().seconds);
+  const auto count = static_cast<double>(fluid.state().size());
+  EXPECT_LT(Ranks::all().most(count) * Ranks::all().count() / Ranks::all().sum(count), 1.3);
+  EXPECT_EQ(fluid.particles(), 1600u);
+  auto now = fluid.state().id;
+  for (auto* labels : {&first, &now}) std::sort(labels->begin(), labels->end());
+  EXPECT_EQ(Ranks::all().any(now != first), Ranks::all().count() > 1);
+}
+
+TEST(Ranks, MayOwnNothing) {
+  Case scene = testing::scene(2, 0.05, {box({0.05, 0.3, 0}, {0.15, 0.4, 0})}, {tank({0, 0, 0}, {0.8, 1, 0})});
+  Fluid<2> fluid(scene, Ranks::all());
+  for (int k = 0; k < 5; ++k) step(fluid, 1e-3);
+  EXPECT_EQ(fluid.particles(), 4u);
+}
+
+TEST(Ranks, FailTogetherWithTheSentenceOfOne) {
+  const Case scene = dam_break(10, 20);
+  Fluid<2> fluid(scene, Ranks::all());
+  State<2> state = fluid.state();
+  if (Ranks::all().own() == Ranks::all().count() - 1 && state.size() > 0) state.velocity[0][0] = 1e6;
+  fluid.set_state(state);
+  std::string sentence;
+  try {
+    step(fluid, 1e-6);
+  } catch (const NumericalFailure& failure) {
+    sentence = failure.what();
+  }
+  EXPECT_NE(sentence.find("The speed of fluid particle"), std::string::npos) << sentence;
+  EXPECT_EQ(Ranks::all().first_word(sentence), sentence);
+}
+
+TEST(Ranks, RefuseFluidWithoutASurface) {
+  if (Ranks::all().alone()) GTEST_SKIP() << "one rank knows enclosed fluid";
+  const Case scene = testing::scene(2, 0.05, {box({0, 0, 0}, {1, 1, 0})}, {tank({0, 0, 0}, {1, 1, 0}, {})});
+  Fluid<2> fluid(scene, Ranks::all());
+  EXPECT_THROW(step(fluid, 1e-3), EndOfModel);
+}
+
+}  // namespace
+}  // namespace tern::fluid
+
+int main(int argc, char** argv) {
+  ::testing::InitGoogleTest(&argc, argv);
+  if (!tern::ranks_were_started()) return RUN_ALL_TESTS();
+  const tern::RanksAtWork at_work;
+  if (!tern::Ranks::all().first())
+    delete ::testing::UnitTest::GetInstance()->listeners().Release(
+        ::testing::UnitTest::GetInstance()->listeners().default_result_printer());
+  const bool failed = RUN_ALL_TESTS() != 0;
+  return tern::Ranks::all().any(failed) ? 1 : 0;
+}
