@@ -8,8 +8,8 @@ namespace {
 
 constexpr double accepted_share = 0.1;  ///< of the change of velocity
 constexpr double accepted_load = 0.03;  ///< of the load
-/// Of the speed of one spacing per window; a light body, which follows its load at once, and one that does not.
-constexpr double least_of_light = 3e-6, least_of_heavy = 3e-4;
+/// Of the speed that the window is made for; a light body, which follows its load at once, and one that does not.
+constexpr double least_of_light = 1e-5, least_of_heavy = 1e-3;
 
 }  // namespace
 
@@ -37,7 +37,8 @@ Disagreement disagreement(const Setup<D>& setup, const State<D>& state, const Wo
   Disagreement worst;
   for (std::size_t b = 0; b < sums.size(); ++b) {
     const double of_load = accepted_load * window.duration / setup.moved_mass[b] * std::sqrt(sums[b].load);
-    const double least = (setup.is_light[b] ? least_of_light : least_of_heavy) * setup.spacing / window.duration * std::sqrt(sums[b].area);
+    const double least =
+        (setup.is_light[b] ? least_of_light : least_of_heavy) * setup.courant * setup.spacing / window.duration * std::sqrt(sums[b].area);
     const Disagreement here{std::sqrt(sums[b].size), std::max({accepted_share * std::sqrt(sums[b].change), of_load, least})};
     if (here.size * worst.accepted >= worst.size * here.accepted) worst = here;
   }
