@@ -9,8 +9,8 @@
 
 namespace tern::coupler {
 
-/// window.responding_mass and answer: the guess, learnt where one pass may be enough, and at least some layers of fluid where a
-/// body is light. Takes note of the surface if it is the first of the run.
+/// window.responding_mass and answer: the guess, learnt where one pass may be enough, and at least some layers of fluid where it is not
+/// and windows are repeated. Takes note of the surface if it is the first of the run.
 template <int D>
 void find_answer(const Setup<D>& setup, const Surface<D>& surface, State<D>& state, Workspace<D>& window);
 

@@ -1,5 +1,7 @@
 #include "coupler/setup.hpp"
 
+#include <algorithm>
+
 #include "coupler/schemes/scheme.hpp"
 #include "scene/estimate.hpp"
 
@@ -22,27 +24,26 @@ constexpr Algorithm algorithms[] = {
 /// iterations can bring to agree in windows as long as the fluid alone takes them.
 constexpr double window_share_of_light = 0.5;
 /// Robin mass of a surface whose answer is not learnt when windows are repeated, in layers of fluid particles; from 2 to 12 the iterations
-/// are as many.
-/// Few motions of a light body answer with its mass, all others are held by its stiffness. A mass like the fluid's own lies between the
-/// two; the iterations find out what it gets wrong.
+/// are as many. Few motions of a light body answer with its mass, all others are held by its stiffness. A mass like the fluid's own lies
+/// between the two; the iterations find out what it gets wrong.
 constexpr double robin_layers = 5;
 
-/// Whether the body has no more behind its faces than so many layers of fluid particles.
-bool is_below(double layers, std::size_t body, const Case& scene, const SurfaceProperties& properties) {
-  const double mass = section_mass(properties, body);
-  return mass > 0 && mass <= layers * scene.fluid->density * scene.fluid->spacing;
+/// Of every body, whether it has no more behind its faces than so many layers of fluid particles.
+std::vector<bool> are_below(double layers, const Case& scene, const SurfaceProperties& properties) {
+  std::vector<bool> below;
+  for (std::size_t b = 0; b < scene.structure->bodies.size(); ++b) {
+    const double mass = section_mass(properties, b);
+    below.push_back(mass > 0 && mass <= layers * scene.fluid->density * scene.fluid->spacing);
+  }
+  return below;
 }
 
-bool any_body_is_below(double layers, const Case& scene, const SurfaceProperties& properties) {
-  for (std::size_t b = 0; b < scene.structure->bodies.size(); ++b)
-    if (is_below(layers, b, scene, properties)) return true;
-  return false;
-}
+bool any(const std::vector<bool>& bodies) { return std::find(bodies.begin(), bodies.end(), true) != bodies.end(); }
 
 Algorithm choose_algorithm(const Case& scene, const SurfaceProperties& properties) {
   for (Algorithm algorithm : algorithms) {
     if (algorithm.name != scene.coupling.algorithm) continue;
-    if (any_body_is_below(layers_of_lightest, scene, properties)) algorithm.tests = false;
+    if (any(are_below(layers_of_lightest, scene, properties))) algorithm.tests = false;
     return algorithm;
   }
   return algorithms[0];
@@ -56,7 +57,8 @@ Setup<D>::Setup(const Case& scene, const SurfaceProperties& of_surface)
       algorithm(choose_algorithm(scene, of_surface)),
       scheme(scheme_of<D>(scene.coupling.scheme)),
       first_window(tern::first_window(scene)),
-      window_share(any_body_is_below(layers_of_light, scene, of_surface) ? window_share_of_light : 1),
+      is_light(are_below(layers_of_light, scene, of_surface)),
+      window_share(any(is_light) ? window_share_of_light : 1),
       density(scene.fluid->density),
       spacing(scene.fluid->spacing),
       smoothing_length(scene.fluid->numerics.smoothing_length_ratio * scene.fluid->spacing),
@@ -69,8 +71,7 @@ Setup<D>::Setup(const Case& scene, const SurfaceProperties& of_surface)
       meetable(scene, of_surface.body),
       kernel(smoothing_length),
       fluid_weight(weight_of_fluid<D>(scene)) {
-  for (const double depth : moved_depths<D>(scene)) moved_mass.push_back(density * depth);
-  for (std::size_t b = 0; b < scene.structure->bodies.size(); ++b) is_light.push_back(is_below(layers_of_light, b, scene, of_surface));
+  for (const double depth : moved_depths<D>(scene, fluid_weight)) moved_mass.push_back(density * depth);
   for (const StructureBody& body : scene.structure->bodies) {
     body_density.push_back(body.density);
     body_name.push_back(body.name);

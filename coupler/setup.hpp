@@ -31,12 +31,12 @@ struct Setup {
   CouplingCase coupling;
   Algorithm algorithm;
   const Scheme<D>& scheme;
-  double first_window;                                                   ///< length of the first window at most [s]
-  double window_share;                                                   ///< of the length that the fluid proposes, which a window takes
+  double first_window;         ///< length of the first window at most [s]
+  std::vector<bool> is_light;  ///< a body has no more behind its faces than half a layer of fluid particles
+  double window_share;         ///< of the length that the fluid proposes, which a window takes
   double density, spacing, smoothing_length, contact_distance, courant;  ///< of the fluid; courant with window_share
   double robin_mass_factor, least_robin_mass;  ///< m_p = max(factor m_s, least), m_s the mass behind a face [kg/m^2]
   std::vector<double> moved_mass;              ///< of the fluid that has to move with each body, m_a of stability/added_mass.hpp [kg/m^2]
-  std::vector<bool> is_light;                  ///< a body has no more behind its faces than half a layer of fluid particles
   std::vector<double> body_density;
   std::vector<std::string> body_name;
   VectorExpression gravity;

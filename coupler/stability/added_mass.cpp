@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -10,22 +9,6 @@
 
 namespace tern::coupler {
 namespace {
-
-/// Grows a box by the points of a lattice for which `counts` is true.
-template <int D, class Counts>
-void enclose(Bounds<D>& box, const LatticePoints<D>& lattice, double spacing, Counts&& counts) {
-  const Vector<D> half = Vector<D>::Constant(0.5 * spacing);
-  for (const Vector<D>& x : lattice) {
-    if (!counts(x)) continue;
-    box.min = box.min.cwiseMin(x - half);
-    box.max = box.max.cwiseMax(x + half);
-  }
-}
-
-template <int D>
-Bounds<D> nothing() {
-  return {Vector<D>::Constant(1e300), Vector<D>::Constant(-1e300)};
-}
 
 /// 1/k of the first bending mode [m].
 template <int D>
@@ -47,7 +30,7 @@ double section_mass(const SurfaceProperties& properties, std::size_t body) {
 
 template <int D>
 AddedMass predict_added_mass(const Case& scene, const SurfaceProperties& properties) {
-  const std::vector<double> depths = moved_depths<D>(scene);
+  const std::vector<double> depths = moved_depths<D>(scene, weight_of_fluid<D>(scene));
   AddedMass largest;
   for (std::size_t b = 0; b < scene.structure->bodies.size(); ++b) {
     const StructureBody& body = scene.structure->bodies[b];
@@ -61,25 +44,26 @@ AddedMass predict_added_mass(const Case& scene, const SurfaceProperties& propert
 }
 
 template <int D>
-std::vector<double> moved_depths(const Case& scene) {
-  auto water = nothing<D>();
-  for (const FluidBody& body : scene.fluid->bodies)
-    enclose<D>(water, fill_with_fluid<D>(body.shape, scene.fluid->spacing), scene.fluid->spacing, [](const Vector<D>&) { return true; });
-  const double extent = (water.max - water.min).minCoeff(), depth = extent > 0 ? extent : std::numeric_limits<double>::infinity();
+std::vector<double> moved_depths(const Case& scene, const FluidWeight& weight) {
   std::vector<double> depths;
-  for (const StructureBody& body : scene.structure->bodies) depths.push_back(std::min(depth, wave_length<D>(body)));
+  for (const StructureBody& body : scene.structure->bodies) depths.push_back(std::min(weight.least_extent, wave_length<D>(body)));
   return depths;
 }
 
 template <int D>
 FluidWeight weight_of_fluid(const Case& scene) {
   FluidWeight weight;
-  auto water = nothing<D>();
+  Bounds<D> water{Vector<D>::Constant(1e300), Vector<D>::Constant(-1e300)};
+  const double spacing = scene.fluid->spacing;
+  const Vector<D> half = Vector<D>::Constant(0.5 * spacing);
   for (const FluidBody& body : scene.fluid->bodies)
-    enclose<D>(water, fill_with_fluid<D>(body.shape, scene.fluid->spacing), scene.fluid->spacing, [&](const Vector<D>&) {
-      weight.volume += std::pow(scene.fluid->spacing, D);
-      return true;
-    });
+    for (const Vector<D>& x : fill_with_fluid<D>(body.shape, spacing)) {
+      water.min = water.min.cwiseMin(x - half);
+      water.max = water.max.cwiseMax(x + half);
+      weight.volume += std::pow(spacing, D);
+    }
+  if (weight.volume == 0) return weight;
+  weight.least_extent = (water.max - water.min).minCoeff();
   // The largest of the run: it may begin with none.
   constexpr int instants = 100;
   double gravity = 0;
@@ -89,7 +73,7 @@ FluidWeight weight_of_fluid(const Case& scene) {
     for (int c = 0; c < D; ++c) g[c] = scene.gravity[c](scene.end_time * n / instants);
     if (g.norm() > gravity) gravity = g.norm(), largest = g;
   }
-  if (gravity == 0 || weight.volume == 0) return weight;
+  if (gravity == 0) return weight;
   for (int c = 0; c < D; ++c) weight.height += std::abs(largest[c]) / gravity * (water.max[c] - water.min[c]);
   weight.pressure = 0.5 * scene.fluid->density * gravity * weight.height;
   return weight;
@@ -102,8 +86,8 @@ std::string describe(const AddedMass& added_mass) {
 
 template AddedMass predict_added_mass<2>(const Case&, const SurfaceProperties&);
 template AddedMass predict_added_mass<3>(const Case&, const SurfaceProperties&);
-template std::vector<double> moved_depths<2>(const Case&);
-template std::vector<double> moved_depths<3>(const Case&);
+template std::vector<double> moved_depths<2>(const Case&, const FluidWeight&);
+template std::vector<double> moved_depths<3>(const Case&, const FluidWeight&);
 template FluidWeight weight_of_fluid<2>(const Case&);
 template FluidWeight weight_of_fluid<3>(const Case&);
 

@@ -7,6 +7,7 @@
 //   m_s   half of the faces have more: the median of rho_S T/N_wet, all exposed faces taken as wet
 
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -31,13 +32,10 @@ double section_mass(const SurfaceProperties& properties, std::size_t body);
 template <int D>
 AddedMass predict_added_mass(const Case& scene, const SurfaceProperties& properties);
 
-/// min(H, 1/k) of every body [m].
-template <int D>
-std::vector<double> moved_depths(const Case& scene);
-
 /// The fluid as it stands at the start, by its weight.
 struct FluidWeight {
-  double pressure = 0, height = 0, volume = 0;  ///< rho g H/2 [Pa]; H [m]; [m^D]
+  double pressure = 0, height = 0, volume = 0;                    ///< rho g H/2 [Pa]; H along gravity [m]; [m^D]
+  double least_extent = std::numeric_limits<double>::infinity();  ///< [m]
 
   /// What it can set in motion beside a surface of this area: of the fluid that stands over it, or of all there is when that is less
   /// [J/m^(3-D)].
@@ -45,6 +43,10 @@ struct FluidWeight {
 };
 template <int D>
 FluidWeight weight_of_fluid(const Case& scene);
+
+/// min(H, 1/k) of every body, H the least extent of the fluid [m].
+template <int D>
+std::vector<double> moved_depths(const Case& scene, const FluidWeight& weight);
 
 std::string describe(const AddedMass& added_mass);
 

@@ -97,14 +97,23 @@ TEST(ShellBody, AFreeSpinningStripKeepsItsMomentaAndLosesWhatTheViscosityTakes) 
   expect_kept_when_spinning<3>();
 }
 
-/// Uniform body force across the plate, until it has come to rest.
-template <int D>
-void expect_static_reaction(Case c, double width) {
+/// Under a uniform body force across the plate, and damped, so that it comes to rest.
+Case pushed_across(Case c) {
   c.structure->bodies[0].mass_damping = 60;
   c.gravity[0] = Expression("0.1");
-  Structure<D> structure(c);
+  return c;
+}
+
+template <int D>
+void come_to_rest(Structure<D>& structure) {
   const Ticks window = to_ticks(5e-3);
   for (Ticks t = 0; seconds(t) < 0.8; t += window) structure.trial(t, window);
+}
+
+template <int D>
+void expect_static_reaction(const Case& c, double width) {
+  Structure<D> structure(pushed_across(c));
+  come_to_rest(structure);
   const double load = 1161.54 * 0.004 * 0.09 * width * 0.1;
   const Reaction held = structure.reaction("plate", "", {0.598, 0, 0});
   EXPECT_NEAR(held.force[0], -load, 1e-6 * load);
@@ -132,15 +141,10 @@ Case propped(Case c, bool clamped) {
   return c;
 }
 
-/// Uniform force across, until it has come to rest.
 template <int D>
-void expect_propped(Case c, double width, bool clamped) {
-  c = propped<D>(c, clamped);
-  c.structure->bodies[0].mass_damping = 60;
-  c.gravity[0] = Expression("0.1");
-  Structure<D> structure(c);
-  const Ticks window = to_ticks(5e-3);
-  for (Ticks t = 0; seconds(t) < 0.8; t += window) structure.trial(t, window);
+void expect_propped(const Case& c, double width, bool clamped) {
+  Structure<D> structure(pushed_across(propped<D>(c, clamped)));
+  come_to_rest(structure);
   const double load = 1161.54 * 0.004 * 0.09 * width * 0.1;
   const Reaction top = structure.reaction("plate", "top", {0.598, 0.09, 0}), all = structure.reaction("plate", "", {0.598, 0.09, 0});
   const double lost = 0.5 / 15 * load;  // what stands on a held edge has no weight
