@@ -31,7 +31,7 @@ void find_answer(const Setup<D>& setup, const Surface<D>& surface, State<D>& sta
     const double stretch = surface.area[k] / state.start.area[k];
     window.responding_mass[k] = responding_mass(setup, window.duration, stretch, k);
   }
-  if (setup.algorithm.tests) {
+  if (setup.tests) {
     state.response.prepare(setup, state.start);
     window.answer = state.response.answer(setup, window.responding_mass, surface.area);
     for (double& mass : window.answer.mass) mass *= setup.robin_mass_factor;
@@ -52,7 +52,7 @@ void set_robin_condition(const Setup<D>& setup, Workspace<D>& window) {
   SurfaceResponse& response = window.condition.response;
   window.condition.reference_pressure.assign(points, 0);
   response = {};  // the fluid takes the surface as a wall that moves as given
-  if (!setup.algorithm.yields) return;
+  if (!setup.iterates) return;
   response = {window.answer.lumps.lump, window.answer.lumps.share, window.answer.mass};
   for (std::size_t k = 0; k < points; ++k) {
     // A pressure p loads the point with s p A, where the fluid takes it for p A: s is some per cent off 1 where particles are on no

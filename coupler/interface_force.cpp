@@ -37,7 +37,7 @@ void add_pressure(const Setup<D>& setup, const InterfacePressure<D>& pressure, W
 
 template <int D>
 void settle_contacts(const Setup<D>& setup, const InterfacePressure<D>& pressure, Workspace<D>& window) {
-  const bool iterates = setup.algorithm.iterates;
+  const bool iterates = setup.iterates;
   const Surface<D>& surface = window.surface;
   const InterfaceParticles<D>& particles = window.particles;
   std::vector<Vector<D>>& on_particles = window.particle_force.force;

@@ -8,18 +8,6 @@
 namespace tern::coupler {
 namespace {
 
-constexpr Algorithm algorithms[] = {
-    {CouplingAlgorithm::explicit_staggering, false, false, false,
-     "explicit staggering is unstable for a body that is light for its fluid, or that vibrates faster than the windows "
-     "resolve, use coupling.algorithm = \"semi-implicit\" or \"implicit\""},
-    {CouplingAlgorithm::semi_implicit, true, false, false, "the body is too light for one pass, use coupling.algorithm = \"implicit\""},
-    {CouplingAlgorithm::implicit, true, false, true,
-     "the windows are too long for a body as light as this, use a smaller fluid.numerics.gravity_courant and courant, or a "
-     "heavier or thicker body"},
-    {CouplingAlgorithm::automatic, true, true, true,
-     "the windows are too long for this body, use a smaller fluid.numerics.gravity_courant and courant"},
-};
-
 /// A light body follows the load at once, and what a window changes of it, above all which particles touch, is more than the coupling
 /// iterations can bring to agree in windows as long as the fluid alone takes them.
 constexpr double window_share_of_light = 0.5;
@@ -40,13 +28,20 @@ std::vector<bool> are_below(double layers, const Case& scene, const SurfacePrope
 
 bool any(const std::vector<bool>& bodies) { return std::find(bodies.begin(), bodies.end(), true) != bodies.end(); }
 
-Algorithm choose_algorithm(const Case& scene, const SurfaceProperties& properties) {
-  for (Algorithm algorithm : algorithms) {
-    if (algorithm.name != scene.coupling.algorithm) continue;
-    if (any(are_below(layers_of_lightest, scene, properties))) algorithm.tests = false;
-    return algorithm;
-  }
-  return algorithms[0];
+/// What to change when the coupling diverges.
+const char* remedy_of(const CouplingCase& coupling) {
+  if (coupling.algorithm == CouplingAlgorithm::explicit_staggering)
+    return "explicit staggering is unstable for a body that is light for its fluid, or that vibrates faster than the windows resolve, use "
+           "coupling.algorithm = \"auto\"";
+  if (coupling.max_iterations == 1) return "one pass is not enough for this body, leave out coupling.max_iterations = 1";
+  return "the windows are too long for this body, use a smaller fluid.numerics.gravity_courant and courant";
+}
+
+/// Whether a first pass is tested: not where a tolerance of the load is asked for, nor where a body has next to no mass.
+bool tests_first_pass(const Case& scene, const SurfaceProperties& properties) {
+  if (scene.coupling.algorithm == CouplingAlgorithm::explicit_staggering) return false;
+  if (scene.coupling.max_iterations == 1) return true;
+  return !scene.coupling.tolerance && !any(are_below(layers_of_lightest, scene, properties));
 }
 
 }  // namespace
@@ -54,7 +49,9 @@ Algorithm choose_algorithm(const Case& scene, const SurfaceProperties& propertie
 template <int D>
 Setup<D>::Setup(const Case& scene, const SurfaceProperties& of_surface)
     : coupling(scene.coupling),
-      algorithm(choose_algorithm(scene, of_surface)),
+      iterates(scene.coupling.algorithm == CouplingAlgorithm::automatic),
+      tests(tests_first_pass(scene, of_surface)),
+      remedy(remedy_of(scene.coupling)),
       scheme(scheme_of<D>(scene.coupling.scheme)),
       first_window(tern::first_window(scene)),
       is_light(are_below(layers_of_light, scene, of_surface)),
@@ -64,8 +61,8 @@ Setup<D>::Setup(const Case& scene, const SurfaceProperties& of_surface)
       smoothing_length(scene.fluid->numerics.smoothing_length_ratio * scene.fluid->spacing),
       contact_distance(scene.fluid->numerics.contact_distance * scene.fluid->spacing),
       courant(window_share * scene.fluid->numerics.courant),
-      robin_mass_factor(algorithm.iterates && !algorithm.tests ? 1 : coupling.robin_mass_factor),
-      least_robin_mass(algorithm.iterates && !algorithm.tests ? robin_layers * density * spacing : 0),
+      robin_mass_factor(iterates && !tests ? 1 : coupling.robin_mass_factor),
+      least_robin_mass(iterates && !tests ? robin_layers * density * spacing : 0),
       gravity(scene.gravity),
       properties(of_surface),
       meetable(scene, of_surface.body),

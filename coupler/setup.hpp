@@ -15,21 +15,17 @@ namespace tern::coupler {
 template <int D>
 struct Scheme;
 
-/// In what the coupling algorithms differ.
-struct Algorithm {
-  CouplingAlgorithm name;
-  bool yields;         ///< the pressure equation knows how the surface answers a pressure (Robin condition)
-  bool tests;          ///< the first pass is enough where the surface moves as the fluid took it to
-  bool iterates;       ///< a window is repeated until fluid and structure agree on the load
-  const char* remedy;  ///< what to change when the coupling diverges
-};
+/// Of the load, with which repeated windows end where the case gives none, coupling.tolerance.
+constexpr double tolerance_by_default = 1e-4;
 
 template <int D>
 struct Setup {
   Setup(const Case& scene, const SurfaceProperties& properties);
 
   CouplingCase coupling;
-  Algorithm algorithm;
+  bool iterates;       ///< the pressure equation knows how the surface answers, and a window can be repeated; not of explicit
+  bool tests;          ///< the first pass is enough where the surface moves as the fluid took it to
+  const char* remedy;  ///< what to change when the coupling diverges
   const Scheme<D>& scheme;
   double first_window;         ///< length of the first window at most [s]
   std::vector<bool> is_light;  ///< a body has no more behind its faces than half a layer of fluid particles

@@ -33,7 +33,8 @@ struct Evaluations {
 template <int D>
 struct State {
   explicit State(const Setup<D>& setup)
-      : fixed_point(setup.coupling.acceleration, setup.coupling.tolerance), observations(setup.body_name.size()) {}
+      : fixed_point(setup.coupling.tolerance.value_or(tolerance_by_default), setup.coupling.max_iterations),
+        observations(setup.body_name.size()) {}
 
   SurfaceLoad<D> load;                      ///< on the structure in the last window; empty before the first
   SurfaceLoad<D> contact;                   ///< the contacts in it; empty where windows are not repeated

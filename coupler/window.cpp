@@ -125,21 +125,21 @@ const InterfaceCondition<D>& Coupler<D>::first_exchange(double begin, double dur
   window_.velocity_at_end = surface.velocity;
 
   window_.condition.surface_velocity.clear();
-  window_.condition.repeats = setup_.algorithm.iterates;
+  window_.condition.repeats = setup_.iterates && setup_.coupling.max_iterations > 1;
   set_condition(setup_, window_, state_.evaluations);
   return window_.condition;
 }
 
 template <int D>
 const SurfaceLoad<D>* Coupler<D>::next_load(const InterfacePressure<D>& pressure) {
-  if (!setup_.algorithm.iterates) return nullptr;
+  if (!setup_.iterates) return nullptr;
   ++window_.iterations;
   const SurfaceLoad<D> explicit_part = window_.load;
   const WindowAudit audit = window_.audit;
   answer(setup_, pressure, window_, state_.evaluations);
   const SurfaceLoad<D>& load = window_.answered_load = std::exchange(window_.load, explicit_part);
   window_.answered_audit = std::exchange(window_.audit, audit);
-  if (setup_.algorithm.tests) {
+  if (setup_.tests) {
     if (window_.iterations == 1) return &window_.answered_load;  // accepts() tests it
     window_.agreed = disagreement(setup_, state_, window_, load, window_.surface.velocity).agrees();
     if (window_.agreed) return nullptr;
@@ -152,10 +152,10 @@ const SurfaceLoad<D>* Coupler<D>::next_load(const InterfacePressure<D>& pressure
 template <int D>
 bool Coupler<D>::accepts(const std::vector<Vector<D>>& velocity) {
   window_.velocity_at_end = velocity;
-  if (!setup_.algorithm.tests || window_.iterations > 1) return false;
+  if (!setup_.tests || window_.iterations > 1) return false;
   state_.response.learn(setup_, window_, velocity);
   window_.agreed = disagreement(setup_, state_, window_, window_.answered_load, velocity).agrees();
-  if (window_.agreed) return true;
+  if (window_.agreed || setup_.coupling.max_iterations == 1) return true;
   state_.fixed_point.add(parts(window_.assumed_load, window_.assumed_contact), parts(window_.answered_load, window_.contact));
   ++state_.evaluations.coupling_iterations;
   window_.assumed_load = window_.answered_load;

@@ -21,9 +21,8 @@
 namespace tern {
 
 enum class GradientForm { sum, blend };  ///< pairwise sum form, or corrected interior blended with it
-/// Staggered; predict, project, correct; the same, repeated until both sides agree; one pass that is tested, and repeated where it must.
-enum class CouplingAlgorithm { explicit_staggering, semi_implicit, implicit, automatic };
-enum class Acceleration { iqn_ils, aitken };  ///< of the coupling iterations of implicit
+/// Staggered; or predict, project, correct, repeated until both sides agree.
+enum class CouplingAlgorithm { explicit_staggering, automatic };
 enum class Integrator { explicit_steps, implicit_steps, automatic };
 enum class VemForm { seed, sum, pairmax };  ///< which of the two pressures of a pair pull
 
@@ -134,9 +133,9 @@ struct CouplingCase {
   double riemann_limiter;                 ///< eta in beta = min(eta max(du,0)/c0, 1)
   std::optional<double> vem_coefficient;  ///< C of the velocity-divergence-error-mitigating term; absent = not evaluated
   VemForm vem_form;
-  double robin_mass_factor;  ///< m_p / m_s
-  Acceleration acceleration;
-  double tolerance;  ///< relative residual of the load at which coupling iterations end
+  double robin_mass_factor;         ///< m_p / m_s
+  int max_iterations;               ///< passes of a window at most
+  std::optional<double> tolerance;  ///< change of the load at which a window is done; absent = where the velocities agree
 };
 CouplingCase default_coupling();
 

@@ -14,16 +14,12 @@
 namespace tern {
 namespace {
 
-// No default: the compiler says where words are missing for a new one.
-const char* words_of(CouplingAlgorithm algorithm) {
-  switch (algorithm) {
-    case CouplingAlgorithm::explicit_staggering: return "the explicit coupling (staggered)";
-    case CouplingAlgorithm::semi_implicit: return "the semi-implicit coupling (predict, project, correct)";
-    case CouplingAlgorithm::implicit: return "the implicit coupling (predict, project, correct, repeated until both sides agree)";
-    case CouplingAlgorithm::automatic:
-      return "one pass a window (predict, project, correct), repeated where fluid and structure do not agree after it";
-  }
-  return "";
+std::string words_of(const CouplingCase& coupling) {
+  if (coupling.algorithm == CouplingAlgorithm::explicit_staggering) return "the explicit coupling (staggered)";
+  const std::string pass = "one pass a window (predict, project, correct)";
+  if (coupling.max_iterations == 1) return pass;
+  if (coupling.tolerance) return fmt::format("{}, repeated until the load changes by less than {:g} of itself", pass, *coupling.tolerance);
+  return pass + ", repeated where fluid and structure do not agree after it";
 }
 
 /// A ratio with one decimal, or in brief where it is absurd.
@@ -264,8 +260,7 @@ std::string explain_text(const Case& scene, const Costs& costs) {
     return list;
   }());
   if (coupled) {
-    text += fmt::format("* Their interaction through {}; loads {}; {}.\n", words_of(scene.coupling.algorithm),
-                        name_of(scene.coupling.scheme).meaning,
+    text += fmt::format("* Their interaction through {}; loads {}; {}.\n", words_of(scene.coupling), name_of(scene.coupling.scheme).meaning,
                         scene.coupling.vem_coefficient ? fmt::format("with the VEM term, C = {}", *scene.coupling.vem_coefficient)
                                                        : "without the VEM term");
   }

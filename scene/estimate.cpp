@@ -211,8 +211,8 @@ bool any_body_is_below(double layers, const Case& scene, const std::vector<BodyE
 /// Mean in a window. The lightest bodies take 3 to 10 (`./tern verify rising_disc`), other light ones 1 to 4.
 double coupling_iterations(const Case& scene, const Estimate& result) {
   constexpr double of_lightest = 6, of_light = 2, of_heavy = 2;
-  const bool every_window = scene.coupling.algorithm == CouplingAlgorithm::implicit;
-  if (!every_window && scene.coupling.algorithm != CouplingAlgorithm::automatic) return 1;
+  const bool every_window = scene.coupling.tolerance.has_value();
+  if (scene.coupling.algorithm == CouplingAlgorithm::explicit_staggering || scene.coupling.max_iterations == 1) return 1;
   if (result.lightest || (every_window && result.light)) return of_lightest;
   return every_window ? of_heavy : result.light ? of_light : 1;
 }

@@ -38,9 +38,12 @@ void remove(Setting& table, const std::string& key) {
 const Renames& renames() {
   static const Renames list{
       {},
-      {{"coupling.algorithm", "CM0", "explicit"},
-       {"coupling.algorithm", "CM2", "semi-implicit"},
-       {"coupling.algorithm", "CM3", "implicit"}},
+      {{"coupling.algorithm", "CM0", "explicit", ""},
+       {"coupling.algorithm", "CM2", "auto", "max_iterations", "1"},
+       {"coupling.algorithm", "semi-implicit", "auto", "max_iterations", "1"},
+       {"coupling.algorithm", "CM3", "auto", "tolerance", "1e-4"},
+       {"coupling.algorithm", "implicit", "auto", "tolerance", "1e-4"}},
+      {{"coupling.acceleration", "iterations take the quasi-Newton method, which has needed the fewest everywhere"}},
   };
   return list;
 }
@@ -66,9 +69,19 @@ std::vector<std::string> use_present_names(Setting& document, const Renames& lis
     for_each_place(document, entry.path, [&](Setting& table, const std::string& key) {
       Setting* value = table.find(key);
       if (!value || value->type != Setting::Type::text || value->text != entry.old_value) return;
-      notes.push_back(
-          fmt::format("{}: {} \"{}\" is called \"{}\" now; write the new name.", value->where, key, entry.old_value, entry.new_value));
+      const bool says_more = !entry.other_key.empty() && !table.find(entry.other_key);
+      notes.push_back(fmt::format("{}: {} \"{}\" is called \"{}\"{} now; write the new name.", value->where, key, entry.old_value,
+                                  entry.new_value, says_more ? fmt::format(" with {} = {}", entry.other_key, entry.other_value) : ""));
       value->text = entry.new_value;
+      if (says_more) table.set(entry.other_key, read_toml_value(entry.other_value, value->where));
+    });
+  }
+  for (const RemovedKey& entry : list.removed) {
+    for_each_place(document, entry.path, [&](Setting& table, const std::string& key) {
+      const Setting* old = table.find(key);
+      if (!old) return;
+      notes.push_back(fmt::format("{}: '{}' is no key any more; {}.", old->where, key, entry.instead));
+      remove(table, key);
     });
   }
   return notes;

@@ -49,7 +49,7 @@ def run(label, directory, until, overrides):
     """The run of one scheme, done now unless it exists and reaches `until`."""
     name, scheme, vem, _ = SCHEMES[label]
     case = CASE if vem else case_without_vem(directory)
-    return run_or_reuse(label, case, directory / name, until, (f"coupling.scheme={scheme}", "coupling.algorithm=semi-implicit", *overrides))
+    return run_or_reuse(label, case, directory / name, until, (f"coupling.scheme={scheme}", "coupling.max_iterations=1", *overrides))
 
 
 def sides(start):

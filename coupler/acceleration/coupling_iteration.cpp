@@ -8,7 +8,7 @@ template <int D>
 void begin_iterations(const Setup<D>& setup, Workspace<D>& window, State<D>& state) {
   window.iterations = 0;
   window.agreed = true;
-  if (setup.algorithm.iterates) state.fixed_point.begin_window(window.answer.gain, window.begin);
+  if (setup.iterates) state.fixed_point.begin_window(window.answer.gain, window.begin);
 }
 
 template <int D>

@@ -1,4 +1,4 @@
-// IQN-ILS (Degroote, Bathe & Vierendeels 2009) and Aitken's dynamic relaxation (Kuettler & Wall 2008).
+// IQN-ILS (Degroote, Bathe & Vierendeels 2009).
 
 #include "coupler/acceleration/fixed_point.hpp"
 
@@ -14,8 +14,7 @@ namespace tern::coupler {
 namespace {
 
 constexpr std::size_t reused_windows = 8;
-constexpr std::size_t most_changes = 40;  ///< that one load is made of; a fit to more costs more than an iteration
-constexpr int most_iterations = 50;
+constexpr std::size_t most_changes = 40;   ///< that one load is made of; a fit to more costs more than an iteration
 constexpr double least_load = 0.01;        ///< that counts, over the largest of the run
 constexpr double largest_residual = 0.05;  ///< with which a window may end after the last iteration
 /// A change is used if at least this part of it is no combination of newer changes.
@@ -35,7 +34,6 @@ void FixedPoint::begin_window(double gain, double begin) {
   iterations_ = 0;
   residual_ = 0;
   gain_ = largest_gain_ = gain;
-  factor_ = 1 / gain;
   unknown_ = 0;
   first_load_before_ = std::exchange(first_load_, {});
   if (!changes_.empty() && changes_.front().empty()) return;
@@ -54,22 +52,18 @@ bool FixedPoint::add(const Eigen::VectorXd& load, const Eigen::VectorXd& answer)
                     iterations_, begin_));
   if (iterations_ == 1) {
     first_load_ = load;
-  } else if (acceleration_ == Acceleration::aitken) {
-    const Eigen::VectorXd change = residual - last_.residual;
-    factor_ *= -last_.residual.dot(change) / change.squaredNorm();
   } else {
     changes_.front().insert(changes_.front().begin(), {residual - base_.residual, answer - base_.answer});
     // The largest gains show first: what is still unknown has hardly more than what has been found last.
     if (unknown_ > 0) gain_ = std::clamp((answer - expected_).norm() / unknown_, 1.0, largest_gain_);
   }
-  last_ = {residual, answer};
   // An iteration that is worse than its base is learned from but not built upon. A second one in a row is, or iterations go in circles.
   refused_ = iterations_ > 1 && !refused_ && residual.norm() >= base_.residual.norm();
-  if (!refused_) base_ = last_;
+  if (!refused_) base_ = {residual, answer};
   // Where there is next to no load, the residual is measured by the largest load of the run: the last digits of the pressure solve differ.
   largest_answer_ = std::max(largest_answer_, size);
   residual_ = largest_answer_ > 0 ? residual.norm() / std::max(size, least_load * largest_answer_) : residual.norm() > 0 ? 1 : 0;
-  if (iterations_ == most_iterations && !(residual_ <= largest_residual))
+  if (iterations_ == most_ && !(residual_ <= largest_residual))
     throw NumericalFailure(
         fmt::format("Fluid and structure do not agree on the load after {} coupling iterations of the window from t = {:.6g} s: it changes "
                     "by {:.2g} of itself "
@@ -77,12 +71,10 @@ bool FixedPoint::add(const Eigen::VectorXd& load, const Eigen::VectorXd& answer)
                     "fluid.numerics.gravity_courant and "
                     "courant, or a thicker body.",
                     iterations_, begin_, residual_, largest_residual));
-  return converged() || iterations_ == most_iterations;
+  return converged() || iterations_ == most_;
 }
 
-Eigen::VectorXd FixedPoint::aitken() const { return last_.answer + (factor_ - 1) * last_.residual; }
-
-Eigen::VectorXd FixedPoint::quasi_newton() {
+Eigen::VectorXd FixedPoint::next() {
   unknown_ = 0;
   if (iterations_ == 1 && residual_ > mostly_error && first_load_before_.size() == first_load_.size() && first_load_before_ != first_load_)
     return 2 * first_load_ - first_load_before_;  // as the load went on before

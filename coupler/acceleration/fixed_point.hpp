@@ -7,24 +7,22 @@
 
 #include <Eigen/Core>
 
-#include "scene/case_file.hpp"
-
 namespace tern::coupler {
 
 class FixedPoint {
  public:
-  /// `tolerance`: of |H(x) - x| / |H(x)|; below a hundredth of the largest load of the run, over that.
-  FixedPoint(Acceleration acceleration, double tolerance) : acceleration_(acceleration), tolerance_(tolerance) {}
+  /// `tolerance`: of |H(x) - x| / |H(x)|; below a hundredth of the largest load of the run, over that. `most`: iterations of a window.
+  FixedPoint(double tolerance, int most) : tolerance_(tolerance), most_(most) {}
 
   /// `gain`: how many times an error of the load may come back in its answer, >= 1. `begin`: of the window, for messages [s].
   void begin_window(double gain, double begin);
 
   /// Takes note of the answer H(x) [N/m^(3-D)] to the load x; true when no further iteration is wanted. Throws NumericalFailure
-  /// when the answer is not finite.
+  /// when the answer is not finite, or when the last iteration still changes the load by a twentieth.
   bool add(const Eigen::VectorXd& load, const Eigen::VectorXd& answer);
 
   /// The load to try next, after add().
-  Eigen::VectorXd next() { return acceleration_ == Acceleration::aitken ? aitken() : quasi_newton(); }
+  Eigen::VectorXd next();
 
   int iterations() const { return iterations_; }  ///< of this window
   double residual() const { return residual_; }   ///< of the last iteration, relative
@@ -38,9 +36,7 @@ class FixedPoint {
     visit("largest_gain", all.largest_gain_...);
     visit("begin", all.begin_...);
     visit("residual", all.residual_...);
-    visit("factor", all.factor_...);
     visit("largest_answer", all.largest_answer_...);
-    visit("last", all.last_...);
     visit("base", all.base_...);
     visit("refused", all.refused_...);
     visit("first_load", all.first_load_...);
@@ -51,9 +47,6 @@ class FixedPoint {
   }
 
  private:
-  Eigen::VectorXd quasi_newton();
-  Eigen::VectorXd aitken() const;
-
   /// Of an iteration; or how they change between two iterations of a window.
   struct Outcome {
     Eigen::VectorXd residual, answer;
@@ -66,12 +59,12 @@ class FixedPoint {
     }
   };
 
-  Acceleration acceleration_;
   double tolerance_;
+  int most_;
   int iterations_ = 0;
-  double gain_ = 1, largest_gain_ = 1, begin_ = 0, residual_ = 0, factor_ = 1, largest_answer_ = 0;
-  Outcome last_, base_;                             ///< of the last iteration, and of the one that the next is built upon
-  bool refused_ = false;                            ///< the last iteration is not the base: it was worse
+  double gain_ = 1, largest_gain_ = 1, begin_ = 0, residual_ = 0, largest_answer_ = 0;
+  Outcome base_;                                    ///< of the iteration that the next is built upon
+  bool refused_ = false;                            ///< that is not the last one: it was worse
   Eigen::VectorXd first_load_, first_load_before_;  ///< of this window and of the one before; empty without iterations
   Eigen::VectorXd expected_;                        ///< answer to the next load, by what is known of H
   double unknown_ = 0;                              ///< size of that part of the step to it of which nothing is known

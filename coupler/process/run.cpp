@@ -27,7 +27,7 @@ void refuse_predicted_instability(const CommandLine& command, const Case& scene,
   if (scene.coupling.algorithm != CouplingAlgorithm::explicit_staggering || added.ratio <= explicit_limit || command.allow_unstable) return;
   throw BadInput(
       fmt::format("The explicit coupling is predicted to be unstable, whatever the step: {}, above {}. Use "
-                  "coupling.algorithm = \"semi-implicit\", or --allow-unstable to see it.",
+                  "coupling.algorithm = \"auto\", or --allow-unstable to see it.",
                   describe(added), explicit_limit));
 }
 
@@ -42,9 +42,9 @@ void check_bodies(const Case& scene, const SurfaceProperties& properties) {
 template <int D>
 Coupler<D> make_coupler(const Case& scene, const SurfaceProperties& properties) {
   Coupler<D> coupler(scene, properties);
-  if (scene.coupling.algorithm == CouplingAlgorithm::automatic)
-    log_info(coupler.setup().algorithm.tests ? "Coupling: one pass a window, and iterations where the sides do not agree after it."
-                                             : "Coupling: iterations in every window, because a body has next to no mass.");
+  if (scene.coupling.algorithm == CouplingAlgorithm::automatic && scene.coupling.max_iterations > 1 && !scene.coupling.tolerance)
+    log_info(coupler.setup().tests ? "Coupling: one pass a window, and iterations where the sides do not agree after it."
+                                   : "Coupling: iterations in every window, because a body has next to no mass.");
   return coupler;
 }
 
@@ -66,7 +66,7 @@ void report_totals(const Totals& totals, bool iterates, RunReport& report) {
 /// How the bodies have answered, where that is learnt.
 template <int D>
 void report_answers(const Coupler<D>& coupler, RunReport& report) {
-  if (!coupler.setup().algorithm.tests) return;
+  if (!coupler.setup().tests) return;
   for (std::size_t b = 0; b < coupler.setup().body_name.size(); ++b) {
     const auto learnt = coupler.state().response.of_body(coupler.setup(), b);
     if (!learnt) continue;
@@ -242,7 +242,7 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
   };
   const auto report_now = [&] {
     report.set_time(seconds(now), totals.windows);
-    report_totals(totals, coupler.setup().algorithm.iterates, report);
+    report_totals(totals, coupler.setup().iterates, report);
     report_answers(coupler, report);
     report_evaluations(coupler.state().evaluations, accounts.evaluated_gauges(), report);
     proto::report_traffic(channel, report);

@@ -23,8 +23,7 @@ void watch_energy(const Setup<D>& setup, double time, const Energies& energies, 
   throw NumericalFailure(fmt::format(
       "The interface has made {:.3g} {} in the last {} windows up to t = {:.6g} s, of {:.3g} that are present as motion and strain; "
       "the limit is {:g} of it. The fluid sees another motion of the bodies' surface than they make: {}.",
-      seen.energy.made(), D == 2 ? "J/m" : "J", InterfaceEnergy::windows, time, energies.present, InterfaceEnergy::share,
-      setup.algorithm.remedy));
+      seen.energy.made(), D == 2 ? "J/m" : "J", InterfaceEnergy::windows, time, energies.present, InterfaceEnergy::share, setup.remedy));
 }
 
 template void watch_energy<2>(const Setup<2>&, double, const Energies&, Observations&);

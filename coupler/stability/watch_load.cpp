@@ -62,7 +62,7 @@ void watch_load(const Setup<D>& setup, const Workspace<D>& window, Observations&
         "about a mean of {:.3g}, most near ({}) m, and without dying out; the limit is the mean, or a tenth of it when it grows by half "
         "every {} windows. The coupling makes this load: {}.",
         setup.body_name[b], window.begin + window.duration, alternation.amplitude(), D == 2 ? "N/m" : "N", alternation.mean(),
-        worst_place(alternation, own.point, window.surface), LoadAlternation::reversals, setup.algorithm.remedy));
+        worst_place(alternation, own.point, window.surface), LoadAlternation::reversals, setup.remedy));
   }
 }
 

@@ -45,9 +45,7 @@ void check_speed(const Ranks& ranks, const Window& window, const Prediction<D>& 
     for (int c = 0; c < D; ++c) where += fmt::format("{}{:.5g}", c ? ", " : "", prediction.position[i][c]);
     sentence = fmt::format(
         "The speed of fluid particle {} at ({}) m is {:.4g} m/s at t = {:.6g} s, above the limit of {:.4g} m/s ({} the reference speed of "
-        "the scene); pressure there {:.4g} Pa. The step has {}: use a smaller fluid.numerics.courant, or for a light structure the "
-        "coupling "
-        "algorithm implicit.",
+        "the scene); pressure there {:.4g} Pa. The step has {}: use a smaller fluid.numerics.courant.",
         state.id[i], where, speed, window.begin + window.duration, (lasts ? collapsed : impossible) * reference,
         lasts ? "for ten windows a hundred times" : "a thousand times", state.pressure[i],
         lasts ? fmt::format("collapsed to {:.3g} s, which this speed asks for", window.duration) : "become unstable");
@@ -61,7 +59,7 @@ void check_volume(const Window& window, double drift, State<D>& state) {
   if (state.windows_of_lost_volume < lasting) return;
   throw NumericalFailure(fmt::format(
       "The fluid has {} {:.1f} % of its volume by t = {:.6g} s, and more than {:g} % for ten windows. The surface of a body moves "
-      "otherwise than the fluid was told, or is too coarse to hold it: use coupling.algorithm = \"implicit\", or a smaller "
+      "otherwise than the fluid was told, or is too coarse to hold it: use a smaller spacing of the body, or a smaller "
       "fluid.numerics.gravity_courant and courant.",
       drift < 0 ? "lost" : "gained", 100 * std::abs(drift), window.begin + window.duration, 100 * lost_volume));
 }

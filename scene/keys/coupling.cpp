@@ -28,27 +28,25 @@ const Rows<CouplingCase>& coupling_rows() {
   static const Rows<CouplingCase> rows = {
       {"algorithm",
        one_of(&CouplingCase::algorithm, {{"auto", CouplingAlgorithm::automatic},
-                                         {"explicit", CouplingAlgorithm::explicit_staggering},
-                                         {"semi-implicit", CouplingAlgorithm::semi_implicit},
-                                         {"implicit", CouplingAlgorithm::implicit}}),
+                                         {"explicit", CouplingAlgorithm::explicit_staggering}}),
        "", "\"auto\"", any,
        "auto: predict, project, correct, in the way in which the surface has been seen to answer, and repeated in windows after which "
        "fluid and structure do not agree; windows are half as long where the mass behind a face is at most that of half a layer of fluid "
-       "particles, and all repeated, as by implicit, where it is at most a twentieth. "
-       "semi-implicit: one pass, with the masses of a formula, untested; implicit: repeated in every window until the loads agree; "
-       "explicit: staggered, unstable where the fluid's added mass exceeds the mass of the structure. The last three are for studies."},
-      {"acceleration", one_of(&CouplingCase::acceleration, {{"iqn-ils", Acceleration::iqn_ils}, {"aitken", Acceleration::aitken}}), "",
-       "\"iqn-ils\"", any,
-       "How the implicit coupling finds its next load: quasi-Newton from the iterations of this and earlier windows; or one factor."},
-      {"tolerance", &CouplingCase::tolerance, "-", "1e-4", between(0, 1),
-       "Change of the load in one coupling iteration of the implicit coupling, over the load, at which the window is done."},
+       "particles, and all repeated until the load changes by 1e-4 where it is at most a twentieth. "
+       "explicit: staggered, unstable where the fluid's added mass exceeds the mass of the structure; for studies."},
+      {"max_iterations", &CouplingCase::max_iterations, "-", "50", between(1, 1000),
+       "Passes of a window at most, not of explicit. A load that still changes by 0.05 of itself then ends the run, or the window is "
+       "repeated at half its length. 1: one pass that is not tested, for studies."},
+      {"tolerance", &CouplingCase::tolerance, "-", absent, between(0, 1),
+       "Change of the load in one pass, over the load, at which a window is done, not of explicit; every window is repeated then, for "
+       "studies. Absent: a window is done where the surface moves as the fluid has taken it to."},
       {"scheme", one_of(&CouplingCase::scheme, scheme_keys()), "", "\"riemann\"", any,
        "How the fluid's pressure becomes a load (docs/SCHEMES.md). " + scheme_meanings() + "."},
       {"riemann_limiter", &CouplingCase::riemann_limiter, "-", "3.0", a_factor,
        "Limiter eta of the Riemann dissipation, beta = min(eta max(du, 0)/c0, 1); 0 = none. Of scheme riemann only."},
       {"robin_mass_factor", &CouplingCase::robin_mass_factor, "-", "1.0", between(0, 2),
-       "Mass with which the interface yields in the pressure solve over the mass that answers, m_p/m_s, learnt or by formula; not of "
-       "implicit."},
+       "Mass with which the interface yields in the pressure solve over the mass that answers, m_p/m_s, learnt or by formula; not "
+       "where every window is repeated."},
   };
   // clang-format on
   return rows;

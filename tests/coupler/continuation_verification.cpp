@@ -98,32 +98,28 @@ void expect_continuation(const Case& c, const char* name) {
   EXPECT_EQ(whole.coupler.state().observations.energy.made(), second.coupler.state().observations.energy.made());
 }
 
-Case plate(CouplingAlgorithm algorithm, double density_ratio = 1) {
-  Case c = case_of({density_ratio, 4, 1e6, 1, algorithm});
+Case plate(Coupling coupling, double density_ratio = 1) {
+  Case c = case_of({density_ratio, 4, 1e6, 1, coupling});
   c.structure->numerics.integrator = Integrator::explicit_steps;
   return c;
 }
 
 // Seen to fail: without the load, the contacts, the changes of earlier windows, the areas at start, the learnt mass of the coupler's state.
-TEST(Continuation, GivesTheSameBitsWithEveryAlgorithm) {
-  expect_continuation<2>(plate(CouplingAlgorithm::explicit_staggering, 200), "explicit");
-  expect_continuation<2>(plate(CouplingAlgorithm::semi_implicit), "semi-implicit");
-  expect_continuation<2>(plate(CouplingAlgorithm::automatic), "auto");
-  for (auto acceleration : {Acceleration::iqn_ils, Acceleration::aitken}) {
-    Case c = plate(CouplingAlgorithm::implicit, 0.2);
-    c.coupling.acceleration = acceleration;
-    expect_continuation<2>(c, acceleration == Acceleration::aitken ? "implicit, Aitken" : "implicit, quasi-Newton");
-  }
+TEST(Continuation, GivesTheSameBitsWithEveryCoupling) {
+  expect_continuation<2>(plate(Coupling::explicit_staggering, 200), "explicit");
+  expect_continuation<2>(plate(Coupling::one_pass), "one pass");
+  expect_continuation<2>(plate(Coupling::automatic), "auto");
+  expect_continuation<2>(plate(Coupling::repeated, 0.2), "repeated");
 }
 
 TEST(Continuation, GivesTheSameBitsWithEverySchemeAndFormOfVem) {
   for (const auto& [scheme, key, meaning] : interface_schemes) {
-    Case c = plate(CouplingAlgorithm::semi_implicit);
+    Case c = plate(Coupling::one_pass);
     c.coupling.scheme = scheme;
     expect_continuation<2>(c, "scheme");
   }
   for (auto form : {VemForm::seed, VemForm::sum, VemForm::pairmax}) {
-    Case c = plate(CouplingAlgorithm::semi_implicit);
+    Case c = plate(Coupling::one_pass);
     c.coupling.vem_coefficient = 1;
     c.coupling.vem_form = form;
     expect_continuation<2>(c, "vem");
@@ -132,19 +128,19 @@ TEST(Continuation, GivesTheSameBitsWithEverySchemeAndFormOfVem) {
 
 TEST(Continuation, GivesTheSameBitsWithEveryIntegratorOfTheStructure) {
   for (auto integrator : {Integrator::explicit_steps, Integrator::implicit_steps, Integrator::automatic})
-    for (auto algorithm : {CouplingAlgorithm::semi_implicit, CouplingAlgorithm::implicit}) {
-      Case c = plate(algorithm, 0.5);
+    for (auto coupling : {Coupling::one_pass, Coupling::repeated}) {
+      Case c = plate(coupling, 0.5);
       c.structure->numerics.integrator = integrator;
       expect_continuation<2>(c, "integrator");
     }
 }
 
 TEST(Continuation, GivesTheSameBitsWithMovingWallsAndInASealedFluid) {
-  Case moving = plate(CouplingAlgorithm::semi_implicit);
+  Case moving = plate(Coupling::one_pass);
   moving.walls[0].motion.emplace();
   moving.walls[0].motion->displacement = {Expression("0.002*sin(20*t)"), Expression(0.0), Expression(0.0)};
   expect_continuation<2>(moving, "moving walls");
-  expect_continuation<2>(case_of({0.1, 4, 1e7, 2, CouplingAlgorithm::automatic, 1, true}), "sealed");
+  expect_continuation<2>(case_of({0.1, 4, 1e7, 2, Coupling::automatic, 1, true}), "sealed");
 }
 
 TEST(Continuation, GivesTheSameBitsInThreeDimensions) {

@@ -174,10 +174,7 @@ TEST(ProcessSplit, AnExplicitRunInOneProcessAndInThreeGivesTheSameBits) {
 TEST(ProcessSplit, ARepeatedWindowInOneProcessAndInThreeGivesTheSameBits) {
   const ScratchDirectory out;
   CaseOptions options;
-  options.overrides = {{"coupling.algorithm", "auto"},
-                       {"structure.body.plate.density", "100"},
-                       {"end_time", "0.06"},
-                       {"structure.numerics.integrator", "explicit"}};
+  options.overrides = {{"structure.body.plate.density", "100"}, {"end_time", "0.06"}, {"structure.numerics.integrator", "explicit"}};
   std::vector<std::string> words;
   for (const auto& [key, value] : options.overrides) words.insert(words.end(), {"--set", key + "=" + value});
   ASSERT_TRUE(run_three(out.path(), words));

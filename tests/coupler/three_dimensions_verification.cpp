@@ -31,7 +31,7 @@ Slice run(int width, double until) {
   c.end_time = until;
   c.gravity = constant(0, -9.81);
   c.coupling.riemann_limiter = 3;
-  c.coupling.algorithm = CouplingAlgorithm::semi_implicit;
+  c.coupling.max_iterations = 1;
   WallCase tank;
   tank.name = "tank";
   tank.container = true;

@@ -45,16 +45,16 @@ struct BothSides {
   void apply(const SurfaceLoad<2>&) { calls.push_back("apply"); }
 };
 
-std::vector<std::string> calls_of_one_window(BothSides sides, CouplingAlgorithm algorithm = CouplingAlgorithm::automatic) {
+std::vector<std::string> calls_of_one_window(BothSides sides, testing::Coupling coupling = testing::Coupling::automatic) {
   Case c = scene(2, 0.1);
-  c.coupling.algorithm = algorithm;
+  testing::choose(coupling, c.coupling);
   Coupler<2> coupler(c, properties(1, 1e6));
   run_window<2>(sides, sides, coupler, 0, to_ticks(1e-3));
   return sides.calls;
 }
 
 TEST(Window, TheFluidEndsItsWindowBeforeTheStructureBecauseItComputesLonger) {
-  EXPECT_EQ(calls_of_one_window({}, CouplingAlgorithm::semi_implicit),
+  EXPECT_EQ(calls_of_one_window({}, testing::Coupling::explicit_staggering),
             (std::vector<std::string>{"begin_window", "predict_surface", "see_surface", "solve_pressure", "end_window", "apply"}));
 }
 
@@ -66,6 +66,7 @@ TEST(Window, IsDoneAfterOnePassWhereTheSurfaceMovesAsTheFluidTookItTo) {
   sides.velocity = {0, -1};
   EXPECT_EQ(calls_of_one_window(sides), (std::vector<std::string>{"begin_window", "predict_surface", "see_surface", "solve_pressure",
                                                                   "respond", "solve_pressure", "end_window", "apply"}));
+  EXPECT_EQ(calls_of_one_window(sides, testing::Coupling::one_pass), calls_of_one_window({})) << "taken as it is";
 }
 
 TEST(Window, ASurfaceOutOfReachIsPassedByTheFluidBeforeTheStructureGetsItsLoad) {

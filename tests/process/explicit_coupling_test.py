@@ -16,7 +16,7 @@ class ExplicitCouplingTest(RealRunTest):
     def test_it_is_refused_with_the_figure_and_the_remedy(self):
         code, _, errors = self.finish(self.start("--set", "coupling.algorithm=explicit", "--until", "0.02"))
         self.assertEqual(code, 2, errors)
-        for part in (f"m_a/m_s = {RATIO:.3g} for 'plate'", "0.8", "semi-implicit", "--allow-unstable"):
+        for part in (f"m_a/m_s = {RATIO:.3g} for 'plate'", "0.8", "auto", "--allow-unstable"):
             self.assertIn(part, errors)
         contents = self.contents()
         self.assertEqual((contents["status"], contents["steps"]), ("bad input", 0))

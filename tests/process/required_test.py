@@ -52,7 +52,7 @@ riemann_diffusion = 0
 """
 COUPLING = """
 [coupling]
-algorithm = "semi-implicit"
+max_iterations = 1
 riemann_limiter = 0
 """
 GATE = """
@@ -93,7 +93,7 @@ MODULES = {
     "gate": (GATE, [], "fluid", "moving_walls"),
     "Riemann dissipation": ("", ["coupling.riemann_limiter=3"], "coupler", "riemann_dissipation"),
     "VEM": (VEM, [], "coupler", "vem"),
-    "repeated windows": ("", ["coupling.algorithm=implicit"], "coupler", "coupling_iterations"),
+    "repeated windows": ("", ["coupling.max_iterations=50", "coupling.tolerance=1e-4"], "coupler", "coupling_iterations"),
     "diffusion": ("", ["structure.numerics.riemann_diffusion=1"], "structure", "riemann_diffusion"),
     "penalty": ("", ["structure.numerics.hourglass_penalty=0.1"], "structure", "hourglass_penalty"),
     "load": (LOAD, [], "structure", "loads"),

@@ -136,8 +136,7 @@ class WindowRepeatTest(unittest.TestCase):
     # A failure that shorter windows cannot mend.
     def test_a_body_that_falls_on_the_floor_is_not_repeated(self):
         code, errors, contents = self.run_case(CASES / "small_plate", self.path / "run", "--set",
-                                               "structure.body.plate.velocity=[-3, 0]", "--set", "structure.body.plate.young_modulus=3e4",
-                                               "--set", "coupling.algorithm=auto")
+                                               "structure.body.plate.velocity=[-3, 0]", "--set", "structure.body.plate.young_modulus=3e4")
         self.assertEqual(code, 3, errors)
         self.assertIn("has entered", contents["first_cause"])
         self.assertNotIn("taken_back", contents)

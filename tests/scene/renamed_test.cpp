@@ -47,6 +47,23 @@ TEST(OldNames, AreReadAsThePresentOnesWithANote) {
   EXPECT_TRUE(use_present_names(given, list).empty()) << "nothing old is left";
 }
 
+// Seen to fail with the other key set whatever is given, and with what is gone left in the document.
+TEST(OldNames, OfCouplingsSayWhatTheySaidAndWhatIsGoneIsTakenOut) {
+  const auto read = [](const std::string& algorithm) {
+    Setting given = table({{"coupling", table({{"algorithm", text(algorithm)}, {"acceleration", text("aitken")}})}});
+    const auto notes = use_present_names(given);
+    EXPECT_EQ(notes.size(), 2u);
+    EXPECT_EQ(given.at("coupling").find("acceleration"), nullptr);
+    EXPECT_EQ(given.at("coupling").at("algorithm").text, "auto");
+    return given.at("coupling");
+  };
+  for (const char* name : {"CM2", "semi-implicit"}) EXPECT_EQ(read(name).at("max_iterations").number, 1);
+  for (const char* name : {"CM3", "implicit"}) EXPECT_EQ(read(name).at("tolerance").number, 1e-4);
+  Setting given = table({{"coupling", table({{"algorithm", text("implicit")}, {"tolerance", text("1e-2")}})}});
+  use_present_names(given);
+  EXPECT_EQ(given.at("coupling").at("tolerance").text, "1e-2");
+}
+
 // Seen to fail with the old name taken whatever else is given.
 TEST(OldNames, BesideThePresentOneAreRefusedButOnTheCommandLine) {
   Setting given = document(table({{"modulus", text("1e6")}, {"young_modulus", text("2e6")}}));

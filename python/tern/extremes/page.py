@@ -31,14 +31,14 @@ def _short(message):
 
 
 def plates_table(rows):
-    """The plates with an algorithm per column."""
+    """The plates with a coupling per column."""
     by_name = {row["cell"]: row for row in rows if row["family"] == "plates"}
-    lines = ["| plate | " + " | ".join(families.ALGORITHMS) + " |", "|---|" + "---|" * len(families.ALGORITHMS)]
+    lines = ["| plate | " + " | ".join(families.COUPLINGS) + " |", "|---|" + "---|" * len(families.COUPLINGS)]
     for cell in dict.fromkeys(name.rsplit(", ", 1)[0] for name in by_name):
-        rows_of = [by_name.get(f"{cell}, {algorithm}") for algorithm in families.ALGORITHMS]
+        rows_of = [by_name.get(f"{cell}, {coupling}") for coupling in families.COUPLINGS]
         lines.append(f"| {cell} | " + " | ".join(outcome(row) if row else "" for row in rows_of) + " |")
-    counts = [f"* {algorithm}: {counted([row for name, row in by_name.items() if name.endswith(', ' + algorithm)])}."
-              for algorithm in families.ALGORITHMS]
+    counts = [f"* {coupling}: {counted([row for name, row in by_name.items() if name.endswith(', ' + coupling)])}."
+              for coupling in families.COUPLINGS]
     return [*lines, "", *counts]
 
 

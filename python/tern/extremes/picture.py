@@ -53,9 +53,9 @@ def draw(all_rows, out):
     if any(row["family"] == "plates" for row in all_rows):
         cells = list(families.plates())
         figure, grids = plt.subplots(1, 3, figsize=(15, 6), sharey=True)
-        for axes, algorithm in zip(grids, families.ALGORITHMS):
-            _grid(axes, [cell for cell in cells if cell.name.endswith(", " + algorithm)], rows)
-            axes.set_title(algorithm)
+        for axes, coupling in zip(grids, families.COUPLINGS):
+            _grid(axes, [cell for cell in cells if cell.name.endswith(", " + coupling)], rows)
+            axes.set_title(coupling)
             axes.set_xlabel("Young's modulus [Pa], wet faces")
         grids[0].set_ylabel("density over that of water, particles across")
         figure.suptitle("Plate in a tank: largest speed over sqrt(g H), or windows until it stopped")

@@ -45,8 +45,9 @@ def plan(out, contents, cause, checkpoints):
     none."""
     if not may_help(contents, cause) or contents["launch"]["only"] or contents["launch"]["allow_unstable"]:
         return None
-    if "coupler" in contents["processes"] and contents["settings"]["coupling"]["algorithm"] in ("explicit", "semi-implicit"):
-        return None  # one pass that was asked for by name is to be seen as it is
+    coupling = contents["settings"].get("coupling", {})
+    if "coupler" in contents["processes"] and (coupling["algorithm"] == "explicit" or coupling["max_iterations"] == 1):
+        return None  # one pass that was asked for is to be seen as it is
     timekeeper = contents["processes"].get("coupler") or contents["processes"].get("fluid")
     if not timekeeper:
         return None  # a structure alone: its sub-steps are not the windows' business
