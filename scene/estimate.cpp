@@ -82,28 +82,50 @@ BodyEstimate estimate_body(const Case& scene, const StructureBody& body) {
   return result;
 }
 
-// It starts at rest, and no particle has room beside it or, along gravity, below it: walls and bodies are there, or more of the fluid.
-// Whether the container is shaken later makes no free fall of it.
+/// Whether a body cannot hold back fluid that is `depth` deep: it is loose, or held at one end and bent by a spacing there by its load.
+template <int D>
+bool gives_way(const Case& scene, const StructureBody& body, double gravity, double depth) {
+  if (body.clamps.empty()) return true;
+  if (held_ends<D>(body) != 1) return false;
+  const double thickness = body.is_shell ? mid_surface<D>(body).thickness : thin_section<D>(body), nu = body.poisson_ratio;
+  const double stiffness = body.young_modulus * std::pow(thickness, 3) / (12 * (1 - nu * nu));
+  return scene.fluid->density * gravity * depth * std::pow(free_length<D>(body), 4) > 8 * stiffness * scene.fluid->spacing;
+}
+
+// It starts at rest, and no particle has room beside it or, along gravity, below it: walls and bodies are there, or more of the fluid,
+// which may be behind a body that gives way. Whether the container is shaken later makes no free fall of it.
 template <int D>
 bool is_settled(const Case& scene, const Vector<D>& gravity) {
-  for (const FluidBody& body : scene.fluid->bodies)
+  Bounds<D> extent = bounding_box<D>(scene.fluid->bodies[0].shape);
+  for (const FluidBody& body : scene.fluid->bodies) {
     if (!is_zero(body.velocity)) return false;
+    const auto own = bounding_box<D>(body.shape);
+    extent = {extent.min.cwiseMin(own.min), extent.max.cwiseMax(own.max)};
+  }
+  const double depth = (extent.max - extent.min).cwiseProduct(gravity / gravity.norm()).cwiseAbs().sum();
   constexpr double room = 0.25;  // in spacings, that a particle needs from a face at least
   const double dx = scene.fluid->spacing;
   const std::optional<Shape> region = fluid_region(scene);
+  std::vector<const StructureBody*> holding, yielding;
+  if (scene.structure)
+    for (const StructureBody& body : scene.structure->bodies)
+      (gives_way<D>(scene, body, gravity.norm(), depth) ? yielding : holding).push_back(&body);
   const auto is_in_fluid = [&](const Vector<D>& x) {
     const auto& bodies = scene.fluid->bodies;
     return std::any_of(bodies.begin(), bodies.end(), [&](const FluidBody& body) { return signed_distance<D>(body.shape, x) < room * dx; });
   };
+  const auto is_in = [&](const std::vector<const StructureBody*>& bodies, const Vector<D>& x) {
+    return std::any_of(bodies.begin(), bodies.end(), [&](const auto* body) { return signed_distance<D>(body->shape, x) < room * dx; });
+  };
   const auto is_taken = [&](const Vector<D>& x) {
-    bool taken = region && signed_distance<D>(*region, x) > -room * dx;
+    bool taken = is_in(holding, x) || (region && signed_distance<D>(*region, x) > -room * dx);
     for (const WallCase& wall : scene.walls) taken = taken || (!wall.container && signed_distance<D>(wall.shape, x) < room * dx);
-    if (scene.structure)
-      for (const StructureBody& body : scene.structure->bodies) taken = taken || signed_distance<D>(body.shape, x) < room * dx;
     return taken;
   };
   const auto is_free = [&](const Vector<D>& x, const Vector<D>& step) {  // halfway there may be a body that is thinner than a spacing
-    return !is_in_fluid(x + step) && !is_taken(x + 0.5 * step) && !is_taken(x + step);
+    Vector<D> there = x + step;
+    while (is_in(yielding, there)) there += step;
+    return !is_in_fluid(there) && !is_taken(x + 0.5 * step) && !is_taken(there);
   };
   for (const FluidBody& body : scene.fluid->bodies)
     for (const Vector<D>& x : fill_with_fluid<D>(body.shape, dx))

@@ -34,8 +34,8 @@ struct Renames {
 /// What a case file may still call by its old name.
 const Renames& renames();
 
-/// Gives everything in `document` its present name, and takes out what is gone; one sentence per old name found. An old key from --set replaces the new
-/// one. Throws BadInput where a file gives both.
+/// Gives everything in `document` its present name, and takes out what is gone; one sentence per old name found. An old key from
+/// --set replaces the new one. Throws BadInput where a file gives both.
 std::vector<std::string> use_present_names(Setting& document, const Renames& list = renames());
 
 }  // namespace tern

@@ -34,7 +34,7 @@ const Rows<CouplingCase>& coupling_rows() {
        "fluid and structure do not agree; windows are half as long where the mass behind a face is at most that of half a layer of fluid "
        "particles, and all repeated until the load changes by 1e-4 where it is at most a twentieth. "
        "explicit: staggered, unstable where the fluid's added mass exceeds the mass of the structure; for studies."},
-      {"max_iterations", &CouplingCase::max_iterations, "-", "50", between(1, 1000),
+      {"max_iterations", &CouplingCase::max_iterations, "-", "50", from_to(1, 1000),
        "Passes of a window at most, not of explicit. A load that still changes by 0.05 of itself then ends the run, or the window is "
        "repeated at half its length. 1: one pass that is not tested, for studies."},
       {"tolerance", &CouplingCase::tolerance, "-", absent, between(0, 1),

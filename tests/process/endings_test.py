@@ -158,7 +158,7 @@ class EndingsTest(RealRunTest):
                  "TERN_FAULT_AT": {"fluid": "send:16:20", "structure": "send:13:20", "coupler": "send:15:20"}[role],
                  "TERN_FAULT_DO": "stuck"}
         with unittest.mock.patch.dict(os.environ, fault):
-            process = self.start("--quiet", *words, case=CASE)
+            process = self.start("--quiet", "--set", "coupling.max_iterations=1", *words, case=CASE)  # one pressure a window
         self.assertTrue(wait_until(lambda: any(Path(f"/proc/{pid}/comm").read_text() == "stuck\n" for pid in self.pids_of_run()), 30))
         return process
 

@@ -218,7 +218,7 @@ class KnobsTest(unittest.TestCase):
 
     def test_coupling_algorithm(self):
         """The explicit coupling has nothing to repeat."""
-        default, other = self.pair("impact", COUPLING + "algorithm=explicit", "end_time=0.02")
+        default, other = self.pair("impact", COUPLING + "algorithm=explicit", "end_time=0.01")
         self.assertGreaterEqual(default.figures["coupling_iterations_mean"], 1)
         self.assertNotIn("coupling_iterations_mean", other.figures)
 
