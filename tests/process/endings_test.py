@@ -20,6 +20,7 @@ from real_run import SCENE, RealRunTest, find_damage
 from same_results import differences
 
 CASE = ROOT / "tests" / "process" / "cases" / "splash_plate"
+ONE_PASS = ("--set", "coupling.max_iterations=1")  # and one pressure a window, so that messages can be counted
 
 
 class EndingsTest(RealRunTest):
@@ -158,7 +159,7 @@ class EndingsTest(RealRunTest):
                  "TERN_FAULT_AT": {"fluid": "send:16:20", "structure": "send:13:20", "coupler": "send:15:20"}[role],
                  "TERN_FAULT_DO": "stuck"}
         with unittest.mock.patch.dict(os.environ, fault):
-            process = self.start("--quiet", "--set", "coupling.max_iterations=1", *words, case=CASE)  # one pressure a window
+            process = self.start("--quiet", *ONE_PASS, *words, case=CASE)
         self.assertTrue(wait_until(lambda: any(Path(f"/proc/{pid}/comm").read_text() == "stuck\n" for pid in self.pids_of_run()), 30))
         return process
 
@@ -166,7 +167,7 @@ class EndingsTest(RealRunTest):
     def test_ctrl_c_in_a_window_that_does_not_end_leaves_the_checkpoint_before(self):
         words = ["--set", "output.frame_interval=0.02", "--set", "output.checkpoint_interval=0.02", "--until", "0.1"]
         whole = self.path / "whole"
-        subprocess.run([ROOT / "tern", "run", CASE, "--out", whole, "--quiet", *words], env=self.environment(), check=True)
+        subprocess.run([ROOT / "tern", "run", CASE, "--out", whole, "--quiet", *ONE_PASS, *words], env=self.environment(), check=True)
         for role in ("fluid", "structure", "coupler"):
             with self.subTest(role):
                 process = self.stuck_run(role, *words)
