@@ -3,7 +3,10 @@
 // particle. What is written as one addition here is one instruction of the processor.
 
 #include <array>
+#include <bit>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <vector>
 
@@ -41,6 +44,66 @@ inline Four load(const float* from) {
 
 inline void store(const Four& four, double* to) { std::memcpy(to, &four, sizeof four); }
 
+/// Eight numbers in single precision: of two groups.
+typedef float Eight __attribute__((vector_size(2 * lanes * sizeof(float))));
+
+inline Eight to_single(const Four& low, const Four& high) {
+#ifdef __AVX__
+  return reinterpret_cast<Eight>(
+      _mm256_set_m128(_mm256_cvtpd_ps(reinterpret_cast<__m256d>(high)), _mm256_cvtpd_ps(reinterpret_cast<__m256d>(low))));
+#else
+  Eight eight;
+  for (int m = 0; m < lanes; ++m) eight[m] = static_cast<float>(low[m]), eight[m + lanes] = static_cast<float>(high[m]);
+  return eight;
+#endif
+}
+
+inline Four low_half(const Eight& eight) {
+#ifdef __AVX__
+  return reinterpret_cast<Four>(_mm256_cvtps_pd(_mm256_castps256_ps128(reinterpret_cast<__m256>(eight))));
+#else
+  return Four{eight[0], eight[1], eight[2], eight[3]};
+#endif
+}
+
+inline Four high_half(const Eight& eight) {
+#ifdef __AVX__
+  return reinterpret_cast<Four>(_mm256_cvtps_pd(_mm256_extractf128_ps(reinterpret_cast<__m256>(eight), 1)));
+#else
+  return Four{eight[4], eight[5], eight[6], eight[7]};
+#endif
+}
+
+inline Eight square_root(const Eight& eight) {
+#ifdef __AVX__
+  return reinterpret_cast<Eight>(_mm256_sqrt_ps(reinterpret_cast<__m256>(eight)));
+#else
+  Eight result;
+  for (int m = 0; m < 2 * lanes; ++m) result[m] = std::sqrt(eight[m]);
+  return result;
+#endif
+}
+
+/// The numbers of these lanes of the two groups, 0 for the others. Bit m of `low` and of `high`: lane m of the group.
+inline Eight keep_lanes(const Eight& eight, int low, int high) {
+  typedef std::int32_t Bits __attribute__((vector_size(2 * lanes * sizeof(float))));
+  constexpr Bits bit = {1, 2, 4, 8, 16, 32, 64, 128};
+  const Bits kept = Bits{} + (low | high << lanes);
+  return (kept & bit) != 0 ? eight : Eight{};
+}
+
+/// How many are above 0.
+inline int positive(const Eight& eight) {
+#ifdef __AVX__
+  return std::popcount(
+      static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(reinterpret_cast<__m256>(eight), _mm256_setzero_ps(), _CMP_GT_OQ))));
+#else
+  int count = 0;
+  for (int m = 0; m < 2 * lanes; ++m) count += eight[m] > 0;
+  return count;
+#endif
+}
+
 inline double sum(const Four& four) { return (four[0] + four[2]) + (four[1] + four[3]); }
 
 /// A vector of each particle, by axis.
@@ -54,6 +117,13 @@ void by_axis(const std::vector<Vector<D>>& vectors, ByAxis<D>& result) {
   parallel_for(n, [&](std::ptrdiff_t i) {
     for (int c = 0; c < D; ++c) result[c][i] = vectors[i][c];
   });
+}
+
+/// Calls visit(a, b, place) for the axes a < b of a pair and its place among them.
+template <int D, class Visit>
+[[gnu::always_inline]] inline void for_axis_pairs(Visit&& visit) {
+  for (int a = 0, place = 0; a < D; ++a)
+    for (int b = a + 1; b < D; ++b, ++place) visit(a, b, place);
 }
 
 /// Component c of the vectors between coordinates, as Period::between().

@@ -2,7 +2,7 @@
 
 #include <bit>
 #include <cmath>
-#include <limits>
+#include <cstring>
 
 #include <omp.h>
 
@@ -15,115 +15,122 @@ namespace {
 /// Entries of a row on average, for which there is room at first; denser clumps make the arrays grow.
 constexpr int initial_row_length(int dimension) { return dimension == 2 ? 60 : 240; }
 
-/// A number that single precision can hold, nearest to `value` but for ties. In a loop over numbers in double precision a conversion there
-/// and back would halve how many are computed at a time.
-inline double rounded_to_single(double value) {
-  constexpr int dropped = std::numeric_limits<double>::digits - std::numeric_limits<float>::digits;
-  constexpr std::uint64_t unit = std::uint64_t{1} << dropped;
-  return std::bit_cast<double>((std::bit_cast<std::uint64_t>(value) + unit / 2) & -unit);
-}
-
-/// Sums row i over its entries at `offset`, by axis, and writes the weights, which stand in the first axis of `offset` then.
+/// What the sums over a row need of the kernel, with q = r/h, s = (1 - q/2)_+: w = w(0) s^4 (2 q + 1), |w'|/r is in proportion to s^3.
 template <int D>
-void sum_row(const Constants<D>& constants, ByAxis<D>& offset, int i, Neighbours<D>& result) {
-  const int n = result.length[i];
-  const double inverse_h = 1 / constants.kernel.smoothing_length();
-  const double value_scale = constants.kernel.value(0) * constants.volume;
-  const double gradient_scale = constants.kernel.gradient_weight(0) * constants.volume / constants.lattice.gradient_moment;
-  const double lattice_value = 1 / (constants.kernel.value(constants.spacing) * constants.volume);
+struct RowKernel {
+  explicit RowKernel(const Constants<D>& constants)
+      : inverse_h2(1 / (constants.kernel.smoothing_length() * constants.kernel.smoothing_length())),
+        value(constants.kernel.value(0) * constants.volume),
+        gradient(static_cast<float>(constants.kernel.gradient_weight(0) * constants.volume / constants.lattice.gradient_moment)),
+        over_lattice(static_cast<float>(constants.kernel.value(0) / constants.kernel.value(constants.spacing))) {}
 
-  double density = value_scale;
-  if constexpr (D == 2) {
-    double* const x = offset[0].data();
-    const double* const y = offset[1].data();
-    double mxx = 0, mxy = 0, myy = 0, gx = 0, gy = 0, cx = 0, cy = 0;
-#pragma omp simd reduction(+ : density, mxx, mxy, myy, gx, gy, cx, cy)
-    for (int k = 0; k < n; ++k) {
-      const double dx = x[k], dy = y[k];
-      const double q = std::sqrt(dx * dx + dy * dy) * inverse_h;
-      const double s = std::max(0.0, 1 - 0.5 * q), s3 = s * s * s;
-      const double w = value_scale * s3 * s * (2 * q + 1);
-      const double exact = gradient_scale * s3, a = rounded_to_single(exact);
-      x[k] = a;
-      const double ratio = w * lattice_value, ratio2 = ratio * ratio, extra = exact * (1 + 0.2 * ratio2 * ratio2);
-      density += w;
-      mxx += a * dx * dx, mxy += a * dx * dy, myy += a * dy * dy;
-      gx += a * dx, gy += a * dy;
-      cx += extra * dx, cy += extra * dy;
-    }
-    result.moment[i] << mxx, mxy, mxy, myy;
-    result.kernel_gradient[i] << gx, gy;
-    result.concentration_gradient[i] << cx, cy;
-  } else {
-    double* const x = offset[0].data();
-    const double *const y = offset[1].data(), *const z = offset[2].data();
-    double mxx = 0, mxy = 0, mxz = 0, myy = 0, myz = 0, mzz = 0, gx = 0, gy = 0, gz = 0, cx = 0, cy = 0, cz = 0;
-#pragma omp simd reduction(+ : density, mxx, mxy, mxz, myy, myz, mzz, gx, gy, gz, cx, cy, cz)
-    for (int k = 0; k < n; ++k) {
-      const double dx = x[k], dy = y[k], dz = z[k];
-      const double q = std::sqrt(dx * dx + dy * dy + dz * dz) * inverse_h;
-      const double s = std::max(0.0, 1 - 0.5 * q), s3 = s * s * s;
-      const double w = value_scale * s3 * s * (2 * q + 1);
-      const double exact = gradient_scale * s3, a = rounded_to_single(exact);
-      x[k] = a;
-      const double ratio = w * lattice_value, ratio2 = ratio * ratio, extra = exact * (1 + 0.2 * ratio2 * ratio2);
-      density += w;
-      mxx += a * dx * dx, mxy += a * dx * dy, mxz += a * dx * dz;
-      myy += a * dy * dy, myz += a * dy * dz, mzz += a * dz * dz;
-      gx += a * dx, gy += a * dy, gz += a * dz;
-      cx += extra * dx, cy += extra * dy, cz += extra * dz;
-    }
-    result.moment[i] << mxx, mxy, mxz, mxy, myy, myz, mxz, myz, mzz;
-    result.kernel_gradient[i] << gx, gy, gz;
-    result.concentration_gradient[i] << cx, cy, cz;
-  }
-  result.number_density[i] = density;
-  float* const weight = result.weight.data() + result.begin[i];
+  double inverse_h2, value;
+  float gradient, over_lattice;
+};
+
+/// Sums row i over its groups and writes its weights. Bit m of scratch.lanes_of[g]: entry m of group g belongs to the row.
+/// Distances are in double precision. What the kernel makes of them is in single, eight at a time, for it becomes weights in single. The
+/// sums follow in a loop of their own: what waits for a root would hold them up.
+template <bool periodic, int D>
+void sum_row(const RowKernel<D>& kernel, const LanePeriod<periodic, D>& period, int i, RowScratch& scratch, Neighbours<D>& result) {
+  const int groups = result.length[i] / lanes;
+  const int* const first = result.first.data() + result.begin[i] / lanes;
+  const int* const lanes_of = scratch.lanes_of.data();
+  float *const weight = result.weight.data() + result.begin[i], *const ordering = scratch.ordering.data();
+  std::array<const double*, D> position;
+  std::array<double, D> x;
+  for (int c = 0; c < D; ++c) position[c] = result.position[c].data(), x[c] = position[c][i];
+  const auto to_group = [&](int g, std::array<Four, D>& r) __attribute__((always_inline)) {
+    for (int c = 0; c < D; ++c) r[c] = period.between(x[c], position[c] + first[g], c);
+  };
+  const auto squared = [&](int g) __attribute__((always_inline)) {
+    std::array<Four, D> r;
+    to_group(g, r);
+    Four r2 = r[0] * r[0];
+    for (int c = 1; c < D; ++c) r2 += r[c] * r[c];
+    return kernel.inverse_h2 * r2;
+  };
+
+  Four density{};
   int count = 0;
-  for (int k = 0; k < n; ++k) {
-    weight[k] = static_cast<float>(offset[0][k]);
-    count += weight[k] != 0;
+  for (int g = 0; g < groups; g += 2) {
+    const bool pair = g + 1 < groups;
+    const Eight q = square_root(to_single(squared(g), squared(pair ? g + 1 : g))), inside = 1 - 0.5f * q;
+    const Eight s = inside > 0 ? inside : Eight{};
+    const Eight s3 = keep_lanes(s * s * s, lanes_of[g], pair ? lanes_of[g + 1] : 0);
+    const Eight w = s3 * s * (2 * q + 1), a = kernel.gradient * s3;
+    const Eight ratio = kernel.over_lattice * w, ratio2 = ratio * ratio, with_order = a + 0.2f * a * (ratio2 * ratio2);
+    if (pair)
+      std::memcpy(weight + g * lanes, &a, sizeof a);
+    else
+      std::memcpy(weight + g * lanes, &a, sizeof a / 2);
+    std::memcpy(ordering + g * lanes, &with_order, sizeof with_order);
+    count += positive(a);
+    density += low_half(w) + high_half(w);
   }
+  result.number_density[i] = kernel.value * (1 + sum(density));
   result.count[i] = count;
+
+  std::array<Four, D> gradient{}, concentration{}, moment{};
+  std::array<Four, D*(D - 1) / 2> mixed_moment{};
+  for (int g = 0; g < groups; ++g) {
+    std::array<Four, D> r, part;
+    to_group(g, r);
+    const Four a = load(weight + g * lanes), with_order = load(ordering + g * lanes);
+    for (int b = 0; b < D; ++b) {
+      part[b] = a * r[b];
+      gradient[b] += part[b];
+      concentration[b] += with_order * r[b];
+      moment[b] += part[b] * r[b];
+    }
+    for_axis_pairs<D>([&](int b, int c, int place) __attribute__((always_inline)) { mixed_moment[place] += part[b] * r[c]; });
+  }
+  for (int b = 0; b < D; ++b) {
+    result.kernel_gradient[i][b] = sum(gradient[b]);
+    result.concentration_gradient[i][b] = sum(concentration[b]);
+    result.moment[i](b, b) = sum(moment[b]);
+  }
+  for_axis_pairs<D>([&](int b, int c, int place) { result.moment[i](b, c) = result.moment[i](c, b) = sum(mixed_moment[place]); });
 }
 
-/// The groups of a row while it is found: what lies in them, and the vectors there. What is no neighbour is put `far` away.
+/// The groups of a row while it is found, and which of their lanes belong to it.
 template <int D>
 struct RowBuilder {
   const Period<D>& period;
   const ByAxis<D>& position;
-  double far;
   int particles;
-  ByAxis<D>& offset;
+  int* lanes_of;
   int i = 0;
-  std::array<double, D> x{};
   int* group = nullptr;
-  int length = 0;  ///< entries so far
+  int groups = 0;
 
-  void begin_row(int particle, int* groups) {
+  void begin_row(int particle, int* first_group) {
     i = particle;
-    group = groups;
-    length = 0;
-    for (int c = 0; c < D; ++c) x[c] = position[c][i];
+    group = first_group;
+    groups = 0;
   }
 
-  /// Makes the group of particles begin .. end - 1, four at most, that one of those to come. `shift`: in whole periods, to the place where
-  /// they were found.
+  /// Writes the group of particles begin .. end - 1, four at most, behind those there are. `shift`: in whole periods, to the place where
+  /// they were found. It counts when the caller adds it to `groups`.
   template <bool periodic>
-  [[gnu::always_inline]] void put(int to_come, int begin, int end, const std::array<double, D>& shift) {
-    const int first = std::min(begin, particles - lanes), at = length + to_come * lanes;
-    group[at / lanes] = first;
-    const LanePeriod<periodic, D> lane_period(period);
-    const Four along_x = lane_period.between(x[0], position[0].data() + first, 0);
-    for (int c = 1; c < D; ++c) store(lane_period.between(x[c], position[c].data() + first, c), offset[c].data() + at);
-    typedef std::int64_t Places __attribute__((vector_size(lanes * sizeof(std::int64_t))));
-    const Places j = std::int64_t{first} + Places{0, 1, 2, 3};
-    Places belongs = (j >= std::int64_t{begin}) & (j < std::int64_t{end}) & (j != std::int64_t{i});
+  [[gnu::always_inline]] void put(int begin, int end, const std::array<double, D>& shift) {
+    const int first = std::min(begin, particles - lanes);
+    group[groups] = first;
+    unsigned belongs = (0xfu << (begin - first)) & ((1u << std::min(end - first, lanes)) - 1);
     if constexpr (periodic)  // of the images of j only the nearest
-      for (int c = 0; c < D; ++c)
-        for (int lane = 0; lane < lanes; ++lane)
-          if (std::nearbyint((position[c][first + lane] - x[c]) * inverse_length(c)) != shift[c]) belongs[lane] = 0;
-    store(belongs ? along_x : Four{} + far, offset[0].data() + at);
+      for (int lane = 0; lane < lanes; ++lane) {
+        bool here = first + lane != i;
+        for (int c = 0; c < D; ++c)
+          here = here && std::nearbyint((position[c][first + lane] - position[c][i]) * inverse_length(c)) == shift[c];
+        if (!here) belongs &= ~(1u << lane);
+      }
+    lanes_of[groups] = static_cast<int>(belongs & 0xf);
+  }
+
+  /// Takes the particle itself out of its groups from number `from` on.
+  void leave_out_itself(int from) {
+    for (int g = from; g < groups; ++g)
+      if (const int lane = i - group[g]; lane >= 0 && lane < lanes) lanes_of[g] &= ~(1 << lane);
   }
 
  private:
@@ -146,23 +153,15 @@ template <bool periodic, int D>
     if (last - block > 2 * near_lanes)
       near |= near_from(block + 2 * near_lanes) << (2 * near_lanes) | near_from(block + 3 * near_lanes) << (3 * near_lanes);
     if (free > block) near &= ~0u << (free - block);
-    if (near == 0) continue;
-    int begin = block + std::countr_zero(near);
-    const int end = block + most - std::countl_zero(near), groups = (end - begin + lanes - 1) / lanes;
-    if (groups <= 2) {
-      // Both are made and kept as needed: a wrong guess of the processor would cost more than a group.
-      row.template put<periodic>(0, begin, last, periods);
-      row.template put<periodic>(1, begin + lanes, last, periods);
-      row.length += groups * lanes;
-      free = begin + groups * lanes;
-      continue;
-    }
-    for (; near != 0; near = free - block < most ? near & (~0u << (free - block)) : 0) {
-      begin = block + std::countr_zero(near);
-      row.template put<periodic>(0, begin, last, periods);
-      row.length += lanes;
-      free = begin + lanes;
-    }
+    // Rounds of two groups, each kept as needed: a wrong guess of the processor would cost more than a group.
+    while (near != 0)
+      for (int round = 0; round < 2; ++round) {
+        const int begin = block + std::countr_zero(near);
+        row.template put<periodic>(std::min(begin, last - 1), last, periods);
+        row.groups += near != 0;
+        free = near != 0 ? begin + lanes : free;
+        near = free - block < most ? near & (~0u << (free - block)) : 0;
+      }
   }
 }
 
@@ -179,7 +178,7 @@ void find_neighbours(const Constants<D>& constants, const Period<D>& period, con
   result.moment.resize(n);
   result.kernel_gradient.resize(n);
   result.concentration_gradient.resize(n);
-  result.row_offset.resize(threads);
+  result.row_scratch.resize(threads);
   by_axis<D>(position, result.position);
 
   // Single precision, one array per axis, from the corner of the box of all particles: the candidates of a row are contiguous, so their
@@ -199,6 +198,7 @@ void find_neighbours(const Constants<D>& constants, const Period<D>& period, con
   if (period.any())
     for (const auto& x : position) low = low.cwiseMin(x), high = high.cwiseMax(x);
 
+  const RowKernel<D> kernel(constants);
   // Each thread owns one contiguous range of particles and one contiguous part of the arrays.
   const std::size_t rows = static_cast<std::size_t>(n) / threads + 1;
   std::size_t row_length = std::max<std::size_t>(initial_row_length(D), result.weight.size() / (rows * threads));
@@ -216,9 +216,11 @@ void find_neighbours(const Constants<D>& constants, const Period<D>& period, con
       const int own_begin = static_cast<int>(static_cast<long>(n) * thread / threads);
       const int own_end = static_cast<int>(static_cast<long>(n) * (thread + 1) / threads);
       std::size_t next = part * thread;
-      RowBuilder<D> row{period, result.position, 2 * support, all, result.row_offset[thread]};
-      for (auto& values : row.offset) values.resize(longest);
+      RowScratch& scratch = result.row_scratch[thread];
+      scratch.reserve(longest);
+      RowBuilder<D> row{period, result.position, all, scratch.lanes_of.data()};
       period.specialise([&](auto periodic) {
+        const LanePeriod<decltype(periodic)::value, D> lane_period(period);
         for (int i = own_begin; i < own_end && fits; ++i) {
           result.begin[i] = static_cast<int>(next);
           row.begin_row(i, result.first.data() + next / lanes);
@@ -236,9 +238,11 @@ void find_neighbours(const Constants<D>& constants, const Period<D>& period, con
                 __attribute__((always_inline)) {
               const auto in_row = [&](int first_cell, int last_cell) __attribute__((always_inline)) {
                 const int first = before + start[first_cell], last = before + start[last_cell + 1];
-                fits = fits && row.length + (last - first) <= room;
-                if (fits && first < last)
-                  add_groups<decltype(periodic)::value, D>(coordinate, first, last, x, shift_single, limit2, periods, row);
+                fits = fits && row.groups * lanes + (last - first) <= room;
+                if (!fits || first >= last) return;
+                const int before_this = row.groups;
+                add_groups<decltype(periodic)::value, D>(coordinate, first, last, x, shift_single, limit2, periods, row);
+                if (first <= i && i < last) row.leave_out_itself(before_this);
               };
               grid.for_rows_around(position[i] + shift, reach, in_row);
             };
@@ -248,9 +252,9 @@ void find_neighbours(const Constants<D>& constants, const Period<D>& period, con
           if (all >= lanes) search(Vector<D>::Zero());
           if (periodic && all >= lanes) for_images<D>(period, position[i], low, high, support, search);
           if (!fits) break;
-          result.length[i] = row.length;
-          sum_row<D>(constants, row.offset, i, result);
-          next += row.length;
+          result.length[i] = row.groups * lanes;
+          sum_row<decltype(periodic)::value, D>(kernel, lane_period, i, scratch, result);
+          next += result.length[i];
         }
       });
     }
@@ -258,24 +262,20 @@ void find_neighbours(const Constants<D>& constants, const Period<D>& period, con
 }
 
 template <int D>
-void complete_row(const Constants<D>& constants, const Period<D>& period, int i, ByAxis<D>& offset, Neighbours<D>& result) {
+void complete_row(const Constants<D>& constants, const Period<D>& period, int i, RowScratch& scratch, Neighbours<D>& result) {
   const int length = result.length[i];
-  for (int c = 0; c < D; ++c) {
-    if (offset[c].size() < static_cast<std::size_t>(length)) offset[c].resize(2 * length);
-    for (int k = 0; k < length; ++k) {
-      const double from = result.position[c][i], to = result.position[c][result.column(result.begin[i] + k)];
-      offset[c][k] = period.any() ? period.template between<true>(from, to, c) : period.template between<false>(from, to, c);
-    }
-  }
-  for (int k = 0; k < length; ++k)
-    if (result.weight[result.begin[i] + k] == 0) offset[0][k] = 2 * constants.kernel.support();
-  sum_row<D>(constants, offset, i, result);
+  const float* const weight = result.weight.data() + result.begin[i];
+  scratch.reserve(length);
+  std::fill(scratch.lanes_of.begin(), scratch.lanes_of.begin() + length / lanes, 0);
+  for (int k = 0; k < length; ++k) scratch.lanes_of[k / lanes] |= (weight[k] != 0) << k % lanes;
+  period.specialise(
+      [&](auto periodic) { sum_row(RowKernel<D>(constants), LanePeriod<decltype(periodic)::value, D>(period), i, scratch, result); });
 }
 
 #define TERN_INSTANTIATE(D)                                                                                                  \
   template void find_neighbours<D>(const Constants<D>&, const Period<D>&, const RowOrder<D>&, const std::vector<Vector<D>>&, \
                                    Neighbours<D>&);                                                                          \
-  template void complete_row<D>(const Constants<D>&, const Period<D>&, int, ByAxis<D>&, Neighbours<D>&);
+  template void complete_row<D>(const Constants<D>&, const Period<D>&, int, RowScratch&, Neighbours<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)
 #undef TERN_INSTANTIATE

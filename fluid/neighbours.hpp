@@ -15,6 +15,18 @@
 
 namespace tern::fluid {
 
+/// Of one row while it is summed.
+struct RowScratch {
+  std::vector<int> lanes_of;    ///< of each group: which of its lanes belong to the row
+  std::vector<float> ordering;  ///< of each entry: V (1 + 0.2 (w/w(dx))^4) |w'_ij| / (r_ij M_xx)
+
+  /// Makes room for this many entries.
+  void reserve(std::size_t entries) {
+    const std::size_t groups = entries / lanes + 2;
+    if (lanes_of.size() < groups) lanes_of.resize(groups), ordering.resize(groups * lanes);
+  }
+};
+
 template <int D>
 struct Neighbours {
   // Row i: entries begin[i] .. begin[i] + length[i] - 1, in groups of four: particles that follow each other. Those of a group that are no
@@ -59,7 +71,7 @@ struct Neighbours {
     std::vector<int> listed;    ///< per particle: 0 if not affected, else 1 + the number of its sight, or more
   };
   std::array<std::vector<float>, D> coordinate;  ///< by axis, from the corner of all particles
-  std::vector<ByAxis<D>> row_offset;             ///< by thread
+  std::vector<RowScratch> row_scratch;           ///< by thread
   Cutting cutting;
 };
 
@@ -78,8 +90,8 @@ template <int D>
 void find_neighbours(const Constants<D>& constants, const Period<D>& period, const RowOrder<D>& order,
                      const std::vector<Vector<D>>& position, Neighbours<D>& neighbours);
 
-/// Sums row i anew, without the entries whose weight has been set to 0. `offset`: scratch.
+/// Sums row i anew, without the entries whose weight has been set to 0.
 template <int D>
-void complete_row(const Constants<D>& constants, const Period<D>& period, int i, ByAxis<D>& offset, Neighbours<D>& neighbours);
+void complete_row(const Constants<D>& constants, const Period<D>& period, int i, RowScratch& scratch, Neighbours<D>& neighbours);
 
 }  // namespace tern::fluid

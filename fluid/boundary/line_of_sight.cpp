@@ -88,7 +88,7 @@ void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& per
       const int j = neighbours.column(k);
       if (j >= n && neighbours.weight[k] != 0 && listed[j]) affected.push_back(i), listed[i] = viewers + 1;
     }
-  neighbours.row_offset.resize(std::max<std::size_t>(1, neighbours.row_offset.size()));
+  neighbours.row_scratch.resize(std::max<std::size_t>(1, neighbours.row_scratch.size()));
   for (std::size_t a = 0; a < affected.size(); ++a) {
     const int i = affected[a];
     if (i >= n) continue;
@@ -100,7 +100,7 @@ void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& per
       neighbours.weight[k] = 0;
       any_cut = true;
     }
-    if (any_cut) complete_row<D>(constants, period, i, neighbours.row_offset[0], neighbours);
+    if (any_cut) complete_row<D>(constants, period, i, neighbours.row_scratch[0], neighbours);
   }
   neighbours.beside_body.reserve(n);
   neighbours.beside_body.insert(neighbours.beside_body.end(), affected.begin(), affected.end());

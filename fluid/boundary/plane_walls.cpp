@@ -14,11 +14,11 @@ constexpr int dry_patches = 4;    ///< over as many as well
 constexpr int whole_patch = 256;  ///< unit of dry patches in whole numbers, whose sums do not depend on their order
 
 /// A place among the walls: the plane wall that is all there is within the support, with the share that it has, or whether there is
-/// nothing at all.
+/// nothing at all, or planes alone.
 struct View {
   int plane = -1;
   double share = 0;
-  bool empty = true;
+  bool empty = true, planes_alone = true;
 };
 
 struct Box {
@@ -30,6 +30,7 @@ struct Box {
 View look(const Walls<3>& walls, const Box& structure, double support, double blend, const Vector<3>& x) {
   View view;
   double slack = structure.distance(x) - support;
+  view.planes_alone = slack > 2 * blend;  // what a body leaves of a patch lies elsewhere
   for (int p = 0; p < static_cast<int>(walls.planes().size()); ++p) {
     const PlaneWall& plane = walls.planes()[p];
     const double height = plane.height(x);
@@ -54,6 +55,7 @@ View look(const Walls<3>& walls, const Box& structure, double support, double bl
     const double beyond = std::abs(signed_distance<3>(walls.all()[w].scene.shape, x)) - support;
     slack = std::min(slack, beyond);
     view.empty = view.empty && beyond >= 0;
+    view.planes_alone = view.planes_alone && beyond >= 0;
   }
   view.share = std::clamp(slack / blend, 0.0, 1.0);
   if (view.share == 0) view.plane = -1;
@@ -86,7 +88,10 @@ void see_walls(double spacing, std::span<const Vector<D>> position, Boundary<D>&
         rows.plane[i] = static_cast<std::int16_t>(view.plane);
         rows.plane_share[i] = view.share;
         if (view.empty) return;
-        if (view.plane < 0)
+        if (view.plane < 0 && view.planes_alone) {  // the same patches, without a search
+          for (const PlaneWall& plane : boundary.walls.planes())
+            if (const double height = plane.height(x); height > 0 && height < support) list_patches(plane, support, x, seen);
+        } else if (view.plane < 0)
           boundary.wall_finder.see(faces, x, seen);
         else if (view.share < 1)
           list_patches(boundary.walls.planes()[view.plane], support, x, seen);

@@ -104,8 +104,11 @@ void shift_particles(const Constants<D>& constants, double duration, const Neigh
     if (at_structure) keep_off_faces<D>(boundary.surface, boundary.surface_rows, i, predicted_position[i], 0.5 * constants.spacing, shift);
     position[i] += shift;
     if (particle_class[i].has(ParticleClass::symmetric_gradient)) return;  // no other term changes the sum of the momenta here
-    for (int b = 0; b < D; ++b)
-      for (int a = 0; a < D; ++a) velocity[i][a] += packed.half_gradient[b][a][i] * shift[b];
+    for (int a = 0; a < D; ++a) velocity[i][a] += packed.half_stretch[a][i] * shift[a];
+    for_axis_pairs<D>([&](int a, int b, int place) {
+      velocity[i][a] += 0.5 * (packed.shear[place][i] + packed.spin[place][i]) * shift[b];
+      velocity[i][b] += 0.5 * (packed.shear[place][i] - packed.spin[place][i]) * shift[a];
+    });
   });
 }
 

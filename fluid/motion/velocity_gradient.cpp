@@ -10,8 +10,9 @@ template <int D>
 void compute_velocity_gradient(const Period<D>& space, const Neighbours<D>& neighbours, const Corrections<D>& correction,
                                const std::vector<ParticleClass>& particle_class, PackedVelocities<D>& packed) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(neighbours.rows()), all = static_cast<std::ptrdiff_t>(particle_class.size());
-  for (auto& column : packed.half_gradient)
-    for (auto& values : column) values.resize(all);
+  for (auto& values : packed.half_stretch) values.resize(all);
+  for (auto* parts : {&packed.shear, &packed.spin})
+    for (auto& values : *parts) values.resize(all);
   packed.strain_rate.resize(all);
   packed.has_gradient.resize(all);
   space.specialise([&](auto periodic) {
@@ -21,8 +22,11 @@ void compute_velocity_gradient(const Period<D>& space, const Neighbours<D>& neig
       const bool has_gradient = particle_class[i].has(ParticleClass::corrected_gradient);
       if (has_gradient)
         gradient = velocity_gradient_sum<decltype(periodic)::value, D>(neighbours, period, packed.velocity, i) * correction.fluid[i];
-      for (int b = 0; b < D; ++b)
-        for (int a = 0; a < D; ++a) packed.half_gradient[b][a][i] = 0.5 * gradient(a, b);
+      for (int a = 0; a < D; ++a) packed.half_stretch[a][i] = 0.5 * gradient(a, a);
+      for_axis_pairs<D>([&](int a, int b, int place) {
+        packed.shear[place][i] = 0.5 * (gradient(a, b) + gradient(b, a));
+        packed.spin[place][i] = 0.5 * (gradient(a, b) - gradient(b, a));
+      });
       packed.strain_rate[i] = (gradient + gradient.transpose()).norm() / std::numbers::sqrt2;
       packed.has_gradient[i] = has_gradient;
     });

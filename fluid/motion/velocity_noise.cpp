@@ -42,11 +42,11 @@ void damp_velocity_noise(double share, const Period<D>& space, const Neighbours<
     parallel_for(n, [&](std::ptrdiff_t i) {
       if (!particle_class[i].has(ParticleClass::corrected_gradient)) return;
       std::array<double, D> x, u;
-      std::array<std::array<double, D>, D> own;
-      for (int c = 0; c < D; ++c) {
-        x[c] = neighbours.position[c][i], u[c] = packed.velocity[c][i];
-        for (int a = 0; a < D; ++a) own[c][a] = packed.half_gradient[c][a][i];
-      }
+      for (int c = 0; c < D; ++c) x[c] = neighbours.position[c][i], u[c] = packed.velocity[c][i];
+      std::array<double, D> own_stretch;
+      std::array<double, D*(D - 1) / 2> own_shear;
+      for (int a = 0; a < D; ++a) own_stretch[a] = packed.half_stretch[a][i];
+      for (std::size_t place = 0; place < own_shear.size(); ++place) own_shear[place] = packed.shear[place][i];
       const double rate = packed.strain_rate[i];
       std::array<Four, D> change{};
       for_groups(
@@ -58,8 +58,11 @@ void damp_velocity_noise(double share, const Period<D>& space, const Neighbours<
               jump[c] = load(packed.velocity[c].data() + j) - u[c];
               r2 += r[c] * r[c];
             }
-            for (int b = 0; b < D; ++b)
-              for (int a = 0; a < D; ++a) jump[a] -= (own[b][a] + load(packed.half_gradient[b][a].data() + j)) * r[b];
+            // r . (L_i + L_j)/2 r has no part of what turns.
+            for (int a = 0; a < D; ++a) jump[a] -= (own_stretch[a] + load(packed.half_stretch[a].data() + j)) * r[a];
+            for_axis_pairs<D>([&](int a, int b, int place) __attribute__((always_inline)) {
+              jump[a] -= (own_shear[place] + load(packed.shear[place].data() + j)) * r[b];
+            });
             for (int c = 0; c < D; ++c) part += jump[c] * r[c];
             const Four size = part < 0 ? -part : part;
             const Four smooth = 0.5 * resolved * (rate + load(packed.strain_rate.data() + j)) * r2 + 1e-300;

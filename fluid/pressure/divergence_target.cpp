@@ -25,8 +25,11 @@ void set_divergence_target(double duration, const Neighbours<D>& neighbours, con
   const auto source = [&](std::ptrdiff_t i) { return density_source.empty() ? 0 : density_source[i]; };
   parallel_for(n, [&](std::ptrdiff_t i) {
     double quarter = 0;  // of tr(L L)
-    for (int a = 0; a < D; ++a)
-      for (int b = 0; b < D; ++b) quarter += velocities.half_gradient[b][a][i] * velocities.half_gradient[a][b][i];
+    for (int a = 0; a < D; ++a) quarter += velocities.half_stretch[a][i] * velocities.half_stretch[a][i];
+    for_axis_pairs<D>([&](int, int, int place) {
+      const double shear = velocities.shear[place][i], spin = velocities.spin[place][i];
+      quarter += 0.5 * (shear * shear - spin * spin);
+    });
     target[i] = source(i) + 2 * duration * quarter;
   });
   for_each_beside_structure(neighbours, at_structure, [&](int i) { target[i] = source(i); });

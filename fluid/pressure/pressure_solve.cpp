@@ -14,6 +14,7 @@ namespace {
 
 constexpr int multigrid_limit = 60;  ///< iterations; more means that the preconditioner has failed
 constexpr int jacobi_limit = 20000;
+constexpr double rounding = 1e-12;  ///< of a mean that is subtracted
 /// The correction of the pressure is of a hundredth of its size, and a part of what it answers to stays in any case.
 constexpr double correction_tolerance = 0.1, correction_tolerance_by_that_of_pressure = 1e5;
 
@@ -22,8 +23,13 @@ template <int D>
 void solve(const Domain<D>& domain, const Window& window, const std::vector<Vector<D>>& position, const std::vector<int>& at_structure,
            double tolerance, std::vector<double>& source, std::vector<double>& solution, State<D>& state, PressureSystem<D>& system) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
-  // Sealed fluid can obey the source but for its mean.
-  if (system.sealed.any()) system.sealed.subtract_means(source);
+  // Sealed fluid can obey the source but for its mean. What is left of a source that was all mean is rounding.
+  if (system.sealed.any()) {
+    const double whole = ordered_dot(std::span<const double>(source), std::span<const double>(source));
+    system.sealed.subtract_means(source);
+    if (ordered_dot(std::span<const double>(source), std::span<const double>(source)) < rounding * rounding * whole)
+      std::fill(source.begin(), source.end(), 0.0);
+  }
 
   const int before = system.result.iterations;  // of the coupling iterations before
   const auto yielding = [&](const std::vector<double>& x, std::vector<double>& y) { system.yielding.add_difference(at_structure, x, y); };
