@@ -196,8 +196,8 @@ void estimate_fluid(const Case& scene, Estimate& result) {
   result.step = std::min({result.gravity_step, result.flow_step, result.viscous_step, longest});
 }
 
-/// Cost of a sub-step of a particle, in that of a solid in 2D. In 3D the particles on the faces of a solid, with so many of them across, have
-/// fewer neighbours (measured: 6 with two across, 14 in a block). The few particles of a shell are not worked on four at a time.
+/// Cost of a sub-step of a particle, in that of a solid in 2D. In 3D the particles on the faces of a solid, with so many of them across,
+/// have fewer neighbours (measured: 6 with two across, 14 in a block). The few particles of a shell are not worked on four at a time.
 template <int D>
 double solid_work(double across) {
   return D == 3 ? 14 - 16 / std::max(2.0, across) : 1;

@@ -363,8 +363,8 @@ MidSurface<D> mid_surface(const StructureBody& body) {
 
 namespace {
 
-/// The cells of a sphere of radius 1. The corners of the triangles of a face are where sums of its corners with the weights sin(i w/n), w the
-/// angle of an edge, point to: on the edges they are evenly spaced.
+/// The cells of a sphere of radius 1. The corners of the triangles of a face are where sums of its corners with the weights sin(i w/n)
+/// point to, w the angle of an edge: on the edges they are evenly spaced.
 std::vector<SurfaceCell<3>> cells_of_sphere(int parts) {
   const double golden = std::numbers::phi, angle = std::acos(1 / std::sqrt(5.0));
   std::vector<Vector<3>> corner;

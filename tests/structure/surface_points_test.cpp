@@ -170,7 +170,7 @@ TEST(SurfacePoints, StandForHalfASpacingOfTheFluidAtMost) {
   EXPECT_EQ(points(0.5 * dx), 104u);
 }
 
-// Seen to fail: with the whole force on each foot, with equal shares, and with the velocity of the first foot.
+// Seen to fail: with the whole force on each foot, and with the velocity of the last foot.
 TEST(SurfacePoints, OfAFineSolidIn3DAreJoinedAndTheirWorkIsThatOfTheParticlesBehindThem) {
   Case scene = testing::scene(3, {body("block", {0, 0, 0}, {6, 7, 4}, 1.0)});
   scene.fluid.emplace().spacing = 4;
