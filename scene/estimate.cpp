@@ -56,7 +56,7 @@ BodyEstimate estimate_body(const Case& scene, const StructureBody& body) {
     ++result.particles;
     result.clamped += clamped(x);
   }
-  for (const Vector<D>& x : sample_surface<D>(body.shape, patch_length(body.spacing, scene.fluid)).position)
+  for (const Vector<D>& x : sample_surface<D>(body.shape, point_distance<D>(body.spacing, body.is_shell, scene.fluid)).position)
     result.surface_points += !clamped(x);
   if (const double joined = body.is_shell ? 0 : joined_patch_length<D>(body.spacing, scene.fluid); joined > 0)
     result.surface_points = static_cast<std::size_t>(static_cast<double>(result.surface_points) * std::pow(body.spacing / joined, 2));

@@ -1,6 +1,7 @@
 #pragma once
 // Whether a scene makes sense as a whole, before anything is launched.
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -20,6 +21,12 @@ void check_sizes(const Case& scene, const Setting& settings);
 
 /// Primitives of a shape and sides of its polygons: what is looked at to tell whether a point is inside.
 double count_sides(const Shape& shape);
+
+/// Distance between the points of a body's surface [m], see patch_length(). Those of a shell in 3D need not stand before its particles.
+template <int D>
+double point_distance(double spacing, bool is_shell, const std::optional<FluidCase>& fluid) {
+  return D == 3 && is_shell && fluid ? std::min(spacing, 0.5 * fluid->spacing) : patch_length(spacing, fluid);
+}
 
 /// Edge of the cubes that join the points of a solid's surface to patches: the most spacings that half of one of the fluid holds [m]. 0:
 /// they are not joined. In 2D they are few.

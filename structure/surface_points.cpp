@@ -130,7 +130,7 @@ SurfaceAttachment<D> attach_surface(const Reference<D>& reference, const Case& s
   Patches<D> patches;
   for (std::uint32_t b = 0; b < reference.bodies.size(); ++b) {
     const Body& body = reference.bodies[b];
-    const auto points = sample_surface<D>(body.shape, patch_length(body.spacing, scene.fluid));
+    const auto points = sample_surface<D>(body.shape, point_distance<D>(body.spacing, body.shell >= 0, scene.fluid));
     const double joined_length = body.shell < 0 ? joined_patch_length<D>(body.spacing, scene.fluid) : 0;
     for (std::size_t k = 0; k < points.position.size(); ++k) {
       const Vector<D>& x = points.position[k];

@@ -37,7 +37,7 @@ struct SurfaceAttachment {
   std::vector<std::int32_t> clamp;     ///< that holds it: index of Reference::clamps, or their number for one without a name; free: -1
 };
 
-/// Feet are as far apart as the particles of the body, or half of those of the fluid where that is less. What lies inside its clamps is
+/// Feet are as far apart as the particles of the body, or, where that is less, half of those of the fluid (point_distance()). What lies inside its clamps is
 /// left out, but where fluid can come: inside the container, and not on a wall or in one.
 template <int D>
 SurfaceAttachment<D> attach_surface(const Reference<D>& reference, const Case& scene);
