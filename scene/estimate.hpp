@@ -21,7 +21,8 @@ struct Costs {
   std::vector<std::pair<std::string, double>> fluid_parts;  ///< name and share; empty if not measured
   std::string measured;                                     ///< date, empty for the defaults
 };
-inline constexpr double implicit_window = 19;  ///< cost of a window in implicit steps, in sub-steps
+inline constexpr double implicit_window = 19;        ///< cost of a window in implicit steps, in sub-steps
+inline constexpr double implicit_window_in_3d = 80;  ///< the same in 3D, of some thousand particles; of some hundred it is 25
 
 /// Mass behind the faces of a body, in layers of fluid particles: at most so many, and windows are half as long; or, how it answers is not
 /// learnt, and every window is repeated. A plate of just this mass is one of them, whatever its rounding.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 
 #include "base/error.hpp"
@@ -82,14 +83,39 @@ MidSurface<D> middle_of_line(const StructureBody& body) {
   return surface;
 }
 
+/// Whether the shape is a hollow ball: what one ball leaves of another about the same centre.
+bool is_hollow_ball(const Shape& shape) {
+  return shape.kind == Shape::Kind::difference && shape.parts.size() == 2 && shape.parts[0].kind == Shape::Kind::ball &&
+         shape.parts[1].kind == Shape::Kind::ball && shape.parts[0].center == shape.parts[1].center &&
+         shape.parts[0].radius > shape.parts[1].radius;
+}
+
+template <int D>
+MidSurface<D> middle_of_ball(const StructureBody& body) {
+  const double outer = body.shape.parts[0].radius, inner = body.shape.parts[1].radius;
+  MidSurface<D> surface;
+  surface.kind = MidSurface<D>::Kind::ball;
+  surface.thickness = outer - inner;
+  surface.radius = 0.5 * (outer + inner);
+  for (int d = 0; d < D; ++d) surface.origin[d] = body.shape.parts[0].center[d];
+  for (int n = 0; n < D - 1; ++n) {
+    surface.high[n] = 2 * std::numbers::pi * surface.radius;
+    surface.closed[n] = true;
+  }
+  const double particles = 4 * std::numbers::pi * std::pow(surface.radius / body.spacing, 2);
+  surface.parts = std::max(1, static_cast<int>(std::ceil(std::sqrt(std::max(0.0, particles - 2) / 10) - round_off)));
+  return surface;
+}
+
 template <int D>
 MidSurface<D> bare_surface(const StructureBody& body) {
   const Shape::Kind kind = body.shape.kind;
   if (kind == Shape::Kind::box) return middle_of_box<D>(body.shape);
   if (kind == (D == 2 ? Shape::Kind::ring : Shape::Kind::tube)) return middle_of_round<D>(body.shape);
   if (D == 2 && kind == Shape::Kind::line) return middle_of_line<D>(body);
+  if (D == 3 && is_hollow_ball(body.shape)) return middle_of_ball<D>(body);
   throw BadInput(fmt::format("The shell '{}' has no mid-surface, which only a box{} has. Make it one, or model it as a solid.", body.name,
-                             D == 2 ? ", a ring or a line" : " or a tube"));
+                             D == 2 ? ", a ring or a line" : ", a tube or a ball less a smaller one about its centre"));
 }
 
 /// Along which coordinate, in words.
@@ -97,6 +123,7 @@ template <int D>
 std::string direction_of(const MidSurface<D>& surface, int n) {
   using Kind = typename MidSurface<D>::Kind;
   if (surface.kind == Kind::path) return "along it";
+  if (surface.kind == Kind::ball) return "round it";
   if (surface.kind == Kind::round) return n == D - 2 ? "round it" : "along its axis";
   int axis = 0;
   surface.axes.col(n).cwiseAbs().maxCoeff(&axis);
@@ -260,6 +287,7 @@ SurfacePlace<D> MidSurface<D>::at(const std::array<double, D - 1>& s) const {
 template <int D>
 double MidSurface<D>::height(const Vector<D>& x) const {
   if (kind == Kind::flat) return std::abs((x - origin).dot(axes.col(D - 1)));
+  if (kind == Kind::ball) return std::abs((x - origin).norm() - radius);
   if (kind == Kind::round) return std::abs(std::hypot((x - origin).dot(axes.col(D - 2)), (x - origin).dot(axes.col(D - 1))) - radius);
   double least = std::numeric_limits<double>::max();
   for (std::size_t i = 1; i < corners.size(); ++i) {
@@ -290,20 +318,37 @@ void check_corners(const StructureBody& body, const MidSurface<D>& surface) {
                     body.name, largest / degree, dx, where[0], where[1], largest_turn / degree, dx / largest_turn));
 }
 
+/// Particles on a ball that are farther apart than what bends under a load on a point, sqrt(R t), answer to every other load that is not
+/// quite even by bending alone: six times as much as they should at 0.8 of that.
+template <int D>
+void check_ball(const StructureBody& body, const MidSurface<D>& surface) {
+  const double bends = std::sqrt(surface.radius * surface.thickness);
+  if (surface.spacing(0) > bends * (1 + round_off))
+    throw BadInput(fmt::format(
+        "The shell '{}' has particles {:.3g} m apart on a ball, but what bends on it is sqrt(radius x thickness) = {:.3g} m long: "
+        "it would be too soft. Use a spacing of at most {:.3g} m.",
+        body.name, surface.spacing(0), bends, 0.93 * bends));
+}
+
 }  // namespace
 
 template <int D>
 MidSurface<D> mid_surface(const StructureBody& body) {
   using Kind = typename MidSurface<D>::Kind;
   MidSurface<D> surface = bare_surface<D>(body);
+  if (surface.kind == Kind::ball && !body.clamps.empty())
+    throw BadInput(
+        fmt::format("The shell '{}' is a ball, which has no edge that a clamp or hinge could hold. Leave them out, or model it as a "
+                    "solid.",
+                    body.name));
   for (const Shape& clamp : body.rigid_clamps())
     surface.kind == Kind::flat ? clamp_box(body, clamp, surface) : clamp_bent(body, clamp, surface);
   for (const Shape& region : body.hinges) hinge(body, region, surface);
   for (int n = 0; n < D - 1; ++n) {
     const double held = 0.5 * surface.held_ends(n), length = surface.length(n);
-    surface.count[n] = static_cast<int>(std::lround(length / body.spacing - held));
+    surface.count[n] = static_cast<int>(std::lround(length / (surface.kind == Kind::ball ? surface.spacing(n) : body.spacing) - held));
     int least = 4;
-    if (surface.kind == Kind::round && n == D - 2)
+    if (surface.kind == Kind::ball || (surface.kind == Kind::round && n == D - 2))
       least = std::max(least, static_cast<int>(std::ceil(length / (surface.radius * largest_turn) - held - round_off)));
     if (surface.count[n] < least)
       throw BadInput(fmt::format(
@@ -312,11 +357,79 @@ MidSurface<D> mid_surface(const StructureBody& body) {
           body.name, std::max(surface.count[n], 0), length, direction_of(surface, n), least, std::max(length, 0.0) / (least + held)));
   }
   if (surface.kind == Kind::path) check_corners(body, surface);
+  if (surface.kind == Kind::ball) check_ball(body, surface);
   return surface;
 }
 
+namespace {
+
+/// The cells of a sphere of radius 1. The corners of the triangles of a face are where sums of its corners with the weights sin(i w/n)
+/// point to, w the angle of an edge: on the edges they are evenly spaced.
+std::vector<SurfaceCell<3>> cells_of_sphere(int parts) {
+  const double golden = std::numbers::phi, angle = std::acos(1 / std::sqrt(5.0));
+  std::vector<Vector<3>> corner;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double one : {-1.0, 1.0})
+      for (const double other : {-golden, golden}) {
+        Vector<3> x = Vector<3>::Zero();
+        x[(axis + 1) % 3] = one, x[(axis + 2) % 3] = other;
+        corner.push_back(x.normalized());
+      }
+  std::vector<SurfaceCell<3>> cells;
+  std::map<std::array<int, 6>, std::size_t> known;  // by the corners of the icosahedron that have a share, and their shares
+  const auto cell_at = [&](const std::array<int, 3>& of, const std::array<int, 3>& share) {
+    std::array<int, 6> key{-1, -1, -1, 0, 0, 0};
+    Vector<3> x = Vector<3>::Zero();
+    for (int n = 0, m = 0; n < 3; ++n) {
+      if (share[n] == 0) continue;
+      key[m] = of[n], key[3 + m++] = share[n];
+      x += std::sin(share[n] * angle / parts) * corner[of[n]];
+    }
+    const auto [entry, is_new] = known.try_emplace(key, cells.size());
+    if (is_new) {
+      SurfaceCell<3> cell{{x.normalized(), {}}, 0, EdgeKind::free};
+      int least = 0;
+      x.cwiseAbs().minCoeff(&least);
+      const Vector<3> normal = cell.place.position, first = Vector<3>::Unit(least).cross(normal).normalized();
+      cell.place.frame << first, normal.cross(first), normal;
+      cells.push_back(cell);
+    }
+    return entry->second;
+  };
+  const auto add_triangle = [&](const std::array<std::size_t, 3>& at) {
+    const Vector<3>&a = cells[at[0]].place.position, &b = cells[at[1]].place.position, &c = cells[at[2]].place.position;
+    const double area = 2 * std::atan2(std::abs(a.dot(b.cross(c))), 1 + a.dot(b) + b.dot(c) + c.dot(a));
+    for (const std::size_t n : at) cells[n].area += area / 3;
+  };
+  const int count = static_cast<int>(corner.size());
+  const auto are_neighbours = [&](int a, int b) { return corner[a].dot(corner[b]) > 0.9 * std::cos(angle); };
+  for (int a = 0; a < count; ++a)
+    for (int b = a + 1; b < count; ++b)
+      for (int c = b + 1; c < count; ++c) {
+        if (!are_neighbours(a, b) || !are_neighbours(b, c) || !are_neighbours(a, c)) continue;
+        const auto at = [&](int i, int j) { return cell_at({a, b, c}, {parts - i - j, i, j}); };
+        for (int i = 0; i < parts; ++i)
+          for (int j = 0; i + j < parts; ++j) {
+            add_triangle({at(i, j), at(i + 1, j), at(i, j + 1)});
+            if (i + j + 1 < parts) add_triangle({at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+          }
+      }
+  return cells;
+}
+
+}  // namespace
+
 template <int D>
 std::vector<SurfaceCell<D>> cells_of(const MidSurface<D>& surface) {
+  if constexpr (D == 3)
+    if (surface.kind == MidSurface<D>::Kind::ball) {
+      std::vector<SurfaceCell<D>> cells = cells_of_sphere(surface.parts);
+      for (SurfaceCell<D>& cell : cells) {
+        cell.place.position = surface.origin + surface.radius * cell.place.position;
+        cell.area *= surface.radius * surface.radius;
+      }
+      return cells;
+    }
   std::array<int, 2> size{1, 1};
   for (int a = 0; a < D - 1; ++a) size[a] = surface.count[a] + surface.held_ends(a);
   std::vector<SurfaceCell<D>> cells;
@@ -379,6 +492,11 @@ ShellFit shell_fit(const StructureBody& body) {
     fit.without_shear = kind.shear * modulus_over_shear * std::pow(fit.thickness / fit.length, 2);
     fit.by_spacing = kind.spacing / std::pow(fit.count, 2);
     fit.wanted_particles = std::max(18.0, std::sqrt(std::abs(kind.spacing) / 0.015));
+    if (surface.kind == MidSurface<D>::Kind::ball) {  // in its first motion, measured
+      const double share = surface.spacing(n) / std::sqrt(surface.radius * surface.thickness);
+      fit.by_spacing = 0.05 * std::pow(share, 4);
+      fit.wanted_particles = 1.45 * fit.length / std::sqrt(surface.radius * surface.thickness);
+    }
     if (n == 0 || fit.without_shear + std::abs(fit.by_spacing) > worst.without_shear + std::abs(worst.by_spacing)) worst = fit;
   }
   return worst;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "scene/case_file.hpp"
@@ -22,30 +23,37 @@ struct SurfacePlace {
 };
 
 /// A rectangle of its coordinates s, which are lengths along it, laid into space: flat; rolled up about the axis of a circle or of a tube,
-/// where the last coordinate goes round; or along a path in the plane.
+/// where the last coordinate goes round; or along a path in the plane. A ball has no such coordinates, but the corners of an icosahedron
+/// and of the triangles into which its faces are cut (cells_of()).
 template <int D>
 struct MidSurface {
-  enum class Kind { flat, round, path } kind = Kind::flat;
+  enum class Kind { flat, round, path, ball } kind = Kind::flat;
   double thickness = 0;                                ///< [m]
   std::array<double, D - 1> low{}, high{};             ///< of s, between its clamps [m]
   std::array<std::array<EdgeKind, 2>, D - 1> edges{};  ///< at both ends of each coordinate
-  std::array<int, D - 1> count{};                      ///< free particles along each coordinate
+  std::array<int, D - 1> count{};                      ///< free particles along each coordinate; ball: round it
   std::array<bool, D - 1> closed{};                    ///< the end of a coordinate is its beginning
-  Vector<D> origin = Vector<D>::Zero();                ///< flat: where s = 0; round: the centre, of a tube where it begins
+  Vector<D> origin = Vector<D>::Zero();                ///< flat: where s = 0; round, ball: the centre, of a tube where it begins
   Matrix<D> axes = Matrix<D>::Identity();              ///< flat: directions of s, then the normal; round: axis, and where angles are 0
-  double radius = 0, begin = 0;                        ///< round: its radius [m], and its angle where s = 0
+  double radius = 0, begin = 0;                        ///< round, ball: its radius [m]; round: its angle where s = 0
+  int parts = 0;                                       ///< ball: into which each edge of the icosahedron is cut
   std::vector<Vector<D>> corners;                      ///< path: closed, the last is the first again
   std::vector<double> corner_at;                       ///< their s [m]
   double reach = 0;                                    ///< path: its direction is that from `reach` before to `reach` after a place [m]
 
+  /// Not of a ball.
   SurfacePlace<D> at(const std::array<double, D - 1>& s) const;
   /// Distance of x from it [m].
   double height(const Vector<D>& x) const;
 
   double length(int n) const { return high[n] - low[n]; }
   int held_ends(int n) const { return (edges[n][0] != EdgeKind::free) + (edges[n][1] != EdgeKind::free); }
-  /// The first free particle is a whole spacing from a held edge, half a spacing from a free one [m].
-  double spacing(int n) const { return length(n) / (count[n] + 0.5 * held_ends(n)); }
+  /// The first free particle is a whole spacing from a held edge, half a spacing from a free one [m]. On a ball: from a particle to the six
+  /// beside it, in the mean.
+  double spacing(int n) const {
+    if (kind == Kind::ball) return radius * std::sqrt(8 * std::numbers::pi / (std::numbers::sqrt3 * (10.0 * parts * parts + 2)));
+    return length(n) / (count[n] + 0.5 * held_ends(n));
+  }
 };
 
 /// Throws BadInput where the body cannot be modelled as a shell: of another shape, with a sharp corner, held by clamps that do not end at a
@@ -61,7 +69,8 @@ struct SurfaceCell {
   EdgeKind edge;  ///< that the particle stands on; where two meet, a clamp comes before a hinge
 };
 
-/// The first coordinate runs fastest.
+/// The first coordinate runs fastest. On a ball the corners of triangles: nearly even everywhere, six of them beside each but the twelve
+/// of the icosahedron, which have five. Each has a third of the triangles around it.
 template <int D>
 std::vector<SurfaceCell<D>> cells_of(const MidSurface<D>& surface);
 

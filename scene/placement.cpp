@@ -288,7 +288,7 @@ class PlacementCheck {
               "{}: the shell '{}' has {} particles {}; it bends {:.2g} % too {}. A spacing of {:.2g} m halves that.", where_body(i),
               body.name, fit.count, fit.held, 100 * std::abs(fit.by_spacing), fit.by_spacing > 0 ? "much" : "little", body.spacing / 1.42));
         if (const MidSurface<D> surface = mid_surface<D>(body);
-            D == 3 && body.spacing > std::sqrt(surface.radius * surface.thickness) && surface.radius > 0)
+            D == 3 && surface.kind == MidSurface<D>::Kind::round && body.spacing > std::sqrt(surface.radius * surface.thickness))
           scene_.warnings.push_back(
               fmt::format("{}: the spacing of the shell '{}', {:.3g} m, is wider than what bends along a tube at its ends and under loads, "
                           "sqrt(radius x thickness) = {:.3g} m: it is too soft there. Half of that is enough.",

@@ -10,40 +10,46 @@
 namespace tern::structure {
 namespace {
 
-/// One component of the elastic force on a block, from the rows of P and Q of that component. One sum per row of P and Q: a
-/// single one would wait for each of its own additions.
+/// Sums of each component of the force. A single one would wait for each of its own additions, and in 2D every row of P and Q has its own;
+/// in 3D more than two for each of the three components do not stay in registers.
 template <int D>
-inline Lanes component_of_force(const Stencil<D>& stencil, const Neighbour<D>* neighbour, const std::int32_t* offset,
-                                const double* const (&p)[D], const double* const (&q)[curvature_components<D>]) {
-  Lanes by_p[D], by_q[curvature_components<D>];
-  for (int b = 0; b < D; ++b) by_p[b] = load(p[b]) * stencil.gradient_sum[b];
-  for (int c = 0; c < curvature_components<D>; ++c) by_q[c] = load(q[c]) * stencil.curvature_sum[c];
-  for (std::uint32_t k = 0; k < stencil.count; ++k) {
-    const Neighbour<D>& n = neighbour[k];
-    for (int b = 0; b < D; ++b) by_p[b] -= load(p[b] + offset[k]) * n.mirror_gradient[b];
-    for (int c = 0; c < curvature_components<D>; ++c) by_q[c] -= load(q[c] + offset[k]) * n.mirror_curvature[c];
+constexpr int sums = D == 2 ? D + curvature_components<D> : 2;
+
+/// The elastic force on a block. Each derivative vector is loaded once for all components.
+template <int D>
+inline void force_of_block(const Workspace<D>& work, std::int32_t row, const Stencil<D>& stencil, const Neighbour<D>* neighbour,
+                           const std::int32_t* offset, Lanes (&force)[D]) {
+  constexpr int pairs = curvature_components<D>, terms = D + pairs;
+  const double* stress[D][terms];  // P, then Q
+  Lanes sum[D][sums<D>];
+  for (int a = 0; a < D; ++a)
+    for (int n = 0; n < terms; ++n) {
+      stress[a][n] = (n < D ? work.stress[a][n].data() : work.double_stress[a][n - D].data()) + row;
+      const Lanes own = load(stress[a][n]) * (n < D ? stencil.gradient_sum[n] : stencil.curvature_sum[n - D]);
+      sum[a][n % sums<D>] = n < sums<D> ? own : sum[a][n % sums<D>] + own;
+    }
+  for (std::uint32_t k = 0; k < stencil.count; ++k)
+    for (int n = 0; n < terms; ++n) {
+      const Lanes weight = n < D ? neighbour[k].mirror_gradient[n] : neighbour[k].mirror_curvature[n - D];
+      for (int a = 0; a < D; ++a) sum[a][n % sums<D>] -= load(stress[a][n] + offset[k]) * weight;
+    }
+  for (int a = 0; a < D; ++a) {
+    force[a] = sum[a][0];
+    for (int n = 1; n < sums<D>; ++n) force[a] += sum[a][n];
   }
-  Lanes force = by_p[0];
-  for (int b = 1; b < D; ++b) force += by_p[b];
-  for (int c = 0; c < curvature_components<D>; ++c) force += by_q[c];
-  return force;
 }
 
 }  // namespace
 
 template <int D>
 void elastic_force(const Reference<D>& reference, const Workspace<D>& work, State<D>& state) {
-  constexpr int pairs = curvature_components<D>;
   for_each_deforming_block(reference, [&](std::ptrdiff_t n, const Block& block, const Stencil<D>& stencil) {
-    const Neighbour<D>* neighbour = reference.neighbours.data() + stencil.first;
-    const std::int32_t* offset = reference.row_offset.data() + stencil.first;
-    Lanes product = {};
+    Lanes elastic[D], product = {};
+    force_of_block<D>(work, block.row, stencil, reference.neighbours.data() + stencil.first, reference.row_offset.data() + stencil.first,
+                      elastic);
     for (int a = 0; a < D; ++a) {
-      const double *p[D], *q[pairs];
-      for (int b = 0; b < D; ++b) p[b] = work.stress[a][b].data() + block.row;
-      for (int c = 0; c < pairs; ++c) q[c] = work.double_stress[a][c].data() + block.row;
       double* force = state.internal_force[a].data() + block.row;
-      const Lanes stabilising = load(force), total = stabilising + component_of_force<D>(stencil, neighbour, offset, p, q);
+      const Lanes stabilising = load(force), total = stabilising + elastic[a];
       product += stabilising * total;
       store(force, total);
     }

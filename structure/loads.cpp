@@ -28,8 +28,7 @@ Loads<D>::Loads(const StructureCase& structure, const Reference<D>& reference, c
       }
     } else {
       for (std::size_t k = 0; k < attachment.row.size(); ++k)
-        if (attachment.clamp[k] < 0 &&
-            is_loaded(attachment.properties.body[k], reference.position_of(attachment.row[k]) + attachment.offset[k]))
+        if (attachment.clamp[k] < 0 && is_loaded(attachment.body[k], reference.position_of(attachment.row[k]) + attachment.offset[k]))
           load.point.push_back(k);
     }
     loads_.push_back(std::move(load));
@@ -46,7 +45,7 @@ void Loads<D>::update(double t, const SurfaceAttachment<D>& attachment, const Re
   const auto at = [&](const VectorExpression& value, int a, const Vector<D>& x) { return value[a](t, x[0], x[1], D == 3 ? x[D - 1] : 0); };
   const bool follows =
       std::any_of(loads_.begin(), loads_.end(), [](const Load& load) { return load.input.kind == LoadCase::Kind::pressure; });
-  const Surface<D> surface = follows ? present_surface(attachment, reference, state, work) : Surface<D>{};
+  const Surface<D> surface = follows ? present_feet(attachment, reference, state, work) : Surface<D>{};
   for (const Load& load : loads_) {
     for (std::size_t n = 0; n < load.row.size(); ++n)
       for (int a = 0; a < D; ++a) force_[a][load.row[n]] += load.volume[n] * at(load.input.value, a, reference.position_of(load.row[n]));

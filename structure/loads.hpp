@@ -26,7 +26,7 @@ class Loads {
  private:
   struct Load {
     LoadCase input;
-    std::vector<std::size_t> point;  // surface points it acts on
+    std::vector<std::size_t> point;  // feet of the surface it acts on
     std::vector<std::int32_t> row;   // or particles
     std::vector<double> volume;      // and theirs [m^D]
   };

@@ -48,7 +48,7 @@ struct Structure<D>::Parts {
         gravity(scene.gravity),
         loads(*scene.structure, reference, attachment),
         courant(scene.structure->numerics.courant),
-        state(state_at_rest(reference, attachment.row.size())),
+        state(state_at_rest(reference, attachment.properties.body.size())),
         work(workspace_for(reference)) {
     for (auto& axis : weight) axis.assign(reference.rows, 0);
     for (int a = 0; a < D; ++a) has_gravity |= !gravity[a].is_constant() || gravity[a](0) != 0;
@@ -62,7 +62,10 @@ struct Structure<D>::Parts {
         state.undisturbed &= state.velocity[a][row] == 0;
       }
     }
-    if (scene.structure->numerics.integrator != Integrator::explicit_steps) implicit = std::make_unique<ImplicitStep<D>>(reference);
+    if (scene.structure->numerics.integrator != Integrator::explicit_steps) {
+      implicit = std::make_unique<ImplicitStep<D>>(reference);
+      choice = IntegratorChoice(implicit->costs());
+    }
     always_implicit = scene.structure->numerics.integrator == Integrator::implicit_steps;
     const std::vector<double> stable = stable_steps_at_rest(reference);
     for (std::size_t b = 0; b < stable.size(); ++b) reference.bodies[b].stable_step_at_rest = stable[b];
@@ -81,6 +84,9 @@ struct Structure<D>::Parts {
 
   /// Particles on the clamped edge of a shell stand for half a cell outside the clamp, which is loaded as the others are.
   bool is_shell(std::uint32_t body) const { return reference.bodies[body].shell >= 0; }
+
+  /// Share that a foot of the surface has in the load on its patch.
+  Vector<D> load_on(std::size_t foot) const { return attachment.share[foot] * state.load.force[attachment.patch[foot]]; }
 
   /// Weight of the free particles and loads of the case, taken at the middle of the window and at the positions of its begin.
   void update_forces() {
@@ -129,7 +135,7 @@ struct Structure<D>::Parts {
     for (int a = 0; a < D; ++a) work.external_force[a] = weight[a];
     shell_derivatives(reference, state, work);  // of the begin of the window, at which their loads are spread
     for (std::size_t k = 0; k < attachment.row.size(); ++k)
-      add_point_force<D>(attachment, reference, work, k, state.load.force[k], work.external_force);
+      add_point_force<D>(attachment, reference, work, k, load_on(k), work.external_force);
     loads.add_to(work.external_force);
     if (loads.any()) work.evaluations.loads += reference.rows;
     for (const auto& axis : work.external_force)
@@ -141,8 +147,10 @@ struct Structure<D>::Parts {
     }
     const ImplicitCounts before = implicit ? implicit->memory().counts : ImplicitCounts{};
     advance_window(reference, duration, sub_steps, implicit_window ? implicit.get() : nullptr, state, work);
-    if (implicit_window)
-      choice.add(implicit->memory().counts.evaluations - before.evaluations, implicit->memory().counts.factors - before.factors);
+    if (implicit_window) {
+      const ImplicitCounts& after = implicit->memory().counts;
+      choice.add(implicit->costs().of(after.evaluations - before.evaluations, after.factors - before.factors));
+    }
     double total = 0, by_gravity = 0, by_loads = 0;
     for (int a = 0; a < D; ++a)
       for (const auto row : reference.particle_row) {
@@ -153,9 +161,9 @@ struct Structure<D>::Parts {
       }
     for (std::size_t k = 0; k < attachment.row.size(); ++k) {
       const auto row = attachment.row[k];
-      if (attachment.clamp[k] < 0 || is_shell(attachment.properties.body[k])) continue;
+      if (attachment.clamp[k] < 0 || is_shell(attachment.body[k])) continue;
       for (int a = 0; a < D; ++a)  // what the fluid does on a clamp that moves, the clamp takes
-        state.clamp_work -= state.load.force[k][a] * (state.displacement[a][row] - saved.displacement[a][row]);
+        state.clamp_work -= load_on(k)[a] * (state.displacement[a][row] - saved.displacement[a][row]);
     }
     for (std::size_t p = 0; p < reference.particle_row.size(); ++p) {
       const auto row = reference.particle_row[p];
@@ -209,7 +217,7 @@ Surface<D> Structure<D>::trial(Ticks begin, Ticks duration) {
 template <int D>
 void Structure<D>::advance(const SurfaceLoad<D>& load) {
   Parts& p = *parts_;
-  assert(load.force.size() == p.attachment.row.size());
+  assert(load.force.size() == p.attachment.properties.body.size());
   const bool same =
       load.force.empty() || std::memcmp(load.force.data(), p.state.load.force.data(), load.force.size() * sizeof load.force[0]) == 0;
   if (same) return;
@@ -232,7 +240,7 @@ void Structure<D>::set_state(const CompleteState<D>& given) {
   const auto fits = [&](const RowVectors<D>& values) { return values[D - 1].size() == p.reference.rows; };
   if (!fits(state.motion.displacement) || !fits(state.motion.velocity) || !fits(state.motion.internal_force) ||
       (state.implicit.factored_h > 0 && !fits(state.implicit.factored_displacement)) ||
-      state.motion.load.force.size() != p.attachment.row.size())
+      state.motion.load.force.size() != p.attachment.properties.body.size())
     throw BadInput("The state is that of another scene: it has other particles or surface points.");
   p.state = std::move(state.motion);
   if (p.implicit) p.implicit->set_memory(p.reference, state.implicit, p.state, p.work);
@@ -266,7 +274,7 @@ std::size_t Structure<D>::particles() const {
 }
 template <int D>
 std::size_t Structure<D>::surface_points() const {
-  return parts_->attachment.row.size();
+  return parts_->attachment.properties.body.size();
 }
 template <int D>
 const Evaluations& Structure<D>::evaluations() const {
@@ -337,8 +345,8 @@ Reaction Structure<D>::reaction(const std::string& body, const std::string& clam
   };
   const auto add_fluid = [&](const auto& bears) {  // on a solid; on a shell it is among the external forces
     for (std::size_t k = 0; k < attachment.row.size(); ++k)
-      if (attachment.clamp[k] >= 0 && bears(k) && !parts_->is_shell(attachment.properties.body[k]))
-        add(attachment.row[k], [&](int a) { return state.load.force[k][a]; });
+      if (attachment.clamp[k] >= 0 && bears(k) && !parts_->is_shell(attachment.body[k]))
+        add(attachment.row[k], [&](int a) { return parts_->load_on(k)[a]; });
   };
   bool found = false;
   for (std::size_t n = 0; n < reference.clamps.size(); ++n) {
@@ -360,7 +368,7 @@ Reaction Structure<D>::reaction(const std::string& body, const std::string& clam
     }
     for (const ShellBody<D>& shell : reference.shells)
       if (shell.body == n) add_couple(shell_clamp_couple(shell, parts_->work, -1));
-    add_fluid([&](std::size_t k) { return attachment.properties.body[k] == n; });
+    add_fluid([&](std::size_t k) { return attachment.body[k] == n; });
   }
   if (!found)
     throw BadInput(
@@ -374,7 +382,7 @@ template <int D>
 Vector<D> Structure<D>::total_load(const std::string& body) const {
   Vector<D> total = Vector<D>::Zero();
   const auto& attachment = parts_->attachment;
-  for (std::size_t k = 0; k < attachment.row.size(); ++k)
+  for (std::size_t k = 0; k < attachment.properties.body.size(); ++k)
     if (parts_->reference.bodies[attachment.properties.body[k]].name == body) total += parts_->state.load.force[k];
   return total;
 }

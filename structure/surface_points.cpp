@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "scene/geometry.hpp"
 #include "scene/scene_check.hpp"
@@ -51,49 +52,55 @@ std::int32_t clamp_of(const Reference<D>& reference, std::int32_t row) {
   return static_cast<std::int32_t>(std::find_if(reference.clamps.begin(), reference.clamps.end(), holds) - reference.clamps.begin());
 }
 
-}  // namespace
-
+/// Numbers the patches of feet as they come.
 template <int D>
-SurfaceAttachment<D> attach_surface(const Reference<D>& reference, const Case& scene) {
-  SurfaceAttachment<D> attachment;
-  const std::optional<Shape> region = fluid_region(scene);
-  for (std::uint32_t b = 0; b < reference.bodies.size(); ++b) {
-    const Body& body = reference.bodies[b];
-    const auto points = sample_surface<D>(body.shape, patch_length(body.spacing, scene.fluid));
-    for (std::size_t k = 0; k < points.position.size(); ++k) {
-      const Vector<D>& x = points.position[k];
-      const Vector<D>& normal = points.normal[k];
-      const bool clamped = inside_any(body.clamps, x);
-      if (clamped && !is_within_reach<D>(scene, region, x, 1e-3 * body.spacing)) continue;
-      const auto row = nearest_row<D>(reference, body, x, clamped);
-      if (row < 0) continue;  // the whole body is clamped, or the clamp holds no particle here
-      const double depth = thickness<D>(body.shape, x, normal);
-      // A hair inside the opposite face: on it, whether a clamp contains the point would be a matter of round-off.
-      const Vector<D> opposite = x - (depth - 1e-3 * body.spacing) * normal;
-      const int wet_faces = inside_any(body.clamps, opposite) ? 1 : 2;
-      attachment.properties.body.push_back(b);
-      attachment.properties.section_mass.push_back(clamped ? held_mass : body.material.density * depth / wet_faces);
-      attachment.properties.impedance.push_back(body.material.density * body.material.pressure_wave_speed());
-      attachment.properties.least_mass.push_back(clamped ? held_mass : body.material.density * body.spacing);
-      const ShellBody<D>* shell = clamped ? nullptr : reference.shell_of(body);
-      if (shell != nullptr && std::abs(normal.dot(shell->layer.particles.frame[row - shell->first_row].col(D - 1))) > 0.5) {  // on a face
-        attachment.properties.least_mass.back() = attachment.properties.section_mass.back();  // nothing travels through the thickness
-      }
-      attachment.on_shell.push_back(shell == nullptr ? -1 : static_cast<std::int32_t>(shell->index));
-      attachment.shell.push_back(shell == nullptr ? ShellPoint<D>{}
-                                                  : shell_point<D>(shell->layer, row - shell->first_row, x - reference.position_of(row)));
-      attachment.row.push_back(row);
-      attachment.offset.push_back(x - reference.position_of(row));
-      attachment.normal.push_back(normal);
-      attachment.area.push_back(points.area[k]);
-      attachment.clamp.push_back(clamped ? clamp_of(reference, row) : -1);
-    }
+class Patches {
+ public:
+  /// `length`: edge of the cubes that join the feet of a body; 0: every foot is a patch.
+  std::uint32_t of(const Body& body, double length, std::int32_t clamp, const Vector<D>& x, const Vector<D>& normal) {
+    if (length == 0) return count_++;
+    Key key{static_cast<long>(body.first), clamp};
+    int direction = 0;
+    normal.cwiseAbs().maxCoeff(&direction);
+    key[2] = normal[direction] > 0 ? direction : D + direction;
+    // A hair away from the edges of the cubes, on which a face of the body may lie.
+    for (int a = 0; a < D; ++a) key[3 + a] = std::lround(std::floor((x[a] - body.shape.min[a]) / length + 1e-6));
+    const auto [patch, is_new] = known_.try_emplace(key, count_);
+    count_ += is_new;
+    return patch->second;
   }
-  return attachment;
+
+ private:
+  using Key = std::array<long, 3 + D>;
+  std::map<Key, std::uint32_t> known_;
+  std::uint32_t count_ = 0;
+};
+
+/// What the patches are of that feet have in the same order.
+template <int D>
+Surface<D> joined(const SurfaceAttachment<D>& attachment, Surface<D> feet) {
+  const std::size_t count = attachment.properties.body.size();
+  if (count == attachment.row.size()) return feet;
+  Surface<D> surface;
+  surface.position.assign(count, Vector<D>::Zero());
+  surface.velocity.assign(count, Vector<D>::Zero());
+  surface.normal.assign(count, Vector<D>::Zero());
+  surface.area.resize(count);
+  for (std::size_t k = 0; k < feet.position.size(); ++k) {
+    const auto patch = attachment.patch[k];
+    surface.position[patch] += attachment.share[k] * feet.position[k];
+    surface.velocity[patch] += attachment.share[k] * feet.velocity[k];
+    surface.normal[patch] += feet.area[k] * feet.normal[k];
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    surface.area[k] = surface.normal[k].norm();
+    surface.normal[k] /= surface.area[k];
+  }
+  return surface;
 }
 
 template <int D>
-std::vector<Vector<D>> surface_velocity(const SurfaceAttachment<D>& attachment, const Reference<D>& reference, const State<D>& state,
+std::vector<Vector<D>> velocity_of_feet(const SurfaceAttachment<D>& attachment, const Reference<D>& reference, const State<D>& state,
                                         const Workspace<D>& work) {
   std::vector<Vector<D>> velocity(attachment.row.size());
   for (std::size_t k = 0; k < velocity.size(); ++k) {
@@ -114,12 +121,72 @@ std::vector<Vector<D>> surface_velocity(const SurfaceAttachment<D>& attachment, 
   return velocity;
 }
 
+}  // namespace
+
 template <int D>
-Surface<D> present_surface(const SurfaceAttachment<D>& attachment, const Reference<D>& reference, const State<D>& state,
-                           const Workspace<D>& work) {
+SurfaceAttachment<D> attach_surface(const Reference<D>& reference, const Case& scene) {
+  SurfaceAttachment<D> attachment;
+  const std::optional<Shape> region = fluid_region(scene);
+  Patches<D> patches;
+  for (std::uint32_t b = 0; b < reference.bodies.size(); ++b) {
+    const Body& body = reference.bodies[b];
+    const auto points = sample_surface<D>(body.shape, point_distance<D>(body.spacing, body.shell >= 0, scene.fluid));
+    const double joined_length = body.shell < 0 ? joined_patch_length<D>(body.spacing, scene.fluid) : 0;
+    for (std::size_t k = 0; k < points.position.size(); ++k) {
+      const Vector<D>& x = points.position[k];
+      const Vector<D>& normal = points.normal[k];
+      const bool clamped = inside_any(body.clamps, x);
+      if (clamped && !is_within_reach<D>(scene, region, x, 1e-3 * body.spacing)) continue;
+      const auto row = nearest_row<D>(reference, body, x, clamped);
+      if (row < 0) continue;  // the whole body is clamped, or the clamp holds no particle here
+      const double depth = thickness<D>(body.shape, x, normal);
+      // A hair inside the opposite face: on it, whether a clamp contains the point would be a matter of round-off.
+      const Vector<D> opposite = x - (depth - 1e-3 * body.spacing) * normal;
+      const int wet_faces = inside_any(body.clamps, opposite) ? 1 : 2;
+      attachment.body.push_back(b);
+      attachment.clamp.push_back(clamped ? clamp_of(reference, row) : -1);
+      attachment.patch.push_back(patches.of(body, joined_length, attachment.clamp.back(), x, normal));
+      attachment.row.push_back(row);
+      attachment.offset.push_back(x - reference.position_of(row));
+      attachment.normal.push_back(normal);
+      attachment.area.push_back(points.area[k]);
+      const ShellBody<D>* shell = clamped ? nullptr : reference.shell_of(body);
+      attachment.on_shell.push_back(shell == nullptr ? -1 : static_cast<std::int32_t>(shell->index));
+      attachment.shell.push_back(shell == nullptr ? ShellPoint<D>{}
+                                                  : shell_point<D>(shell->layer, row - shell->first_row, x - reference.position_of(row)));
+      if (attachment.patch.back() < attachment.properties.body.size()) continue;  // the properties of a patch are those of its first foot
+      attachment.properties.body.push_back(b);
+      attachment.properties.section_mass.push_back(clamped ? held_mass : body.material.density * depth / wet_faces);
+      attachment.properties.impedance.push_back(body.material.density * body.material.pressure_wave_speed());
+      attachment.properties.least_mass.push_back(clamped ? held_mass : body.material.density * body.spacing);
+      if (shell != nullptr && std::abs(normal.dot(shell->layer.particles.frame[row - shell->first_row].col(D - 1))) > 0.5) {  // on a face
+        attachment.properties.least_mass.back() = attachment.properties.section_mass.back();  // nothing travels through the thickness
+      }
+    }
+  }
+  std::vector<double> area(attachment.properties.body.size(), 0);
+  for (std::size_t k = 0; k < attachment.row.size(); ++k) area[attachment.patch[k]] += attachment.area[k];
+  for (std::size_t k = 0; k < attachment.row.size(); ++k) attachment.share.push_back(attachment.area[k] / area[attachment.patch[k]]);
+  return attachment;
+}
+
+template <int D>
+std::vector<Vector<D>> surface_velocity(const SurfaceAttachment<D>& attachment, const Reference<D>& reference, const State<D>& state,
+                                        const Workspace<D>& work) {
+  std::vector<Vector<D>> of_feet = velocity_of_feet(attachment, reference, state, work);
+  const std::size_t count = attachment.properties.body.size();
+  if (count == of_feet.size()) return of_feet;
+  std::vector<Vector<D>> velocity(count, Vector<D>::Zero());
+  for (std::size_t k = 0; k < of_feet.size(); ++k) velocity[attachment.patch[k]] += attachment.share[k] * of_feet[k];
+  return velocity;
+}
+
+template <int D>
+Surface<D> present_feet(const SurfaceAttachment<D>& attachment, const Reference<D>& reference, const State<D>& state,
+                        const Workspace<D>& work) {
   const std::size_t count = attachment.row.size();
   Surface<D> surface;
-  surface.velocity = surface_velocity(attachment, reference, state, work);
+  surface.velocity = velocity_of_feet(attachment, reference, state, work);
   surface.position.resize(count);
   surface.normal.resize(count);
   surface.area.resize(count);
@@ -155,10 +222,18 @@ Surface<D> present_surface(const SurfaceAttachment<D>& attachment, const Referen
   return surface;
 }
 
+template <int D>
+Surface<D> present_surface(const SurfaceAttachment<D>& attachment, const Reference<D>& reference, const State<D>& state,
+                           const Workspace<D>& work) {
+  return joined(attachment, present_feet(attachment, reference, state, work));
+}
+
 template SurfaceAttachment<2> attach_surface<2>(const Reference<2>&, const Case&);
 template SurfaceAttachment<3> attach_surface<3>(const Reference<3>&, const Case&);
 template std::vector<Vector<2>> surface_velocity<2>(const SurfaceAttachment<2>&, const Reference<2>&, const State<2>&, const Workspace<2>&);
 template std::vector<Vector<3>> surface_velocity<3>(const SurfaceAttachment<3>&, const Reference<3>&, const State<3>&, const Workspace<3>&);
+template Surface<2> present_feet<2>(const SurfaceAttachment<2>&, const Reference<2>&, const State<2>&, const Workspace<2>&);
+template Surface<3> present_feet<3>(const SurfaceAttachment<3>&, const Reference<3>&, const State<3>&, const Workspace<3>&);
 template Surface<2> present_surface<2>(const SurfaceAttachment<2>&, const Reference<2>&, const State<2>&, const Workspace<2>&);
 template Surface<3> present_surface<3>(const SurfaceAttachment<3>&, const Reference<3>&, const State<3>&, const Workspace<3>&);
 

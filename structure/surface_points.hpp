@@ -4,6 +4,12 @@
 // The force on k acts on j. Its work is then f_k . v_j, so u_k = v_j makes the work counted on both sides of the interface
 // the same; the neglected rotation of X_k - X_j (half a spacing) is below the resolution of the particles. What lies in a clamp is rigid:
 // its points move with the clamp, and the force on them is the clamp's to bear. On shells: shell/shell_surface.hpp.
+//
+// These points are the feet of the patches that the other side sees. A patch has one foot, but in 3D on a solid that is finer than half
+// the spacing of the fluid: there it has those in a cube of about that length. What a fluid particle asks of each patch grows with the
+// square of their number, and what patches ask of each other with the fourth power. With the shares s_k = A_k / sum A of its feet
+//   x = sum s_k x_k,  u = sum s_k u_k,  a n = sum a_k n_k,  and of its force f each foot bears s_k f,
+// so that the work is the same on both sides here, too.
 
 #include <vector>
 
@@ -16,7 +22,12 @@ namespace tern::structure {
 
 template <int D>
 struct SurfaceAttachment {
-  SurfaceProperties properties;
+  SurfaceProperties properties;  ///< of the patches
+
+  // Of the feet.
+  std::vector<std::uint32_t> patch;  ///< to which it belongs
+  std::vector<double> share;         ///< of its area in that of the patch
+  std::vector<std::uint32_t> body;
   std::vector<std::int32_t> row;       ///< of the carrying particle
   std::vector<Vector<D>> offset;       ///< X_k - X_j [m]
   std::vector<Vector<D>> normal;       ///< N_k
@@ -26,17 +37,22 @@ struct SurfaceAttachment {
   std::vector<std::int32_t> clamp;     ///< that holds it: index of Reference::clamps, or their number for one without a name; free: -1
 };
 
-/// Samples every body at its own spacing, or half of that of the fluid where it is smaller. What lies inside its clamps is left out, but
-/// where fluid can come: inside the container, and not on a wall or in one.
+/// Feet are as far apart as the particles of the body, or, where that is less, half of those of the fluid (point_distance()). What lies inside its clamps is
+/// left out, but where fluid can come: inside the container, and not on a wall or in one.
 template <int D>
 SurfaceAttachment<D> attach_surface(const Reference<D>& reference, const Case& scene);
 
-/// The surface in the present state; `work` holds the deformation gradient of that state.
+/// The feet in the present state; `work` holds the deformation gradient of that state.
+template <int D>
+Surface<D> present_feet(const SurfaceAttachment<D>& attachment, const Reference<D>& reference, const State<D>& state,
+                        const Workspace<D>& work);
+
+/// The patches in the present state; `work` as above.
 template <int D>
 Surface<D> present_surface(const SurfaceAttachment<D>& attachment, const Reference<D>& reference, const State<D>& state,
                            const Workspace<D>& work);
 
-/// Adds the force f on point k to the rows that bear it.
+/// Adds the force f on foot k to the rows that bear it.
 template <int D>
 void add_point_force(const SurfaceAttachment<D>& attachment, const Reference<D>& reference, const Workspace<D>& work, std::size_t k,
                      const Vector<D>& f, RowVectors<D>& force) {
@@ -50,7 +66,7 @@ void add_point_force(const SurfaceAttachment<D>& attachment, const Reference<D>&
   });
 }
 
-/// Velocities of the surface points in a state [m/s]; `work` as above.
+/// Velocities of the patches in a state [m/s]; `work` as above.
 template <int D>
 std::vector<Vector<D>> surface_velocity(const SurfaceAttachment<D>& attachment, const Reference<D>& reference, const State<D>& state,
                                         const Workspace<D>& work);

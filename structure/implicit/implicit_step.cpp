@@ -24,8 +24,6 @@ constexpr int most_iterations = 14;  // with one factor
 constexpr int most_halvings = 6;
 constexpr std::size_t most_updates = 6;  // kept while the factor is
 constexpr int expected_iterations = 4;   // with a new factor
-/// An assembled and factored tangent costs about as much as this many iterations (docs/STRUCTURE.md).
-constexpr double worth_of_a_factor = 28;
 /// A factor made for another step length serves while h^2 differs by less than this factor.
 constexpr double largest_ratio = 2;
 
@@ -76,6 +74,25 @@ void damp(const Reference<D>& reference, double dt, State<D>& state) {
 }
 
 }  // namespace
+
+template <int D>
+ImplicitCosts implicit_costs(const Reference<D>& reference, const Tangent<D>& tangent) {
+  if (D == 2) return {};
+  // Nanoseconds, by bench-structure_substep: of a sub-step per block and neighbour, or per pair of particles of a shell; of a
+  // multiplication of the assembly and of the factor; of a solve per non-zero of the factor.
+  constexpr double of_neighbour = 80, of_shell_pair = 60, of_assembly = 1, of_factor = 0.5, of_solve = 1.2;
+  constexpr double share_of_elasticity = 0.6;                  // of a sub-step, which has the diffusion as well
+  constexpr double iterations = 10, windows_of_a_factor = 40;  // in quiet motion (docs/STRUCTURE.md)
+  double sub_step = 0;
+  for (const Block& block : reference.blocks)
+    if (block.deforms) sub_step += of_neighbour * reference.stencils[block.stencil].count;
+  for (const ShellBody<D>& shell : reference.shells) sub_step += of_shell_pair * static_cast<double>(shell.layer.neighbour.size());
+  ImplicitCosts costs;
+  costs.evaluation = share_of_elasticity + of_solve * tangent.factor_size() / sub_step;
+  costs.factor = (of_assembly * tangent.assembly_size() + of_factor * tangent.factor_work()) / sub_step;
+  costs.window = iterations * costs.evaluation + costs.factor / windows_of_a_factor;
+  return costs;
+}
 
 template <int D>
 Eigen::VectorXd ImplicitStep<D>::step_for(const Eigen::VectorXd& residual) {
@@ -137,6 +154,7 @@ bool ImplicitStep<D>::solve(const Reference<D>& reference, double h, double spee
   Eigen::VectorXd d = gather<D>(rows, state.displacement), residual, next, next_residual;
   if (!evaluate(d, residual)) return false;
   const double ratio = h * h / (memory_.factored_h * memory_.factored_h);
+  const double worth_of_a_factor = std::round(costs_.factor / costs_.evaluation);  // in iterations
   bool outdated = !(ratio < largest_ratio && ratio * largest_ratio > 1) || memory_.excess > worth_of_a_factor;
   for (int attempt = 0; attempt < 2; ++attempt) {
     bool fresh = false;
@@ -237,6 +255,8 @@ bool ImplicitStep<D>::advance(const Reference<D>& reference, double dt, State<D>
   return false;
 }
 
+template ImplicitCosts implicit_costs<2>(const Reference<2>&, const Tangent<2>&);
+template ImplicitCosts implicit_costs<3>(const Reference<3>&, const Tangent<3>&);
 template class ImplicitStep<2>;
 template class ImplicitStep<3>;
 

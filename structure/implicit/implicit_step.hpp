@@ -5,14 +5,21 @@
 // (Matthies and Strang 1979) and renewed when it no longer serves.
 
 #include "structure/implicit/implicit_memory.hpp"
+#include "structure/implicit/integrator_choice.hpp"
 #include "structure/implicit/tangent.hpp"
 
 namespace tern::structure {
 
+/// What a solve and a factor cost is counted from the pattern of the factor. In 3D both grow faster than the number of particles.
+template <int D>
+ImplicitCosts implicit_costs(const Reference<D>& reference, const Tangent<D>& tangent);
+
 template <int D>
 class ImplicitStep {
  public:
-  explicit ImplicitStep(const Reference<D>& reference) : tangent_(reference) {}
+  explicit ImplicitStep(const Reference<D>& reference) : tangent_(reference), costs_(implicit_costs(reference, tangent_)) {}
+
+  const ImplicitCosts& costs() const { return costs_; }
 
   /// Advances the state by `dt` [s] under work.external_force, with the internal force of elasticity alone; clamped particles
   /// move with their velocity. Returns false, with the state as it was, when Newton's method does not converge.
@@ -41,6 +48,7 @@ class ImplicitStep {
   Eigen::VectorXd guess(int part, double dt, const Eigen::VectorXd& straight) const;
 
   Tangent<D> tangent_;
+  ImplicitCosts costs_;
   ImplicitMemory<D> memory_;
 };
 

@@ -143,6 +143,8 @@ Tangent<D>::Tangent(const Reference<D>& reference) {
     }
   factor_.cholmod().print = 0;  // a tangent that is not positive definite is an answer, not a message
   factor_.analyzePattern(matrix_);
+  factor_size_ = factor_.cholmod().lnz;
+  factor_work_ = factor_.cholmod().fl;
 }
 
 template <int D>

@@ -20,10 +20,11 @@ class Tangent {
   /// Number of unknowns: D per free particle, in the order of free_rows().
   Eigen::Index unknowns() const { return matrix_.rows(); }
   const std::vector<std::int32_t>& free_rows() const { return free_rows_; }
-  /// Non-zeros of the factor, once there is one.
+  /// Non-zeros of the factor.
   double factor_size() const { return factor_size_; }
-  /// Multiplications of one assembly.
+  /// Multiplications of one assembly, and of one factor.
   double assembly_size() const { return assembly_size_; }
+  double factor_work() const { return factor_work_; }
 
   /// K + `mass_factor` M [1/s^2] at the deformation in `work` (its lower triangle).
   void assemble(const Reference<D>& reference, const Workspace<D>& work, double mass_factor);
@@ -52,7 +53,7 @@ class Tangent {
   std::vector<Particle> particles_;
   Eigen::SparseMatrix<double> matrix_;
   Eigen::CholmodSimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor_;
-  double factor_size_ = 0, assembly_size_ = 0;
+  double factor_size_ = 0, factor_work_ = 0, assembly_size_ = 0;
 };
 
 /// d2W/dq2 of a particle's cell, q = (H_00, H_01, ..., K_0^00, K_0^01, ...), see first_piola_kirchhoff.cpp.

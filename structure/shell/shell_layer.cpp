@@ -39,6 +39,11 @@ template <int D>
 std::vector<std::uint32_t> cells_beside(const ShellParticles<D>& particles, std::size_t i) {
   constexpr int reach = 3;  // cells; 2.2 spacings round a circle of ten reach into the third
   std::vector<std::uint32_t> beside;
+  if (!particles.in_rows) {  // nothing lies over another part of a ball
+    for (std::size_t j = 0; j < particles.position.size(); ++j)
+      if (j != i) beside.push_back(static_cast<std::uint32_t>(j));
+    return beside;
+  }
   std::array<int, 2> size{1, 1}, at{static_cast<int>(i), 0}, low{0, 0}, high{0, 0};
   for (int a = 0; a < D - 1; ++a) size[a] = particles.size[a];
   at = {static_cast<int>(i) % size[0], static_cast<int>(i) / size[0]};
@@ -89,6 +94,7 @@ ShellParticles<D> shell_particles(const MidSurface<D>& surface) {
     particles.size[a] = surface.count[a] + surface.held_ends(a);
   }
   particles.closed = surface.closed;
+  particles.in_rows = surface.kind != MidSurface<D>::Kind::ball;
   for (const SurfaceCell<D>& cell : cells_of(surface)) {
     particles.position.push_back(cell.place.position);
     particles.frame.push_back(cell.place.frame);

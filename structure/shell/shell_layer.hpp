@@ -55,6 +55,7 @@ struct ShellParticles {
   std::array<double, shell_slopes<D>> spacing{};  ///< along e_a [m]
   std::array<int, shell_slopes<D>> size{};        ///< particles along e_a, the first fastest
   std::array<bool, shell_slopes<D>> closed{};     ///< the first of them is beside the last
+  bool in_rows = true;                            ///< on a ball they are not, and the two above say nothing
 };
 
 /// The cells of a mid-surface.

@@ -394,6 +394,22 @@ Case shell_tube(bool closed) {
   return c;
 }
 
+Case shell_ball() {
+  Case c = shell_strip();
+  StructureBody& body = c.structure->bodies[0];
+  Shape outer;
+  outer.kind = Shape::Kind::ball;
+  outer.center = {0.598, 0.04, 0.02};
+  outer.radius = 0.032;
+  Shape inner = outer;
+  inner.radius = 0.028;
+  body.shape = Shape{};
+  body.shape.kind = Shape::Kind::difference;
+  body.shape.parts = {outer, inner};
+  body.clamps.clear();
+  return c;
+}
+
 TEST(ShellBody, ForcesOnItsFacesHaveThePowerOfTheirPoints) {
   expect_power<2>(shell_plate());
   expect_power<3>(shell_strip());
@@ -401,6 +417,7 @@ TEST(ShellBody, ForcesOnItsFacesHaveThePowerOfTheirPoints) {
     expect_power<2>(shell_arc(closed));
     expect_power<3>(shell_tube(closed));
   }
+  expect_power<3>(shell_ball());
 }
 
 /// At rest the surface is that of the shape, also turned and moved as a whole.
@@ -444,6 +461,7 @@ TEST(ShellBody, ItsSurfaceAtRestIsThatOfItsShape) {
     expect_surface_at_rest<2>(shell_arc(closed));
     expect_surface_at_rest<3>(shell_tube(closed));
   }
+  expect_surface_at_rest<3>(shell_ball());
 }
 
 // The clamp ends the arc where its face at y = 0.045 cuts the mid-surface, the tube 5 mm from its end.
@@ -490,6 +508,7 @@ TEST(ShellBody, HasTheParticlesThatItsCaseIsCheckedWith) {
                                {box({0.59, -0.02, -0.01}, {0.61, 0, 0.06}), box({0.59, -0.02, 0.04}, {0.61, 0.1, 0.06})});
   expect_the_same_particles<2>(shell_arc(false).structure->bodies[0], {box({0.62, 0.03, 0}, {0.635, 0.045, 0})});
   expect_the_same_particles<3>(shell_tube(true).structure->bodies[0], {box({0.5, 0, -0.1}, {0.7, 0.02, 0.1})});
+  expect_the_same_particles<3>(shell_ball().structure->bodies[0], {});
 }
 
 TEST(ShellBody, AHingeThatMovesTakesItsEdgeAlongAndItsWorkIsCounted) {

@@ -139,7 +139,9 @@ void follow_an_affine_deformation(const std::optional<FluidCase>& fluid) {
 TEST(SurfacePoints, FollowAnAffineDeformationExactly) {
   FluidCase fine;
   fine.spacing = 0.3 * build_reference<2>(block<2>(6)).bodies[0].spacing;
-  for (const auto& fluid : {std::optional<FluidCase>(), std::optional(fine)}) {
+  FluidCase coarse;  // whose spacing is that of four particles: patches of two by two in 3D
+  coarse.spacing = 4 * build_reference<2>(block<2>(6)).bodies[0].spacing;
+  for (const auto& fluid : {std::optional<FluidCase>(), std::optional(fine), std::optional(coarse)}) {
     follow_an_affine_deformation<2>(fluid);
     follow_an_affine_deformation<3>(fluid);
   }
@@ -166,6 +168,57 @@ TEST(SurfacePoints, StandForHalfASpacingOfTheFluidAtMost) {
   EXPECT_EQ(points(dx), 52u);
   EXPECT_EQ(points(0.8 * dx), 78u);
   EXPECT_EQ(points(0.5 * dx), 104u);
+}
+
+// Seen to fail: with the whole force on each foot, and with the velocity of the last foot.
+TEST(SurfacePoints, OfAFineSolidIn3DAreJoinedAndTheirWorkIsThatOfTheParticlesBehindThem) {
+  Case scene = testing::scene(3, {body("block", {0, 0, 0}, {6, 7, 4}, 1.0)});
+  scene.fluid.emplace().spacing = 4;
+  const auto reference = build_reference<3>(*scene.structure);
+  const auto attachment = attach_surface(reference, scene);
+  EXPECT_EQ(attachment.row.size(), 2u * (6 * 7 + 7 * 4 + 6 * 4));
+  // Seven particles are three pairs and one.
+  const std::size_t patches = attachment.properties.body.size();
+  EXPECT_EQ(patches, 2u * (3 * 4 + 4 * 2 + 3 * 2));
+  auto state = state_at_rest(reference, patches);
+  auto work = workspace_for(reference);
+  deformation_gradient(reference, state, work);
+  set_rows<3>(reference, state.velocity, [](const Vector<3>& x) { return Vector<3>(x[1] * x[2], std::sin(x[0]), x[0] - x[1]); });
+  const Surface<3> surface = present_surface(attachment, reference, state, work);
+  ASSERT_EQ(surface.position.size(), patches);
+  double area = 0, power = 0;
+  std::vector<Vector<3>> force;
+  for (std::size_t k = 0; k < patches; ++k) {
+    area += surface.area[k];
+    force.push_back(Vector<3>(std::cos(0.7 * static_cast<double>(k)), 0.1 * static_cast<double>(k), -1));
+    power += force[k].dot(surface.velocity[k]);
+    EXPECT_EQ(surface.velocity[k], tern::structure::surface_velocity(attachment, reference, state, work)[k]);
+  }
+  EXPECT_NEAR(area, 2 * (6 * 7 + 7 * 4 + 6 * 4), 1e-9);
+  double of_particles = 0;
+  Vector<3> total = Vector<3>::Zero();
+  for (std::size_t foot = 0; foot < attachment.row.size(); ++foot) {
+    RowVectors<3> rows;
+    for (auto& axis : rows) axis.assign(reference.rows, 0);
+    add_point_force<3>(attachment, reference, work, foot, attachment.share[foot] * force[attachment.patch[foot]], rows);
+    for (int a = 0; a < 3; ++a)
+      for (std::size_t row = 0; row < reference.rows; ++row) {
+        of_particles += rows[a][row] * state.velocity[a][row];
+        total[a] += rows[a][row];
+      }
+  }
+  EXPECT_NEAR(of_particles, power, 1e-10 * std::abs(power));
+  for (const Vector<3>& f : force) total -= f;
+  EXPECT_LT(total.norm(), 1e-10);
+}
+
+// Seen to fail: with whole parts of its spacing, as of a solid.
+TEST(SurfacePoints, OfAShellIn3DAreHalfASpacingOfTheFluidApart) {
+  Case scene = testing::scene(3, {body("plate", {0, 0, 0}, {0.004, 0.096, 0.048}, 0.005)});
+  scene.structure->bodies[0].is_shell = true;
+  scene.fluid.emplace().spacing = 0.008;
+  const Structure<3> structure(scene);
+  EXPECT_EQ(structure.surface_points(), 2u * (24 * 12 + 24 + 12));
 }
 
 }  // namespace
