@@ -2,6 +2,8 @@
 
 #include "fluid/boundary/plane_walls.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "fixtures/fluid_scenes.hpp"
@@ -69,6 +71,30 @@ TEST(PlaneWalls, HaveTheSumsOfTheirPatches) {
     EXPECT_LT(weight, 1e-4);
     EXPECT_GT(before_plane, 0.2 * with_wall);
   }
+}
+
+// Beside a block on the floor as well. Seen to fail: with planes listed alone where the block is seen.
+TEST(PlaneWalls, AreListedWithThePatchesThatASearchFinds) {
+  Case c = tank_of_water();
+  c.walls.push_back(obstacle({0.4, 0, 0.2}, {0.6, 0.2, 0.6}));
+  Fluid<3> fluid(c);
+  std::mt19937 random(20240120);
+  jitter(fluid, 0.1, random);
+  const auto& position = fluid.state().position;
+  Boundary<3> boundary(c, fluid.constants());
+  see_walls<3>(dx, position, boundary);
+  const FaceRows& rows = boundary.wall_rows;
+  int listed = 0;
+  for (std::size_t i = 0; i < position.size(); ++i) {
+    if (rows.before_plane(static_cast<std::ptrdiff_t>(i))) continue;
+    std::vector<int> found, own(rows.face.begin() + rows.begin[i], rows.face.begin() + rows.begin[i] + rows.count[i]);
+    boundary.wall_finder.see(boundary.walls.faces(), position[i], found);
+    std::sort(found.begin(), found.end());
+    std::sort(own.begin(), own.end());
+    EXPECT_EQ(own, found) << "particle " << i;
+    listed += !own.empty();
+  }
+  EXPECT_GT(listed, 100);
 }
 
 // On its way along the floor to the corner, and up a wall through the waterline. Seen to fail: with a share that is either 1 or 0, and
