@@ -42,6 +42,9 @@ class VerifyCasesTest(unittest.TestCase):
     def test_a_block_of_the_density_of_water_stays_where_it_is(self):
         self.verify("neutral_block")
 
+    def test_a_block_a_little_denser_sinks(self):
+        self.verify("sinking_block")
+
     def test_the_plate_under_water_swings_in_two_modes(self):
         self.verify("submerged_plate_modes")
 
