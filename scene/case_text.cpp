@@ -283,7 +283,7 @@ std::string explain_text(const Case& scene, const Costs& costs) {
         "two.\n"
         "The explicit coupling is {}.\n",
         body.name, ratio(body.added_mass_ratio), ratio(2 * body.added_mass_ratio),
-        body.added_mass_ratio > 1 ? "predicted to be unstable, whatever the step; the semi-implicit one is predicted to be stable"
+        body.added_mass_ratio > 1 ? "predicted to be unstable, whatever the step; the default is predicted to be stable"
                                   : "possibly stable here; above 1 it is not");
   }
   if (coupled && scene.coupling.algorithm == CouplingAlgorithm::automatic) text += algorithm_choice(scene, e);

@@ -37,8 +37,8 @@ struct SurfaceAttachment {
   std::vector<std::int32_t> clamp;     ///< that holds it: index of Reference::clamps, or their number for one without a name; free: -1
 };
 
-/// Feet are as far apart as the particles of the body, or, where that is less, half of those of the fluid (point_distance()). What lies inside its clamps is
-/// left out, but where fluid can come: inside the container, and not on a wall or in one.
+/// Feet are as far apart as the particles of the body, or, where that is less, half of those of the fluid (point_distance()). What
+/// lies inside its clamps is left out, but where fluid can come: inside the container, and not on a wall or in one.
 template <int D>
 SurfaceAttachment<D> attach_surface(const Reference<D>& reference, const Case& scene);
 

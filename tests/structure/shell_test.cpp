@@ -379,7 +379,8 @@ TEST(Shell, AHollowBallMovesFreelyAsARigidOneAndSwingsAsAThinSphere) {
   for (int n = 11; n < 18; ++n) EXPECT_NEAR(std::sqrt(values[n] / squared_frequency_of_a_sphere(3, 0.1)), 0.944, 4e-3) << n;
 }
 
-// Seen to fail: with equal areas. u = p R^2 (1 - nu)/(2 E t) in the mean. Every load that is not quite even bends it: the force on a particle is that on its triangles.
+// Seen to fail: with equal areas. u = p R^2 (1 - nu)/(2 E t) in the mean. Every load that is not quite even bends it: the force on a
+// particle is that on its triangles.
 TEST(Shell, AHollowBallUnderPressureGrowsAsAThinSphere) {
   auto model = model_of<3>(ball_body(0.1, 5));
   constexpr double stiffness = 1e9 * 0.1, p = 1e-6 * stiffness, exact = p * 0.7 / (2 * stiffness);
