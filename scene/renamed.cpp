@@ -38,7 +38,7 @@ void remove(Setting& table, const std::string& key) {
 const Renames& renames() {
   static const Renames list{
       {},
-      {{"coupling.algorithm", "CM0", "explicit", ""},
+      {{"coupling.algorithm", "CM0", "explicit"},
        {"coupling.algorithm", "CM2", "auto", "max_iterations", "1"},
        {"coupling.algorithm", "semi-implicit", "auto", "max_iterations", "1"},
        {"coupling.algorithm", "CM3", "auto", "tolerance", "1e-4"},

@@ -16,7 +16,7 @@ struct RenamedKey {
 struct RenamedValue {
   std::string path;  ///< of the key whose value it is: "coupling.algorithm"
   std::string old_value, new_value;
-  std::string other_key, other_value = {};  ///< what the old name said besides, as TOML: a key of the same table that is not given
+  std::string other_key = {}, other_value = {};  ///< what the old name said besides, as TOML: a key of the same table that is not given
 };
 
 /// A key that is read no more, because what it chose is gone.
