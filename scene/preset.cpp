@@ -21,8 +21,8 @@ struct Group {
 };
 
 // Longer windows save up to two fifths for an error far below that of twice the spacing. A structure alone takes implicit steps where
-// they are cheaper, as one beside a fluid does by itself. Beside a structure the windows stay short while the fluid is slow: at
-// 0.16 sqrt(dx/g) the coupling makes energy (docs/STABILITY.md). Not a looser pressure: it saves less than a tenth.
+// they are cheaper, as one beside a fluid does by itself. Beside a structure the windows stay short while the fluid is slow: they
+// resolve its vibration. Not a looser pressure: it saves less than a tenth.
 const Group draft{2,
                   {{"fluid.numerics.courant", "0.4"}},
                   {{"fluid.numerics.gravity_courant", "0.2"}},
