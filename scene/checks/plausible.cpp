@@ -17,9 +17,10 @@
 namespace tern {
 namespace {
 
-constexpr double held_patches = 3;  ///< patches around a clamp in which a body meets no wall (meeting/meeting.cpp)
-constexpr double round_off = 1e-6;  ///< in spacings
-constexpr int instants = 200;       ///< of the run at which motions are compared
+constexpr double held_patches = 3;           ///< patches around a clamp in which a body meets no wall (meeting/meeting.cpp)
+constexpr double round_off = 1e-6;           ///< in spacings
+constexpr double nearly_of_the_fluid = 0.2;  ///< excess of density with which a body in it is held back (measured: 0.02 and 0.1)
+constexpr int instants = 200;                ///< of the run at which motions are compared
 
 template <int D>
 class Plausible {
@@ -40,6 +41,7 @@ class Plausible {
     for (std::size_t i = 0; i < bodies().size(); ++i) {
       look_at_modulus(bodies()[i], settings_.at("structure").at("body").items[i]);
       look_at_contacts(i);
+      look_at_weight_in_fluid(i);
       look_at_clamps_in_walls(bodies()[i], where_body(i));
     }
   }
@@ -189,6 +191,19 @@ class Plausible {
            "stops there. Clamp it (structure.body.{}.clamp), or leave room below it.",
            body.name, other, text(x), body.name);
     }
+  }
+
+  // What drives a body of nearly the fluid's density is small beside what the particles around it resist (docs/THEORY.md, Known limits).
+  void look_at_weight_in_fluid(std::size_t i) {
+    const StructureBody& body = bodies()[i];
+    if (!scene_.fluid || gravity_.norm() == 0 || body.is_shell || !body.clamps.empty()) return;  // a shell may be hollow
+    const double excess = body.density / scene_.fluid->density - 1;
+    if (std::abs(excess) < round_off || std::abs(excess) > nearly_of_the_fluid) return;
+    warn(
+        where_body(i),
+        "the elastic body '{}' is free and {:.2g} % {} than the fluid: where water is all around it, it will {} too slowly. Blocks 2 % and "
+        "10 % denser than water have gone a quarter and half of their way after 1 s (docs/THEORY.md, Known limits).",
+        body.name, 100 * std::abs(excess), excess > 0 ? "denser" : "lighter", excess > 0 ? "sink" : "rise");
   }
 
   // A body that is clamped in a wall has to move as that does: the wall would run into what is farther from the clamp.

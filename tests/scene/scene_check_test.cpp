@@ -397,7 +397,8 @@ TEST_F(CaseFile, WarnsOfWhatIsHardlyMeant) {
 // Seen to fail: with faces that gravity does not press on counted; with bodies that hang from a clamp counted.
 TEST_F(CaseFile, WarnsOfBodiesThatStandOnSomethingUnclamped) {
   const std::string clamp = "clamp = [{ box = { min = [0.6, -0.2], max = [0.9, 0] } }]\n";
-  const std::string free = replaced(replaced(small_case, clamp, ""), "min = [0.7, -0.1]", "min = [0.7, 0]");
+  const std::string free =
+      replaced(replaced(replaced(small_case, clamp, ""), "min = [0.7, -0.1]", "min = [0.7, 0]"), "density = 1100", "density = 2000");
   expect_warning(read(free), {"'plate' stands on the wall 'tank' at (", "but has no clamp", "structure.body.plate.clamp"});
   EXPECT_TRUE(read(replaced(free, "min = [0.7, 0]", "min = [0.7, 0.1]")).warnings.empty()) << "it falls";
   const std::string beside = replaced(free, "[0.7, 0], max = [0.8, 0.5]", "[0.9, 0.1], max = [1, 0.5]");
@@ -409,6 +410,19 @@ TEST_F(CaseFile, WarnsOfBodiesThatStandOnSomethingUnclamped) {
       "[[structure.body]]\nname = \"lid\"\nshape = { box = { min = [0.65, 0.5], max = [0.85, 0.6] } }\nspacing = 0.025\n"
       "density = 1100\nyoung_modulus = 1e6\npoisson_ratio = 0.4\n";
   expect_warning(read(replaced(small_case, "[[gauge]]", other + "[[gauge]]")), {"'lid' stands on the elastic body 'plate'"});
+}
+
+// What is known to come out wrong is said beforehand. Seen to fail: without the check; with clamped bodies looked at as well.
+TEST_F(CaseFile, WithAFreeBodyOfNearlyTheDensityOfItsFluidWarns) {
+  const auto warned = [&](double density, const std::string& text) {
+    const Case c = read(replaced(text, "density = 1100", fmt::format("density = {}", density)));
+    return std::any_of(c.warnings.begin(), c.warnings.end(),
+                       [](const std::string& w) { return w.find("is free and") != std::string::npos; });
+  };
+  const std::string free = replaced(with("clamp = [{ box = { min = [0.6, -0.2], max = [0.9, 0] } }]\n", ""), "[0.7, -0.1]", "[0.7, 0.1]");
+  for (const double density : {900.0, 1020.0}) EXPECT_TRUE(warned(density, free)) << density;
+  for (const double density : {500.0, 1000.0, 1500.0}) EXPECT_FALSE(warned(density, free)) << density;
+  EXPECT_FALSE(warned(1020, small_case));
 }
 
 // Seen to fail: with the motion of the clamp, or of the wall, left out of the comparison.
