@@ -60,7 +60,11 @@ class Coupler {
   bool agreed() const { return window_.agreed; }         ///< whether fluid and structure did at its end
   const Setup<D>& setup() const { return setup_; }
   const State<D>& state() const { return state_; }
-  void set_state(const State<D>& state) { state_ = state; }  ///< of another coupler of the same case, at a window's end
+  /// Of another coupler of the same case, at a window's end.
+  void set_state(const State<D>& state) {
+    state_ = state;
+    if (!state_.start.area.empty() && setup_.tests) state_.response.prepare(setup_, state_.start);  // a report may follow at once
+  }
 
   /// At the end of a window that no other follows.
   void watch(double time, const Energies& energies) { watch_energy(setup_, time, energies, state_.observations); }

@@ -81,6 +81,10 @@ void expect_continuation(const Case& c, const char* name) {
   Sides<D> whole(c), second(c);
   whole.run(before);
   second.go_on_from(whole);
+  const auto answer = [](const Sides<D>& sides) { return sides.coupler.state().response.of_body(sides.coupler.setup(), 0); };
+  const auto learnt = answer(whole), known = answer(second);  // what a report says that no window comes before
+  ASSERT_EQ(learnt.has_value(), known.has_value());
+  if (learnt) EXPECT_EQ(learnt->mass_over_formula, known->mass_over_formula);
   whole.run(after);
   second.run(after);
   EXPECT_EQ(whole.now, second.now) << "length of the windows";
