@@ -136,6 +136,9 @@ struct CouplingCase {
   double robin_mass_factor;         ///< m_p / m_s
   int max_iterations;               ///< passes of a window at most
   std::optional<double> tolerance;  ///< change of the load at which a window is done; absent = where the velocities agree
+
+  /// Whether windows are repeated where they have to be, and nothing else is asked for.
+  bool repeats_as_needed() const { return algorithm == CouplingAlgorithm::automatic && max_iterations > 1 && !tolerance; }
 };
 CouplingCase default_coupling();
 

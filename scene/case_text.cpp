@@ -286,7 +286,7 @@ std::string explain_text(const Case& scene, const Costs& costs) {
         body.added_mass_ratio > 1 ? "predicted to be unstable, whatever the step; the default is predicted to be stable"
                                   : "possibly stable here; above 1 it is not");
   }
-  if (coupled && scene.coupling.algorithm == CouplingAlgorithm::automatic) text += algorithm_choice(scene, e);
+  if (coupled && scene.coupling.repeats_as_needed()) text += algorithm_choice(scene, e);
   text += what_it_costs(scene, e, costs);
   if (scene.fluid) text += "Halving the fluid's spacing multiplies the fluid's cost by about ";
   if (scene.fluid) text += scene.dimension == 2 ? "8.\n" : "16.\n";
