@@ -31,7 +31,7 @@ void find_answer(const Setup<D>& setup, const Surface<D>& surface, State<D>& sta
     const double stretch = surface.area[k] / state.start.area[k];
     window.responding_mass[k] = responding_mass(setup, window.duration, stretch, k);
   }
-  if (setup.tests) {
+  if (setup.learns) {
     state.response.prepare(setup, state.start);
     window.answer = state.response.answer(setup, window.responding_mass, surface.area);
     for (double& mass : window.answer.mass) mass *= setup.robin_mass_factor;

@@ -54,7 +54,7 @@ void settle_contacts(const Setup<D>& setup, const InterfacePressure<D>& pressure
     const double permitted =
         permitted_approach((particles.position[i] - surface.position[k]).dot(n), setup.contact_distance, window.duration);
     const double approach = (surface.velocity[k] - velocity).dot(n) - permitted;
-    // In one pass the face gives way as the mass does that lies behind the particle.
+    // Where the coupling is explicit the face gives way as the mass does that lies behind the particle.
     double behind = window.responding_mass[k] * std::pow(particles.volume[i], (D - 1.0) / D), expected = approach;
     if (iterates) {
       // As the pressure equation has it, to what exceeds the assumed load. When both sides agree nothing does, and the

@@ -37,8 +37,8 @@ const char* remedy_of(const CouplingCase& coupling) {
   return "the windows are too long for this body, use a smaller fluid.numerics.gravity_courant and courant";
 }
 
-/// Whether a first pass is tested: not where a tolerance of the load is asked for, nor where a body has next to no mass.
-bool tests_first_pass(const Case& scene, const SurfaceProperties& properties) {
+/// Whether first passes tell how the surface answers: not where a tolerance of the load is asked for, nor where a body has next to no mass.
+bool learns_from_first_passes(const Case& scene, const SurfaceProperties& properties) {
   if (scene.coupling.algorithm == CouplingAlgorithm::explicit_staggering) return false;
   if (scene.coupling.max_iterations == 1) return true;
   return !scene.coupling.tolerance && !any(are_below(layers_of_lightest, scene, properties));
@@ -50,7 +50,7 @@ template <int D>
 Setup<D>::Setup(const Case& scene, const SurfaceProperties& of_surface)
     : coupling(scene.coupling),
       iterates(scene.coupling.algorithm == CouplingAlgorithm::automatic),
-      tests(tests_first_pass(scene, of_surface)),
+      learns(learns_from_first_passes(scene, of_surface)),
       remedy(remedy_of(scene.coupling)),
       scheme(scheme_of<D>(scene.coupling.scheme)),
       first_window(tern::first_window(scene)),
@@ -61,8 +61,8 @@ Setup<D>::Setup(const Case& scene, const SurfaceProperties& of_surface)
       smoothing_length(scene.fluid->numerics.smoothing_length_ratio * scene.fluid->spacing),
       contact_distance(scene.fluid->numerics.contact_distance * scene.fluid->spacing),
       courant(window_share * scene.fluid->numerics.courant),
-      robin_mass_factor(iterates && !tests ? 1 : coupling.robin_mass_factor),
-      least_robin_mass(iterates && !tests ? robin_layers * density * spacing : 0),
+      robin_mass_factor(iterates && !learns ? 1 : coupling.robin_mass_factor),
+      least_robin_mass(iterates && !learns ? robin_layers * density * spacing : 0),
       gravity(scene.gravity),
       properties(of_surface),
       meetable(scene, of_surface.body),

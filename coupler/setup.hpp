@@ -24,7 +24,7 @@ struct Setup {
 
   CouplingCase coupling;
   bool iterates;       ///< the pressure equation knows how the surface answers, and a window can be repeated; not of explicit
-  bool tests;          ///< the first pass is enough where the surface moves as the fluid took it to
+  bool learns;         ///< how the surface answers is learnt from first passes, which are enough where it moves as the fluid took it to
   const char* remedy;  ///< what to change when the coupling diverges
   const Scheme<D>& scheme;
   double first_window;         ///< length of the first window at most [s]

@@ -139,7 +139,7 @@ const SurfaceLoad<D>* Coupler<D>::next_load(const InterfacePressure<D>& pressure
   answer(setup_, pressure, window_, state_.evaluations);
   const SurfaceLoad<D>& load = window_.answered_load = std::exchange(window_.load, explicit_part);
   window_.answered_audit = std::exchange(window_.audit, audit);
-  if (setup_.tests) {
+  if (setup_.learns) {
     if (window_.iterations == 1) return &window_.answered_load;  // accepts() tests it
     window_.agreed = disagreement(setup_, state_, window_, load, window_.surface.velocity).agrees();
     if (window_.agreed) return nullptr;
@@ -152,7 +152,7 @@ const SurfaceLoad<D>* Coupler<D>::next_load(const InterfacePressure<D>& pressure
 template <int D>
 bool Coupler<D>::accepts(const std::vector<Vector<D>>& velocity) {
   window_.velocity_at_end = velocity;
-  if (!setup_.tests || window_.iterations > 1) return false;
+  if (!setup_.learns || window_.iterations > 1) return false;
   state_.response.learn(setup_, window_, velocity);
   window_.agreed = disagreement(setup_, state_, window_, window_.answered_load, velocity).agrees();
   if (window_.agreed || setup_.coupling.max_iterations == 1) return true;

@@ -63,7 +63,7 @@ class Coupler {
   /// Of another coupler of the same case, at a window's end.
   void set_state(const State<D>& state) {
     state_ = state;
-    if (!state_.start.area.empty() && setup_.tests) state_.response.prepare(setup_, state_.start);  // a report may follow at once
+    if (!state_.start.area.empty() && setup_.learns) state_.response.prepare(setup_, state_.start);  // a report may follow at once
   }
 
   /// At the end of a window that no other follows.

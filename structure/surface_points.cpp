@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include "scene/geometry.hpp"
 #include "scene/scene_check.hpp"
@@ -76,25 +77,29 @@ class Patches {
   std::uint32_t count_ = 0;
 };
 
-/// What the patches are of that feet have in the same order.
+/// Of the patches, the means of what their feet have.
+template <int D>
+std::vector<Vector<D>> means_of_patches(const SurfaceAttachment<D>& attachment, std::vector<Vector<D>> of_feet) {
+  const std::size_t count = attachment.properties.body.size();
+  if (count == of_feet.size()) return of_feet;
+  std::vector<Vector<D>> means(count, Vector<D>::Zero());
+  for (std::size_t k = 0; k < of_feet.size(); ++k) means[attachment.patch[k]] += attachment.share[k] * of_feet[k];
+  return means;
+}
+
+/// The patches that these feet are of.
 template <int D>
 Surface<D> joined(const SurfaceAttachment<D>& attachment, Surface<D> feet) {
   const std::size_t count = attachment.properties.body.size();
   if (count == attachment.row.size()) return feet;
   Surface<D> surface;
-  surface.position.assign(count, Vector<D>::Zero());
-  surface.velocity.assign(count, Vector<D>::Zero());
+  surface.position = means_of_patches(attachment, std::move(feet.position));
+  surface.velocity = means_of_patches(attachment, std::move(feet.velocity));
   surface.normal.assign(count, Vector<D>::Zero());
-  surface.area.resize(count);
-  for (std::size_t k = 0; k < feet.position.size(); ++k) {
-    const auto patch = attachment.patch[k];
-    surface.position[patch] += attachment.share[k] * feet.position[k];
-    surface.velocity[patch] += attachment.share[k] * feet.velocity[k];
-    surface.normal[patch] += feet.area[k] * feet.normal[k];
-  }
-  for (std::size_t k = 0; k < count; ++k) {
-    surface.area[k] = surface.normal[k].norm();
-    surface.normal[k] /= surface.area[k];
+  for (std::size_t k = 0; k < feet.area.size(); ++k) surface.normal[attachment.patch[k]] += feet.area[k] * feet.normal[k];
+  for (Vector<D>& normal : surface.normal) {
+    surface.area.push_back(normal.norm());
+    normal /= surface.area.back();
   }
   return surface;
 }
@@ -173,12 +178,7 @@ SurfaceAttachment<D> attach_surface(const Reference<D>& reference, const Case& s
 template <int D>
 std::vector<Vector<D>> surface_velocity(const SurfaceAttachment<D>& attachment, const Reference<D>& reference, const State<D>& state,
                                         const Workspace<D>& work) {
-  std::vector<Vector<D>> of_feet = velocity_of_feet(attachment, reference, state, work);
-  const std::size_t count = attachment.properties.body.size();
-  if (count == of_feet.size()) return of_feet;
-  std::vector<Vector<D>> velocity(count, Vector<D>::Zero());
-  for (std::size_t k = 0; k < of_feet.size(); ++k) velocity[attachment.patch[k]] += attachment.share[k] * of_feet[k];
-  return velocity;
+  return means_of_patches(attachment, velocity_of_feet(attachment, reference, state, work));
 }
 
 template <int D>

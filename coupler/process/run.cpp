@@ -42,9 +42,9 @@ void check_bodies(const Case& scene, const SurfaceProperties& properties) {
 template <int D>
 Coupler<D> make_coupler(const Case& scene, const SurfaceProperties& properties) {
   Coupler<D> coupler(scene, properties);
-  if (scene.coupling.algorithm == CouplingAlgorithm::automatic && scene.coupling.max_iterations > 1 && !scene.coupling.tolerance)
-    log_info(coupler.setup().tests ? "Coupling: one pass a window, and iterations where the sides do not agree after it."
-                                   : "Coupling: iterations in every window, because a body has next to no mass.");
+  if (scene.coupling.repeats_as_needed())
+    log_info(coupler.setup().learns ? "Coupling: one pass a window, and iterations where the sides do not agree after it."
+                                    : "Coupling: iterations in every window, because a body has next to no mass.");
   return coupler;
 }
 
@@ -66,7 +66,7 @@ void report_totals(const Totals& totals, bool iterates, RunReport& report) {
 /// How the bodies have answered, where that is learnt.
 template <int D>
 void report_answers(const Coupler<D>& coupler, RunReport& report) {
-  if (!coupler.setup().tests) return;
+  if (!coupler.setup().learns) return;
   for (std::size_t b = 0; b < coupler.setup().body_name.size(); ++b) {
     const auto learnt = coupler.state().response.of_body(coupler.setup(), b);
     if (!learnt) continue;

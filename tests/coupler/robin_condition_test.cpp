@@ -252,7 +252,7 @@ TEST(Contact, LeavesAParticleAndALightFaceTheirCommonVelocity) {
 // What a light face does under a contact, the coupling iterations find out. Held by its stiffness it does not give way, though no mass
 // is behind it: with that mass alone the particle goes on at 0.995 of its approach, and through. Free, with the mass of the
 // patch, it goes on with the particle, at the velocity that keeps the momentum of both.
-// Seen to fail: with the mass behind the face as in one pass; with no contacts in the answers; with the excess subtracted.
+// Seen to fail: with the mass behind the face as in the explicit coupling; with no contacts in the answers; with the excess subtracted.
 TEST(Contact, OfALightFaceIsAsHeldOrAsFreeAsTheTrialsShow) {
   constexpr double window = 1e-3, behind = 0.05, mass = 1000 * dx * dx, area = 0.5 * dx;
   for (const bool held : {true, false}) {

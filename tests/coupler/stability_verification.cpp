@@ -38,7 +38,7 @@ TEST(Stability, ASoftThickPlateRunsInOnePassAWindowWithTheMassThatItAnswersWith)
 }
 
 // Particles over the end of a light plate fell into it, one after the other, and later out of its sides.
-// Seen to fail: with contacts settled by the mass behind the face, as in one pass.
+// Seen to fail: with contacts settled by the mass behind the face, as in the explicit coupling.
 TEST(Stability, NoWaterFallsIntoTheEndOfALightPlate) {
   const CoupledScene s{0.01, 4, 1e7, 2};
   EXPECT_EQ(inside_plate(s, 0.06), 0);
