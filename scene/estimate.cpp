@@ -365,6 +365,16 @@ double first_window(const Case& scene) {
   return longest;
 }
 
+double largest_clamp_speed(const Case& scene) {
+  std::vector<double> speed(instants, 0);
+  for (const ClampCase& clamp : scene.structure ? scene.structure->clamps : std::vector<ClampCase>())
+    if (scene.dimension == 2)
+      raise_to_motion<2>(clamp.motion, clamp.region, scene.end_time, speed);
+    else
+      raise_to_motion<3>(clamp.motion, clamp.region, scene.end_time, speed);
+  return *std::max_element(speed.begin(), speed.end());
+}
+
 double sub_steps_per_window(const Case& scene) {
   bool varies = !scene.structure->loads.empty();
   for (const ClampCase& clamp : scene.structure->clamps) varies |= clamp.motion.has_value();
