@@ -38,7 +38,8 @@ class Probe {
   /// wet and there was no pressure solve yet [Pa].
   std::optional<double> sensor(const Wall<D>& wall, const Vector<D>& at, double diameter) const;
 
-  /// Force of the fluid on the wall, by pressure and friction, and its moment about the point of the wall that was at `at` at t = 0; nothing as for sensor().
+  /// Force of the fluid on the wall, by pressure and friction, and its moment about the point of the wall that was at `at` at t = 0;
+  /// nothing as for sensor().
   std::optional<WallForce<D>> force(const Wall<D>& wall, const Vector<D>& at) const;
 
   /// Largest x of the fluid, the thinnest sheet included, but not what has come off it: particles that no chain of neighbours joins to

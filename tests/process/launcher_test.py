@@ -122,7 +122,7 @@ class LauncherTest(unittest.TestCase):
         self.assertEqual(self.contents()["processes"]["structure"]["status"], "killed")
 
     def test_a_program_that_ends_with_0_in_the_middle_of_a_run_is_named(self):
-        # Seen to fail: without `gone` (the coupler's guess that it "was killed, crashed, or froze").
+        # Seen to fail: without `is_missed` (the coupler's guess that it "was killed, crashed, or froze").
         ended = [Process("coupler", "tern-coupler", None, -1, exit_code=4, ended_at=2.0),
                  Process("structure", "mine.py", None, -1, exit_code=0, ended_at=1.0)]
         reports = {"coupler": {"status": "failed", "cause": "The structure process (process 7) was lost at step 95.", "cause_time": 1.5}}

@@ -176,7 +176,7 @@ TEST(Estimate, KnowsTheWindowsOfABodyThatVibratesFromTheStart) {
 }
 
 // A disc that spins and drifts keeps its shape; a plate that is held at its foot and moves like that bends. Seen to fail: with the mean
-// velocity taken off alone, both vibrate (a square that spins in a patch of water then took 2510 windows by the estimate, and 64 in the run).
+// velocity taken off alone, both vibrate (a square that spins in a patch of water then took 2510 windows by the estimate, 64 in the run).
 TEST(Estimate, KnowsThatABodyThatTurnsDoesNotVibrate) {
   const auto moving = [](const char* scene, const std::string& body) {
     return estimate(case_of(scene, {.overrides = {{"structure.body." + body + ".velocity", "[\"1-5*y\", \"5*x\"]"}}, .preset = ""}));

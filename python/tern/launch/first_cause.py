@@ -72,10 +72,10 @@ def find(processes, reports, interrupted):
                 return Cause(PEER_LOST, f"{process.program} did not end after the others had ended, and was ended by "
                                         f"the launcher.", process.role)
         return Cause()
-    gone = next((process for process in processes if process.exit_code == DONE and reports.get(process.role, {}).get("status") != "done"
-                 and any(f"The {process.role} process" in cause.sentence and "was lost" in cause.sentence for _, (_, cause) in failed)), None)
-    if gone:
-        return Cause(PEER_LOST, f"{gone.program} ended with exit code 0 in the middle of the run, and without a word.", gone.role)
+    for process in processes:
+        is_missed = any(f"The {process.role} process" in cause.sentence and "was lost" in cause.sentence for _, (_, cause) in failed)
+        if is_missed and process.exit_code == DONE and reports.get(process.role, {}).get("status") != "done":
+            return Cause(PEER_LOST, f"{process.program} ended with exit code 0 in the middle of the run, and without a word.", process.role)
     origins = [entry for entry in failed if entry[0].exit_code != PEER_LOST]
     first_time, first = min((candidate for _, candidate in origins or failed), key=lambda candidate: candidate[0])
     for _, (when, cause) in failed:
