@@ -47,11 +47,12 @@ void install_interrupt_handler() {
   for (const int number : {SIGPIPE, SIGXFSZ}) sigaction(number, &ignore, nullptr);
 }
 
-void end_with_launcher() {
+bool end_with_launcher() {
   const char* launcher = std::getenv("TERN_LAUNCHER");
-  if (launcher == nullptr || std::to_string(::getppid()) != launcher) return;  // started by somebody else in the same environment
+  if (launcher == nullptr || std::to_string(::getppid()) != launcher) return false;  // started by somebody else in the same environment
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (std::to_string(::getppid()) != launcher) std::raise(SIGTERM);  // it died in between
+  return true;
 }
 
 bool interrupted() { return signal_received != 0; }

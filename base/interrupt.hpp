@@ -8,7 +8,8 @@ namespace tern {
 void install_interrupt_handler();
 
 /// Where the launcher has named itself in TERN_LAUNCHER (its process id): gets SIGTERM when that dies, whatever becomes of its guardian.
-void end_with_launcher();
+/// False where there is none.
+bool end_with_launcher();
 
 /// True once one of these signals has arrived. Async-signal and thread safe.
 bool interrupted();

@@ -55,6 +55,8 @@ void log_error(const std::string& sentence) {
   std::fprintf(stderr, "%s: %s\n", program.c_str(), sentence.c_str());
 }
 
+void log_unsaid(const std::string& sentence) { write(spdlog::level::err, sentence); }
+
 void close_log() noexcept {
   try {
     logger.reset();

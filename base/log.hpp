@@ -16,6 +16,7 @@ void open_log(const std::string& out_dir, const std::string& role);
 void log_info(const std::string& sentence);
 void log_warning(const std::string& sentence);  ///< also on stderr, as "tern-fluid: warning: ..."
 void log_error(const std::string& sentence);    ///< also on stderr, as "tern-fluid: ..."
+void log_unsaid(const std::string& sentence);   ///< an error that somebody else says on stderr
 
 /// Flushes and closes the file; later messages behave as before open_log.
 void close_log() noexcept;

@@ -7,6 +7,7 @@
 #include "fluid/gauges/probe.hpp"
 #include "fluid/gauges/totals.hpp"
 #include "fluid/initial_state.hpp"
+#include "scene/estimate.hpp"
 
 namespace tern::fluid {
 
@@ -18,7 +19,7 @@ Fluid<D>::Fluid(const Case& scene, const Ranks& ranks)
       reports_divergence_(scene.coupling.vem_coefficient.has_value()),
       boundary_(scene, reference_.constants),
       system_(reference_.period) {
-  state_.reference_speed = std::max(2 * reference_.speed_floor, fluid::largest_speed(state_.velocity));
+  state_.reference_speed = std::max({2 * reference_.speed_floor, fluid::largest_speed(state_.velocity), largest_clamp_speed(scene)});
   if (boundary_.walls.moving()) state_.wall_velocity.assign(boundary_.walls.faces().size(), Vector<D>::Zero());
   set_whole_state(std::move(state_));
 }

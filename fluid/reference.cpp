@@ -20,7 +20,7 @@ Vector<D> Gravity<D>::at(double t, const Vector<D>& x) const {
 
 template <int D>
 Reference<D>::Reference(const Case& scene, const std::vector<Vector<D>>& start)
-    : constants(scene.fluid.value()), gravity(scene), period(scene), particles(start.size()) {
+    : constants(scene.fluid.value()), gravity(scene), period(scene), particles(start.size()), up(upward(scene)) {
   for (int c = 0; c < D; ++c) {
     domain_min[c] = scene.domain_min[c];
     domain_max[c] = scene.domain_max[c];

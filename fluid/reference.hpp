@@ -7,6 +7,7 @@
 #include "base/vector.hpp"
 #include "fluid/period.hpp"
 #include "scene/case_file.hpp"
+#include "scene/gauges.hpp"
 #include "sph/face_kernel.hpp"
 #include "sph/lattice_sums.hpp"
 
@@ -60,6 +61,7 @@ struct Reference {
   Vector<D> domain_min, domain_max;  ///< corners of the domain [m]
   std::size_t particles;             ///< at the start: labels are below
   double gravity_size = 0;           ///< largest at the start [m/s^2]
+  Upward up;                         ///< for elevations
   double speed_floor = 0;            ///< half the fall through the height of the fluid: bounds the first steps from rest [m/s]
 };
 

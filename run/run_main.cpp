@@ -10,6 +10,7 @@
 
 #include "base/interrupt.hpp"
 #include "base/log.hpp"
+#include "base/peer_stopped.hpp"
 #include "base/version.hpp"
 #include "run/command_line.hpp"
 
@@ -21,12 +22,15 @@ struct Cause {
   ExitCode code;
   std::string sentence;
   bool shorter_windows_may_help = false;
+  bool is_of_peer = false;  ///< who says it too
 };
 
 /// The exit code and sentence of the exception in flight.
 Cause cause_of_current_exception(const std::string& role) {
   try {
     throw;
+  } catch (const PeerStopped& stopped) {
+    return {.code = stopped.code(), .sentence = stopped.what(), .is_of_peer = true};
   } catch (const Error& error) {
     return {error.code(), error.what(), error.shorter_windows_may_help()};
   } catch (const std::bad_alloc&) {
@@ -54,12 +58,13 @@ void prepare_out_dir(const std::string& out, const std::string& role, bool force
   }
 }
 
-int end(const Cause& cause) {
-  log_error(cause.sentence);
+/// `has_launcher`: the first cause of all processes is said by the launcher.
+int end(const Cause& cause, bool has_launcher) {
+  cause.is_of_peer&& has_launcher ? log_unsaid(cause.sentence) : log_error(cause.sentence);
   return static_cast<int>(cause.code);
 }
 
-int run_in_directory(const CommandLine& command, const Case& scene, const std::string& role, const Body& body) {
+int run_in_directory(const CommandLine& command, const Case& scene, const std::string& role, bool has_launcher, const Body& body) {
   RunReport report(command.out, role, command.threads);
   report.set_case(scene, command.options);
   int code = 0;
@@ -70,7 +75,7 @@ int run_in_directory(const CommandLine& command, const Case& scene, const std::s
   } catch (...) {
     const Cause cause = cause_of_current_exception(role);
     report.set_failure(cause.code, cause.sentence, cause.shorter_windows_may_help);
-    code = end(cause);
+    code = end(cause, has_launcher);
   }
   try {
     report.write();
@@ -88,7 +93,7 @@ int run_in_directory(const CommandLine& command, const Case& scene, const std::s
 int run_main(int argc, char** argv, const std::string& role, const Body& body) {
   set_log_program("tern-" + role);
   install_interrupt_handler();
-  end_with_launcher();
+  const bool has_launcher = end_with_launcher();
   int code = 0;
   try {
     const CommandLine command = parse_command_line(argc, argv, role);
@@ -107,9 +112,9 @@ int run_main(int argc, char** argv, const std::string& role, const Body& body) {
     log_info(fmt::format("{} {} ({}), case {} with hash {}, {} thread(s)", role, program_version, git_hash, scene.name, scene.hash,
                          command.threads));
     log_info("started as: " + arguments);
-    code = run_in_directory(command, scene, role, body);
+    code = run_in_directory(command, scene, role, has_launcher, body);
   } catch (...) {
-    code = end(cause_of_current_exception(role));
+    code = end(cause_of_current_exception(role), has_launcher);
   }
   close_log();
   return code;

@@ -154,7 +154,8 @@ class Completion {
       if (is_thin_2d && dimension_ == 3) fail_at(body.where, fmt::format("a {} has no meaning in 3D; use a tube.", kind));
       if (kind == "tube" && dimension_ == 2) fail_at(body.where, "a tube has no meaning in 2D; use a ring.");
       if (is_thin && (p.table != "structure.body" || p.type != ParameterType::shape))
-        fail_at(body.where, fmt::format("a {} can be the shape of a [[structure.body]] only, as a whole; use a difference.", kind));
+        fail_at(body.where, fmt::format("a {} can be the shape of a [[structure.body]] only, as a whole; here use {}.", kind,
+                                        dimension_ == 2 ? "a difference of balls or polygons" : "boxes and balls"));
       complete.set(kind, complete_table("shape." + kind, body));
     }
     return complete;

@@ -252,7 +252,29 @@ double window_alone(const Case& scene, double sub_step) {
   return interval / (std::floor(interval / (sub_steps_per_window(scene) * sub_step)) + 1);
 }
 
-/// Bodies whose velocities at the start differ from place to place vibrate: windows by the error of their motion
+/// The velocities at these places less those of the rigid motion that comes nearest to them, a shift and, if it can turn, a rotation.
+template <int D>
+std::vector<Vector<D>> less_rigid_motion(const std::vector<Vector<D>>& places, std::vector<Vector<D>> velocities, bool turns) {
+  const double share = 1 / static_cast<double>(places.size());
+  Vector<D> centre = Vector<D>::Zero(), mean = Vector<D>::Zero();
+  for (std::size_t i = 0; i < places.size(); ++i) centre += share * places[i], mean += share * velocities[i];
+  const auto in_space = [](const Vector<D>& a) { return Eigen::Vector3d(a[0], a[1], D == 3 ? a[D - 1] : 0); };
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d momentum = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    velocities[i] -= mean;
+    const Eigen::Vector3d arm = in_space(places[i] - centre);
+    inertia += arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose();
+    momentum += arm.cross(in_space(velocities[i]));
+  }
+  if (!turns || inertia.trace() == 0) return velocities;
+  const Eigen::Matrix3d invertible = inertia + 1e-12 * inertia.trace() * Eigen::Matrix3d::Identity();  // of particles on a line too
+  const Eigen::Vector3d spin = invertible.inverse() * momentum;
+  for (std::size_t i = 0; i < places.size(); ++i) velocities[i] -= spin.cross(in_space(places[i] - centre)).template head<D>();
+  return velocities;
+}
+
+/// Bodies whose velocities at the start are not those of a rigid motion that they can make vibrate: windows by the error of their motion
 /// (coupler/motion_error.cpp), in the first mode of bending of a beam that is as long and as thick.
 template <int D>
 double motion_step(const Case& scene, const std::vector<BodyEstimate>& bodies) {
@@ -262,13 +284,15 @@ double motion_step(const Case& scene, const std::vector<BodyEstimate>& bodies) {
     const StructureBody& body = scene.structure->bodies[b];
     if (is_zero(body.velocity)) continue;
     const auto places = fill_body<D>(body);
-    Vector<D> mean = Vector<D>::Zero();
-    for (const Vector<D>& x : places) mean += value<D>(body.velocity, x) / static_cast<double>(places.size());
-    double speed = 0;
-    for (const Vector<D>& x : places) speed = std::max(speed, (value<D>(body.velocity, x) - mean).norm());
+    std::vector<Vector<D>> velocities;
+    double largest = 0, speed = 0;
+    for (const Vector<D>& x : places)
+      velocities.push_back(value<D>(body.velocity, x)), largest = std::max(largest, velocities.back().norm());
+    const bool turns = body.rigid_clamps().empty() && body.hinges.size() <= 1;
+    for (const Vector<D>& u : less_rigid_motion<D>({places.begin(), places.end()}, velocities, turns)) speed = std::max(speed, u.norm());
+    if (speed <= 1e-9 * largest) continue;  // round-off
     const double length = free_length<D>(body), frequency = bending * bodies[b].wave_speed * bodies[b].thickness / (length * length);
-    if (speed > 0)
-      longest = std::min(longest, std::cbrt(12 * std::sqrt(2.0) * tolerance * scene.fluid->spacing / (speed * frequency * frequency)));
+    longest = std::min(longest, std::cbrt(12 * std::sqrt(2.0) * tolerance * scene.fluid->spacing / (speed * frequency * frequency)));
   }
   return longest;
 }
@@ -339,6 +363,16 @@ double first_window(const Case& scene) {
   for (const StructureBody& body : scene.structure->bodies)
     if (!is_zero(body.velocity)) longest = std::min(longest, particles * body.spacing * std::sqrt(body.density / body.young_modulus));
   return longest;
+}
+
+double largest_clamp_speed(const Case& scene) {
+  std::vector<double> speed(instants, 0);
+  for (const ClampCase& clamp : scene.structure ? scene.structure->clamps : std::vector<ClampCase>())
+    if (scene.dimension == 2)
+      raise_to_motion<2>(clamp.motion, clamp.region, scene.end_time, speed);
+    else
+      raise_to_motion<3>(clamp.motion, clamp.region, scene.end_time, speed);
+  return *std::max_element(speed.begin(), speed.end());
 }
 
 double sub_steps_per_window(const Case& scene) {

@@ -69,6 +69,9 @@ Estimate estimate(const Case& scene, const Costs& costs = {});
 /// and nothing has yet been seen of that: ten times as long as sound takes from particle to particle.
 double first_window(const Case& scene);
 
+/// Of a point of a clamp, in the whole run [m/s].
+double largest_clamp_speed(const Case& scene);
+
 /// Sub-steps of a structure alone between two looks at interruption, progress and the stable sub-step: a step of its run, unless
 /// an output comes before. Forces and motions that change in time are constant over them, so there are fewer where there are such.
 double sub_steps_per_window(const Case& scene);

@@ -1,6 +1,8 @@
 #include "scene/gauges.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 namespace tern {
 
@@ -10,6 +12,19 @@ std::uint32_t body_index(const GaugeCase& gauge, const Case& scene) {
   std::uint32_t index = 0;
   while (scene.structure->bodies[index].name != gauge.text("body")) ++index;
   return index;
+}
+
+Upward upward(const Case& scene) {
+  constexpr int instants = 200;
+  std::array<double, 3> at{}, sum{};
+  for (int d = 0; d < scene.dimension; ++d) at[d] = 0.5 * (scene.domain_min[d] + scene.domain_max[d]);
+  for (int n = 0; n <= instants; ++n)
+    for (int d = 0; d < scene.dimension; ++d) sum[d] += scene.gravity[d](n * scene.end_time / instants, at[0], at[1], at[2]);
+  Upward up;
+  for (int d = 0; d < scene.dimension; ++d)
+    if (std::abs(sum[d]) > std::abs(sum[up.axis])) up.axis = d;
+  if (sum[up.axis] > 0) up.sense = -1;
+  return up;
 }
 
 std::vector<std::string> gauge_columns(const GaugeCase& gauge, int dimension) {

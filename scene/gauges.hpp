@@ -16,6 +16,13 @@ GaugeOwner owner(const GaugeCase& gauge);
 /// Index of the elastic body that a gauge of a checked case names with `body`.
 std::uint32_t body_index(const GaugeCase& gauge, const Case& scene);
 
+/// Where up is, for the elevation of a surface: against what gravity is in the mean of the run, in the middle of the domain.
+struct Upward {
+  int axis = 1;      ///< that of its largest component; y without gravity
+  double sense = 1;  ///< -1: down the axis
+};
+Upward upward(const Case& scene);
+
 /// Names with units of the columns one gauge fills, in order.
 std::vector<std::string> gauge_columns(const GaugeCase& gauge, int dimension);
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "fluid/boundary/wetness.hpp"
+#include "fluid/motion/viscosity.hpp"
 #include "sph/symmetric_matrix.hpp"
 #include "sph/wet_share.hpp"
 
@@ -124,27 +125,30 @@ double Probe<D>::filling(const Vector<D>& x) const {
 template <int D>
 std::optional<double> Probe<D>::elevation(const Vector<D>& x) const {
   const double dx = fluid_.constants().spacing, support = fluid_.constants().kernel.support(), step = sampling * dx;
-  double low = 1e300, high = -1e300;
+  const auto [axis, sense] = fluid_.reference().up;
+  double low = 1e300, high = -1e300;  // heights, as of what follows
   for (const Vector<D>& particle : fluid_.state().position) {
     Vector<D> d = fluid_.period().nearest(particle - x);
-    d[1] = 0;
+    d[axis] = 0;
     if (d.norm() > support) continue;
-    low = std::min(low, particle[1]), high = std::max(high, particle[1]);
+    low = std::min(low, sense * particle[axis]), high = std::max(high, sense * particle[axis]);
   }
   std::optional<double> surface;
   double above = 0;
   bool inside = false;
   Vector<D> point = x;
-  for (point[1] = high + dx; point[1] > low - dx; point[1] -= step) {
+  for (double height = high + dx; height > low - dx; height -= step) {
+    point[axis] = sense * height;
     const double here = filling(point);
     if (!inside && here >= 0.5) {
-      surface = point[1] + step * (here - 0.5) / (here - above);
+      surface = height + step * (here - 0.5) / (here - above);
       inside = true;
     }
-    if (inside && *surface - point[1] >= sheet_thickness * dx) return surface;
+    if (inside && *surface - height >= sheet_thickness * dx) break;
     inside = inside && here >= 0.5;
     above = here;
   }
+  if (surface) *surface *= sense;
   return surface;
 }
 
@@ -185,15 +189,15 @@ bool Probe<D>::covered(const Vector<D>& x) const {
   return nearest >= 0 && (x - faces->position[nearest]).dot(faces->normal[nearest]) < 0;
 }
 
-// Mean of what the wall mirrors of each particle before it, p = p_i + rho (g - a_w) . (x - x_i): the pressure that the
-// pressure gradient of the step uses behind walls (boundary.cpp).
+/// Calls visit(i, d, w) as for_particles_around() for those of the fluid that the wall sees from its point x; nothing where a body or
+/// another wall stands there.
 template <int D>
-std::optional<double> Probe<D>::wall_pressure(const Vector<D>& x, const Vector<D>& normal, double normal_acceleration) const {
-  const Constants<D>& constants = fluid_.constants();
-  const Vector<D> eye = x + off_wall * constants.spacing * normal;
+template <class Visit>
+void Probe<D>::for_particles_before(const Vector<D>& x, const Vector<D>& normal, Visit&& visit) const {
+  const Vector<D> eye = x + off_wall * fluid_.constants().spacing * normal;
   for (const Wall<D>& wall : fluid_.walls().all())  // another wall may stand on this one
-    if (!wall.scene.container && contains<D>(wall.scene.shape, wall.place.reference(eye))) return std::nullopt;
-  if (covered(eye)) return std::nullopt;
+    if (!wall.scene.container && contains<D>(wall.scene.shape, wall.place.reference(eye))) return;
+  if (covered(eye)) return;
   std::vector<std::pair<const Faces<D>*, int>> screens;
   for (const auto& [faces, finder] : fluid_.faces()) {
     std::vector<int> seen;
@@ -205,16 +209,38 @@ std::optional<double> Probe<D>::wall_pressure(const Vector<D>& x, const Vector<D
     return std::any_of(screens.begin(), screens.end(),
                        [&](const auto& screen) { return patch_separates(*screen.first, screen.second, eye, particle); });
   };
-  const Vector<D> acceleration = fluid_.gravity_at(seconds(fluid_.state().time), x) - normal_acceleration * normal;
-  double sum = 0, weight = 0, nearest = constants.kernel.support();
   for_particles_around(x, [&](int i, const Vector<D>& d, double w) {
     if (fluid_.state().particle_class[i].spray() || d.dot(normal) <= 0 || screened(x + d)) return;
+    visit(i, d, w);
+  });
+}
+
+// Mean of what the wall mirrors of each particle before it, p = p_i + rho (g - a_w) . (x - x_i): the pressure that the
+// pressure gradient of the step uses behind walls (boundary.cpp).
+template <int D>
+std::optional<double> Probe<D>::wall_pressure(const Vector<D>& x, const Vector<D>& normal, double normal_acceleration) const {
+  const Constants<D>& constants = fluid_.constants();
+  const Vector<D> acceleration = fluid_.gravity_at(seconds(fluid_.state().time), x) - normal_acceleration * normal;
+  double sum = 0, weight = 0, nearest = constants.kernel.support();
+  for_particles_before(x, normal, [&](int i, const Vector<D>& d, double w) {
     sum += w * (fluid_.state().pressure[i] - constants.density * acceleration.dot(d));
     weight += w;
     nearest = std::min(nearest, d.norm());
   });
   if (nearest >= wet_distance * constants.spacing) return std::nullopt;
   return sum / weight;
+}
+
+// What add_viscosity() takes from the particles before the patch, mu sum_i 2 V A_k w~ (u_i - u_k)/y.
+template <int D>
+Vector<D> Probe<D>::friction(const Faces<D>& faces, std::size_t k) const {
+  const Constants<D>& constants = fluid_.constants();
+  Vector<D> force = Vector<D>::Zero();
+  for_particles_before(faces.position[k], faces.normal[k], [&](int i, const Vector<D>& d, double) {
+    const double height = seen_height(constants, d.dot(faces.normal[k]));
+    force += constants.faces.surface_weight(d.norm()) / height * (fluid_.state().velocity[i] - faces.velocity[k]);
+  });
+  return 2 * constants.viscosity * constants.mass * faces.area[k] * force;
 }
 
 template <int D>
@@ -251,7 +277,9 @@ std::optional<WallForce<D>> Probe<D>::force(const Wall<D>& wall, const Vector<D>
     const auto p = wall_pressure(faces.position[k], faces.normal[k], faces.normal_acceleration[k]);
     if (!p) continue;
     if (!fluid_.has_pressure()) return std::nullopt;
-    const Vector<D> force = -*p * faces.area[k] * faces.normal[k], arm = faces.position[k] - about;
+    Vector<D> force = -*p * faces.area[k] * faces.normal[k];
+    if (fluid_.constants().viscosity > 0 && !fluid_.walls().slips(static_cast<int>(k))) force += friction(faces, k);
+    const Vector<D> arm = faces.position[k] - about;
     total.force += force;
     if constexpr (D == 2)
       total.moment[2] += arm[0] * force[1] - arm[1] * force[0];

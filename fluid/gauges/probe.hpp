@@ -26,8 +26,8 @@ class Probe {
   /// Share of the kernel around x that is fluid, of the part that no wall or structure hides: 1 inside, 1/2 at the surface.
   double filling(const Vector<D>& x) const;
 
-  /// Height of the free surface on the vertical through x: where the filling passes 1/2, below whatever flies above it in
-  /// lumps thinner than three spacings; nothing where there is no fluid [m].
+  /// Coordinate of the free surface on the vertical through x, along the axis of gravity (Upward): where the filling passes 1/2, below
+  /// whatever flies above it in lumps thinner than three spacings; nothing where there is no fluid [m].
   std::optional<double> elevation(const Vector<D>& x) const;
 
   /// Volume flow through the line (2D) or the rectangle across an axis (3D) between two points [m^D/s]. Positive to the
@@ -38,7 +38,8 @@ class Probe {
   /// wet and there was no pressure solve yet [Pa].
   std::optional<double> sensor(const Wall<D>& wall, const Vector<D>& at, double diameter) const;
 
-  /// Force of the fluid on the wall, and its moment about the point of the wall that was at `at` at t = 0; nothing as for sensor().
+  /// Force of the fluid on the wall, by pressure and friction, and its moment about the point of the wall that was at `at` at t = 0;
+  /// nothing as for sensor().
   std::optional<WallForce<D>> force(const Wall<D>& wall, const Vector<D>& at) const;
 
   /// Largest x of the fluid, the thinnest sheet included, but not what has come off it: particles that no chain of neighbours joins to
@@ -48,9 +49,13 @@ class Probe {
  private:
   template <class Visit>
   void for_particles_around(const Vector<D>& x, Visit&& visit) const;
+  template <class Visit>
+  void for_particles_before(const Vector<D>& x, const Vector<D>& normal, Visit&& visit) const;
   double hidden(const Vector<D>& x) const;
   /// Nothing where the wall is dry.
   std::optional<double> wall_pressure(const Vector<D>& x, const Vector<D>& normal, double normal_acceleration) const;
+  /// Of the fluid on the patch of a wall that it sticks to [N/m^(3-D)].
+  Vector<D> friction(const Faces<D>& faces, std::size_t k) const;
   /// A body of the structure stands at x, as far as its faces near there tell.
   bool covered(const Vector<D>& x) const;
 

@@ -1,7 +1,7 @@
 // What the fluid cannot be doing: particles a thousand times as fast as the scene makes them, and steps a hundredth of what it
 // asks for, window after window: a run that crawls on like that never ends. Reference: the fall through the height of the fluid, its
-// velocity at the start, the fastest wall so far, the body at the first window. And the volume of the fluid beside bodies, which
-// nothing changes but a body whose surface moves otherwise than the fluid was told.
+// velocity at the start, the fastest wall so far, the fastest clamp of the run, the body at the first window. And the volume of the
+// fluid beside bodies, which nothing changes but a body whose surface moves otherwise than the fluid was told.
 
 #include "fluid/motion/speed_limit.hpp"
 

@@ -10,18 +10,11 @@
 #include "base/parallel.hpp"
 
 namespace tern::fluid {
-namespace {
-
-constexpr double least_height = 1.0 / 6;  ///< of h, for y_ik: keeps the limit of the step independent of the disorder
-
-}  // namespace
-
 template <int D>
 void add_viscosity(const Constants<D>& constants, double duration, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
                    const std::vector<Vector<D>>& position, const ByAxis<D>& velocity, std::vector<Vector<D>>& predicted_velocity) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(neighbours.rows());
   const double scale = 2 * duration * constants.viscosity;
-  const double least = least_height * constants.kernel.smoothing_length();
   const Faces<D>& faces = boundary.seen_walls();
   parallel_for(n, [&](std::ptrdiff_t i) {
     std::array<Four, D> sums{};
@@ -34,7 +27,7 @@ void add_viscosity(const Constants<D>& constants, double duration, const Neighbo
     for (int entry = boundary.wall_rows.begin[i]; entry < boundary.wall_rows.begin[i] + boundary.wall_rows.count[i]; ++entry) {
       const int k = boundary.wall_rows.face[entry];
       if (boundary.walls.slips(k)) continue;
-      const double height = std::max((position[i] - faces.position[k]).dot(faces.normal[k]), least);
+      const double height = seen_height(constants, (position[i] - faces.position[k]).dot(faces.normal[k]));
       total += std::max(boundary.wall_rows.weight[entry], 0.0) / height * (faces.velocity[k] - u);
     }
     predicted_velocity[i] += scale * total;

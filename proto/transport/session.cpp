@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/peer_stopped.hpp"
 #include "proto/wire/names.hpp"
 
 namespace tern::proto {
@@ -51,7 +52,7 @@ void Session::check(const wire::Message& message, const Place& place, std::initi
   if (fault.empty()) fault = find_body_fault(message, agreement_);
   if (!fault.empty()) throw bad_message(fmt::format("The {} process", name(peer_)), with_article(message.body_case()), place, fault);
   if (message.body_case() == Kind::kAbort)
-    throw Error(
+    throw PeerStopped(
         static_cast<ExitCode>(message.abort().exit_code()),
         fmt::format("The {} process stopped {}: {}", name(peer_), where(place.step, place.time_s), printable(message.abort().sentence())));
   ++received_;

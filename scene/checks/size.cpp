@@ -121,6 +121,13 @@ void check_body(const Shape& shape, double spacing, double patch, const std::str
 
 namespace {
 
+/// Of a range whose ends may be open.
+std::string room_text(double low, double high) {
+  constexpr double open = 1e29;
+  if (high > open) return low < -open ? "without end" : fmt::format("from {:.6g} m on", low);
+  return low < -open ? fmt::format("up to {:.6g} m", high) : fmt::format("from {:.6g} to {:.6g} m", low, high);
+}
+
 // A body whose far end lies outside the container, where no clamp reaches it, is told before it is filled.
 template <int D>
 void check_far_end(const Case& scene, const StructureBody& body, const std::string& where) {
@@ -137,9 +144,9 @@ void check_far_end(const Case& scene, const StructureBody& body, const std::stri
     if (!low && !high) continue;
     fail_at(where,
             fmt::format("the elastic body '{0}' stands outside the container: from {1:.6g} to {2:.6g} m in direction {3}, where there "
-                        "is room from {4:.6g} to {5:.6g} m; move it inside (structure.body.{0}.shape), or clamp what is outside "
+                        "is room {4}; move it inside (structure.body.{0}.shape), or clamp what is outside "
                         "(structure.body.{0}.clamp).",
-                        body.name, box.min[d], box.max[d], "xyz"[d], room.min[d], room.max[d]));
+                        body.name, box.min[d], box.max[d], "xyz"[d], room_text(room.min[d], room.max[d])));
   }
 }
 
@@ -184,11 +191,9 @@ void check_fluid_boxes(const Case& scene, const Setting& settings) {
     const Bounds<D> box = bounding_box<D>(shape);
     const auto check = [&](int d, double low, double high, const char* of_what, const char* remedy) {
       if (box.min[d] >= low - slack && box.max[d] <= high + slack) return;
-      fail_at(
-          settings.at("fluid").at("body").items[i].where,
-          fmt::format(
-              "fluid body {} reaches out of {}: from {:.6g} to {:.6g} m in direction {}, where there is room from {:.6g} to {:.6g} m; {}.",
-              i + 1, of_what, box.min[d], box.max[d], "xyz"[d], low, high, remedy));
+      fail_at(settings.at("fluid").at("body").items[i].where,
+              fmt::format("fluid body {} reaches out of {}: from {:.6g} to {:.6g} m in direction {}, where there is room {}; {}.", i + 1,
+                          of_what, box.min[d], box.max[d], "xyz"[d], room_text(low, high), remedy));
     };
     for (int d = 0; d < D; ++d) {
       if (container) {

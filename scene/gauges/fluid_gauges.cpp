@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "scene/checks/checks.hpp"
+#include "scene/gauges.hpp"
 #include "scene/gauges/gauge.hpp"
 #include "scene/scene_check.hpp"
 
@@ -31,9 +32,10 @@ void check_elevation(const GaugeCase& gauge, const Case& scene, const std::strin
   const bool moves =
       std::any_of(scene.walls.begin(), scene.walls.end(), [](const WallCase& wall) { return wall.container && wall.motion; });
   if (!region || moves) return;
+  const int up = upward(scene).axis;
   const auto is_beside = [&](const auto& box) {
     bool beside = false;
-    for (int d = 0; d < scene.dimension; ++d) beside |= d != 1 && (gauge.point("at")[d] < box.min[d] || gauge.point("at")[d] > box.max[d]);
+    for (int d = 0; d < scene.dimension; ++d) beside |= d != up && (gauge.point("at")[d] < box.min[d] || gauge.point("at")[d] > box.max[d]);
     return beside;
   };
   if (!(scene.dimension == 2 ? is_beside(bounding_box<2>(*region)) : is_beside(bounding_box<3>(*region)))) return;
@@ -91,8 +93,8 @@ std::vector<GaugeDefinition> fluid_gauges() {
        .check = check_pressure},
       {.kind = "elevation",
        .owner = GaugeOwner::fluid,
-       .meaning = "elevation of the free surface at a place [m]",
-       .keys = {{"at", Type::point, true, "the place, whose y entry is not used"}},
+       .meaning = "elevation of the free surface at a place: its y, or where gravity is along another axis its coordinate there [m]",
+       .keys = {{"at", Type::point, true, "the place, whose entry along gravity is not used"}},
        .columns = [](int) { return Columns{"eta_m"}; },
        .check = check_elevation},
       {.kind = "front",
@@ -102,7 +104,7 @@ std::vector<GaugeDefinition> fluid_gauges() {
        .columns = [](int) { return Columns{"x_m"}; }},
       {.kind = "force",
        .owner = GaugeOwner::fluid,
-       .meaning = "force on a rigid wall [N/m^(3-D)] and its moment [N m/m^(3-D)]",
+       .meaning = "force on a rigid wall, by pressure and friction [N/m^(3-D)], and its moment [N m/m^(3-D)]",
        .keys = {{"wall", Type::text, true, "the rigid wall"},
                 {"at", Type::point, false,
                  "the point of the moment, which moves along with the wall; absent = the pivot of the wall, else the origin"}},

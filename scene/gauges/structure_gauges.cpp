@@ -122,7 +122,8 @@ std::vector<GaugeDefinition> structure_gauges() {
        .check = check_body_pressure},
       {.kind = "reaction",
        .owner = GaugeOwner::structure,
-       .meaning = "force [N/m^(3-D)] and moment [N m/m^(3-D)] with which a clamp, or all clamps of a body, hold it",
+       .meaning = "force [N/m^(3-D)] and moment [N m/m^(3-D)] with which a clamp, or all clamps of a body, hold it, without weight and "
+                  "inertia of the particles that it holds",
        .keys = {{"body", Type::text, true, "the elastic body"},
                 {"clamp", Type::text, false, "a named clamp of the body; absent = all of them"},
                 {"at", Type::point, false, "the point of the moment, fixed in space; absent = the origin"}},

@@ -40,5 +40,19 @@ TEST(Collapse, OfTheStepIsNamedWithTheParticleThatAsksForIt) {
   EXPECT_EQ(windows_until_stopped(1500, message), 1);
 }
 
+// Without gravity a clamp that starts from rest drives the scene. Seen to fail: without the speed of clamps (0), with which a run whose
+// clamp is displaced by t^2/2 was stopped when it had become a hundred times as fast as in its first window.
+TEST(Collapse, ReckonsWithTheSpeedOfClamps) {
+  Case c = scene(2, 0.01, {box({0, 0, 0}, {0.1, 0.1, 0})}, {tank({0, 0, 0}, {0.1, 0.1, 0})}, 0);
+  c.end_time = 0.2;
+  c.structure.emplace();
+  ClampCase clamp;
+  clamp.region = box({0.2, 0, 0}, {0.3, 0.1, 0});
+  clamp.motion.emplace();
+  clamp.motion->displacement[0] = Expression("0.5*t^2");
+  c.structure->clamps.push_back(clamp);
+  EXPECT_NEAR(Fluid<2>(c).state().reference_speed, 0.2, 0.002);
+}
+
 }  // namespace
 }  // namespace tern::fluid::testing

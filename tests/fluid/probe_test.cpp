@@ -59,6 +59,36 @@ TEST(Elevation, DoesNotSeeDropsAboveTheWater) {
   EXPECT_NEAR(fluid.elevation_at(Vector<2>(0.11, 0)).value(), 0.6, 0.002);
 }
 
+// Shear flow over a floor, u = 0.3 y: mu du/dy on each square metre of it, and none where it slips; the pressure is 0. Seen to fail without
+// friction (0).
+TEST(WallForce, HasTheFrictionOfAViscousFluid) {
+  for (const bool slip : {false, true}) {
+    WallCase floor = tank({0, 0, 0}, {0.6, 1, 0}, {"x_min", "x_max"});
+    floor.slip = slip;
+    Case c = scene(2, 0.02, {box({0, 0, 0}, {0.6, 0.4, 0})}, {floor});
+    make_periodic(c, {0, -1, 0}, {0.6, 2, 0}, "x");
+    c.fluid->viscosity = 5;
+    Fluid<2> fluid(c);
+    State<2> state = fluid.state();
+    for (std::size_t i = 0; i < state.size(); ++i) state.velocity[i] = Vector<2>(0.3 * state.position[i][1], 0);
+    state.has_pressure = true;
+    fluid.set_state(std::move(state));
+    const auto total = Probe<2>(fluid).force(fluid.walls().all()[0], Vector<2>(0, 0));
+    EXPECT_NEAR(total->force[0], slip ? 0 : 5 * 0.3 * 0.6, 0.005);
+  }
+}
+
+// Water that hangs on the far side of a tank by a gravity along x, and water with gravity along z. Seen to fail with the elevation along y,
+// and with the search from above where gravity points up the axis.
+TEST(Elevation, IsAlongGravity) {
+  Case hanging = scene(2, 0.02, {box({0.4, 0, 0}, {1, 0.6, 0})}, {tank({0, 0, 0}, {1, 0.6, 0})});
+  hanging.gravity = {Expression(gravity), Expression(0.0), Expression(0.0)};
+  EXPECT_NEAR(Fluid<2>(hanging).elevation_at(Vector<2>(0.2, 0.3)).value(), 0.4, 0.002);
+  Case standing = scene(3, 0.05, {box({0, 0, 0}, {0.3, 0.3, 0.5})}, {tank({0, 0, 0}, {0.3, 0.3, 1})});
+  standing.gravity = {Expression(0.0), Expression(0.0), Expression(-gravity)};
+  EXPECT_NEAR(Fluid<3>(standing).elevation_at(Vector<3>(0.15, 0.15, 0)).value(), 0.5, 0.005);
+}
+
 // An empty cell, not 0.
 TEST(Elevation, IsUndefinedWhereThereIsNoFluid) {
   Fluid<2> fluid(scene(2, 0.02, {box({0, 0, 0}, {0.3, 0.6, 0})}, {tank({0, 0, 0}, {1, 1, 0})}));

@@ -52,6 +52,13 @@ class ConformTest(unittest.TestCase):
         code, text = self.faulty("none")
         self.assertEqual(code, 0, text)
 
+    # Seen to fail: with the same pressure on all faces ("the answer is the same whatever is tried").
+    def test_a_rigid_body_that_nothing_holds_conforms(self):
+        block = Path(__file__).with_name("free_block.py")
+        checks = [word for check in ("restore", "sense", "work") for word in ("--check", check)]
+        code, text = conform(self.build, "structure", f"/usr/bin/python3 {block}", *checks)
+        self.assertEqual(code, 0, text)
+
     def test_every_fault_is_found_and_named(self):
         with ThreadPoolExecutor(2) as pool:
             answers = list(pool.map(lambda fault: self.faulty(fault, FAULTS[fault][0]), FAULTS))

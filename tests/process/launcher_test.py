@@ -12,7 +12,8 @@ import unittest
 from pathlib import Path
 
 from fake_build import FakeBuild, is_alive, wait_until
-from tern.launch import first_cause
+from tern.errors import Error
+from tern.launch import first_cause, resumption
 from tern.launch.processes import Process
 
 
@@ -119,6 +120,24 @@ class LauncherTest(unittest.TestCase):
         self.assertEqual(self.contents()["first_cause"], "tern-structure was killed by signal 9 (SIGKILL).")
         self.assertEqual(self.contents()["exit_codes"]["structure"], -9)
         self.assertEqual(self.contents()["processes"]["structure"]["status"], "killed")
+
+    def test_a_program_that_ends_with_0_in_the_middle_of_a_run_is_named(self):
+        # Seen to fail: without `is_missed` (the coupler's guess that it "was killed, crashed, or froze").
+        ended = [Process("coupler", "tern-coupler", None, -1, exit_code=4, ended_at=2.0),
+                 Process("structure", "mine.py", None, -1, exit_code=0, ended_at=1.0)]
+        reports = {"coupler": {"status": "failed", "cause": "The structure process (process 7) was lost at step 95.", "cause_time": 1.5}}
+        cause = first_cause.find(ended, reports, interrupted=False)
+        self.assertEqual((cause.exit_code, cause.role), (4, "structure"))
+        self.assertIn("mine.py ended with exit code 0 in the middle of the run", cause.sentence)
+
+    def test_a_run_on_a_full_disk_that_cannot_go_on_says_why(self):
+        # Seen to fail: with the interval as the only reason.
+        for run, said in (({"exit_code": 5, "first_cause": "Cannot write structure.h5."}, "at its end: Cannot write structure.h5"),
+                          ({"exit_code": 3, "first_cause": "J <= 0."}, "after 300 s")):
+            contents = {"launch": {"only": None}, "settings": {"output": {"checkpoint_interval": 300}}} | run
+            (self.fake.path / "run.json").write_text(json.dumps(contents), encoding="utf-8")
+            with self.assertRaisesRegex(Error, f"{said}.*\\.$"):
+                resumption.newest(self.fake.path)
 
     def test_a_coupler_that_refuses_a_foreign_program_has_the_time_to_say_why(self):
         # Seen to fail: with GRACE_NEVER_JOINED_S = 0.

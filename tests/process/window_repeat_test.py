@@ -67,6 +67,15 @@ class WindowRepeatTest(unittest.TestCase):
         self.assertEqual(times[-1], 0.1)
         self.assertLessEqual(max(length for time, length in zip(times, lengths) if time >= 0.05), 0.15 * STEP)
 
+    # Seen to fail: with every process printing what another one has told it (by the coupler and the fluid as well).
+    def test_why_windows_fail_is_said_by_who_fails_and_by_the_launcher(self):
+        ended = subprocess.run([ROOT / "tern", "run", ROOT / "tests" / "process" / "cases" / "small_plate", "--out", self.path / "run",
+                                "--quiet", "--set", "structure.body.plate.young_modulus=1"], capture_output=True, text=True, timeout=100,
+                               check=False)
+        self.assertEqual(ended.returncode, 3, ended.stderr)
+        self.assertNotIn("process stopped at step", ended.stderr)
+        self.assertIn("process stopped at step", (self.path / "run" / "coupler.log").read_text(encoding="utf-8"))
+
     def test_a_case_is_introduced_once(self):
         # Seen to fail: with the first line, and the warnings of the case, said before every repeat.
         ended = subprocess.run([ROOT / "tern", "run", CASES / "rigid_piston", "--out", self.path / "run", "--until", "0.01", "--fluid",

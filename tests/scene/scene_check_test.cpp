@@ -18,7 +18,9 @@ namespace {
 
 // Each seen to fail with its check left out (but for the limit on particles, which would fill the memory).
 TEST_F(CaseFile, WhoseSceneMakesNoSenseIsRefused) {
-  expect_refused(with("max = [0.4, 0.5]", "max = [1.1, 0.5]"), {"fluid body 1 reaches out of the container"});
+  expect_refused(with("max = [0.4, 0.5]", "max = [1.1, 0.5]"), {"fluid body 1 reaches out of the container", "room from 0 to 1 m"});
+  expect_refused(with("min = [0, 0], max = [0.4, 0.5]", "min = [0, -0.2], max = [0.4, 0.5]"),
+                 {"direction y, where there is room from 0 m on"});
   expect_refused(with("max = [0.4, 0.5]", "max = [0.75, 0.5]"), {"'plate' and fluid body 1 overlap"});
   expect_refused(with("max = [0.4, 0.5]", "max = [0.02, 0.02]"), {"holds no particle"});
   expect_refused(with("[0.7, -0.1], max = [0.8, 0.5]", "[0.7, -0.1], max = [1.2, 0.5]"),

@@ -50,7 +50,7 @@ def find(processes, reports, interrupted):
     Order: time. Two kinds of echo are passed over: a lost peer (code 4) when another process was killed or failed by
     itself, and a sentence that only repeats another one with the name of who said it. What the launcher ended itself is
     no cause, unless nothing else is (`interrupted`: the user ended the run). Neither is the end of a process that a
-    signal to all has reached before it could answer.
+    signal to all has reached before it could answer. A program that ends with 0 before the run does leaves no cause of its own.
     """
     for process in processes:
         if process.frozen:
@@ -72,6 +72,10 @@ def find(processes, reports, interrupted):
                 return Cause(PEER_LOST, f"{process.program} did not end after the others had ended, and was ended by "
                                         f"the launcher.", process.role)
         return Cause()
+    for process in processes:
+        is_missed = any(f"The {process.role} process" in cause.sentence and "was lost" in cause.sentence for _, (_, cause) in failed)
+        if is_missed and process.exit_code == DONE and reports.get(process.role, {}).get("status") != "done":
+            return Cause(PEER_LOST, f"{process.program} ended with exit code 0 in the middle of the run, and without a word.", process.role)
     origins = [entry for entry in failed if entry[0].exit_code != PEER_LOST]
     first_time, first = min((candidate for _, candidate in origins or failed), key=lambda candidate: candidate[0])
     for _, (when, cause) in failed:

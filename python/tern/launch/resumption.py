@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from tern.errors import BAD_INPUT, Error
+from tern.errors import BAD_INPUT, INPUT_OUTPUT, Error
 from tern.launch import cases, status
 from tern.results import report, summary
 
@@ -51,6 +51,9 @@ def _why_no_checkpoint(contents, directory):
     foreign = contents.get("commands", {})
     if foreign:
         return f"{' and '.join(foreign.values())} may keep no checkpoints (docs/PARTICIPANTS.md), or it ended before the first one"
+    if contents.get("exit_code") == INPUT_OUTPUT:
+        return (f"it ended before the first one, after {interval:g} s ([output] checkpoint_interval), and could not write one at its end: "
+                f"{contents.get('first_cause', '').rstrip('.')}")
     return f"it ended before the first one, after {interval:g} s ([output] checkpoint_interval)"
 
 
