@@ -10,6 +10,8 @@
 // for conservative forces. With the pressure solved at r^n + dt u^n instead, a wave of frequency omega loses
 // omega^2 dt / 2 of its amplitude per unit of time.
 
+#include <utility>
+
 #include "base/error.hpp"
 #include "base/timing.hpp"
 #include "fluid/boundary/interface_of_ranks.hpp"
@@ -82,13 +84,13 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
 
   pressure_prepared_ = false;
   prediction_.unprojected_velocity.clear();
-  const InterfaceParticles<D> own =
+  InterfaceParticles<D> own =
       interface_particles(constants, state_, prediction_, boundary_, reports_divergence_ ? &divergence_ : nullptr, images_, at_structure_);
   beside_structure_.list.clear();
   if (boundary_.surface.size() == 0) return {};
   list_beside_structure(domain_, prediction_.position.size(), neighbours_, at_structure_, beside_structure_);
   first_at_structure_ = first_interface_particle(domain_.ranks(), at_structure_.size());
-  return gather(domain_.ranks(), own);
+  return gather(domain_.ranks(), std::move(own));
 }
 
 template <int D>
@@ -147,7 +149,7 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
     pressure.velocity.push_back(prediction_.velocity[i]);
   }
   if (boundary_.surface.size() == 0) return pressure;
-  return gather(domain_.ranks(), pressure);
+  return gather(domain_.ranks(), std::move(pressure));
 }
 
 template <int D>

@@ -11,9 +11,9 @@ std::ptrdiff_t first_interface_particle(const Ranks& ranks, std::size_t own);
 
 /// On the first rank those of all ranks; on the others nothing.
 template <int D>
-InterfaceParticles<D> gather(const Ranks& ranks, const InterfaceParticles<D>& own);
+InterfaceParticles<D> gather(const Ranks& ranks, InterfaceParticles<D> own);
 template <int D>
-InterfacePressure<D> gather(const Ranks& ranks, const InterfacePressure<D>& own);
+InterfacePressure<D> gather(const Ranks& ranks, InterfacePressure<D> own);
 
 /// From the first rank to all.
 template <int D>

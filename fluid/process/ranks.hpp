@@ -60,7 +60,7 @@ class Leader {
     order(ranks_, {Order::begin_window, begin, duration});
     fluid_.begin_window(begin, duration);
   }
-  InterfaceParticles<D> see_surface(Surface<D> surface) {
+  InterfaceParticles<D> see_surface(const Surface<D>& surface) {
     order(ranks_, {Order::see_surface}, surface);
     return fluid_.see_surface(surface);
   }
@@ -68,7 +68,7 @@ class Leader {
     order(ranks_, {Order::prepare_pressure});
     fluid_.prepare_pressure();
   }
-  InterfacePressure<D> solve_pressure(InterfaceCondition<D> condition) {
+  InterfacePressure<D> solve_pressure(const InterfaceCondition<D>& condition) {
     order(ranks_, {Order::solve_pressure}, condition);
     return fluid_.solve_pressure(condition);
   }
@@ -76,7 +76,7 @@ class Leader {
     order(ranks_, {Order::complete_velocity});
     fluid_.complete_velocity();
   }
-  void end_window(InterfaceForce<D> force) {
+  void end_window(const InterfaceForce<D>& force) {
     order(ranks_, {Order::end_window}, force);
     fluid_.end_window(force);
   }
@@ -117,9 +117,11 @@ class Leader {
   }
   /// With what of the interface the others need for it.
   template <class OfInterface>
-  static void order(const Ranks& ranks, Order what, OfInterface& values) {
+  static void order(const Ranks& ranks, Order what, const OfInterface& values) {
+    if (ranks.alone()) return;
     order(ranks, what);
-    tell(ranks, values);
+    OfInterface told = values;
+    tell(ranks, told);
   }
 
  private:

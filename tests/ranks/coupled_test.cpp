@@ -1,5 +1,11 @@
 // A fluid in many processes that is coupled to a structure, against the same fluid in one. Each process has the structure and the coupler
 // to itself: what the first rank says of the fluid is told to all, so that they do the same.
+//
+// Seen red: with particles of other ranks that see no faces (crashes); without the sums over all ranks of what moves the lumps, of
+// their bound, and of what is transferred to a point; with a load that every rank adds; with forces that begin at the first particle on
+// every rank; with images of the particles of the first rank; without the neighbours that other ranks see beside the structure; with
+// differences of the finest grid that do not go to the owners of its nodes, or pushes of the own particles alone (iterations); with
+// enclosed regions of each rank alone, means of them, and with regions that only those ranks tie which see a body (crashes).
 
 #include <gtest/gtest.h>
 
@@ -93,8 +99,9 @@ double difference(const std::vector<V>& a, const std::vector<V>& b) {
   return std::sqrt(squared / norm);
 }
 
+/// `more`: iterations that a pressure solve may take beyond those of one rank, whose grids are parted at thin bodies.
 template <int D>
-void expect_the_window_of_one_rank(Case c, int windows) {
+void expect_the_window_of_one_rank(Case c, int windows, int more = 2) {
   const int usual = [&] {
     Sides<D> one(c, {}), many(c, Ranks::all());
     for (int n = 0; n < windows; ++n) one.run(one.proposal());
@@ -103,7 +110,7 @@ void expect_the_window_of_one_rank(Case c, int windows) {
     one.run(duration), many.run(duration);
     EXPECT_EQ(many.coupler.iterations(), one.coupler.iterations());
     const int solves = std::max(1, one.coupler.iterations());
-    EXPECT_LE(many.fluid.last_solve().iterations, one.fluid.last_solve().iterations + 2 * solves) << "in " << solves << " solves";
+    EXPECT_LE(many.fluid.last_solve().iterations, one.fluid.last_solve().iterations + more * solves) << "in " << solves << " solves";
     return one.fluid.last_solve().iterations;
   }();
   EXPECT_GT(usual, 0);
@@ -139,7 +146,7 @@ void expect_the_window_of_one_rank(Case c, int windows) {
 TEST(CoupledWindow, OfAFloorIsThatOfOneRank) { expect_the_window_of_one_rank<2>(case_of({}), 20); }
 
 TEST(CoupledWindow, OfAPlateUnderWaterIsThatOfOneRank) {
-  expect_the_window_of_one_rank<2>(case_of({.density_ratio = 1, .layers = 4, .young_modulus = 1e6, .wet_faces = 2}), 20);
+  expect_the_window_of_one_rank<2>(case_of({.density_ratio = 1, .layers = 4, .young_modulus = 1e6, .wet_faces = 2}), 20, 0);
 }
 
 TEST(CoupledWindow, OfAThinLightPlateIsThatOfOneRank) {
