@@ -1,6 +1,7 @@
 """./tern run --ranks: results, refusals, and how such a run ends.
 
-Seen red: with cuts and shares that a checkpoint does not hold (Continued); with a first_cause that does not ask which rank was killed, and with the second that mpirun gives ranks to end (Ends).
+Seen red: with cuts and shares that a checkpoint does not hold (Continued); with a first_cause that does not ask which rank was
+killed, and with the second that mpirun gives ranks to end (Ends).
 """
 
 import json

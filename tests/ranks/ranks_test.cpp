@@ -2,7 +2,8 @@
 // the whole fluid by itself.
 //
 // Seen red: with ghosts that keep the velocity they begin with, and without the patches that other ranks fill (OneWindow); with marks
-// that do not go to the owners (Marks); with pairs counted from a corner of each rank (ManyWindows.OfAWave).
+// that do not go to the owners (Marks); with pairs counted from a corner of each rank (ManyWindows.OfAWave); with enclosed regions of each
+// rank alone, and with what is pushed into them known to the owners of the particles alone (OneWindow.IsThatOfOneRankInEnclosures).
 
 #include <gtest/gtest.h>
 
