@@ -101,6 +101,21 @@ void Partition<D>::cut(const Ranks& ranks, const std::vector<Vector<D>>& positio
   }
 }
 
+template <int D>
+void Partition<D>::write_cuts(Shares& shares) const {
+  for (const Cut& cut : cuts_) {
+    shares.cut_axis.push_back(cut.axis);
+    shares.cut_place.push_back(cut.place);
+  }
+}
+
+template <int D>
+void Partition<D>::read_cuts(const Shares& shares) {
+  ranks_ = static_cast<int>(shares.cut_axis.size());
+  cuts_.clear();
+  for (std::size_t m = 0; m < shares.cut_axis.size(); ++m) cuts_.push_back({static_cast<int>(shares.cut_axis[m]), shares.cut_place[m]});
+}
+
 // The row of a node of the grid of the multigrid, two spacings wide, holds what lies within its width.
 template <int D>
 Domain<D>::Domain(const Ranks& ranks, const Reference<D>& reference)
@@ -111,19 +126,45 @@ Domain<D>::Domain(const Ranks& ranks, const Reference<D>& reference)
       reach_(std::max(support_, 2.2 * spacing_)) {}
 
 template <int D>
-void Domain<D>::share_out(State<D>& state) {
+void Domain<D>::share_out(State<D>& state, const Shares& shares) {
   if (alone()) return;
-  // Any equal shares will do to begin with.
   const std::size_t n = state.size(), ranks = static_cast<std::size_t>(ranks_.count()), own = static_cast<std::size_t>(ranks_.own());
-  const std::size_t first = n * own / ranks, last = n * (own + 1) / ranks;
+  const bool known = shares.particles.size() == ranks;
+  // Any equal shares will do to begin with.
+  std::size_t first = n * own / ranks, last = n * (own + 1) / ranks;
+  if (known) {
+    first = static_cast<std::size_t>(std::accumulate(shares.particles.begin(), shares.particles.begin() + ranks_.own(), std::int64_t{0}));
+    last = first + static_cast<std::size_t>(shares.particles[own]);
+  }
   for_each_particle_field(state, [&](const char*, const char*, auto& values) {
     values = std::remove_reference_t<decltype(values)>(values.begin() + static_cast<std::ptrdiff_t>(first),
                                                        values.begin() + static_cast<std::ptrdiff_t>(last));
   });
+  if (!ranks_.first()) {
+    state.potential = 0;
+    state.removed = state.leaked = 0;
+    state.evaluations = {};
+  }
+  windows_since_cut_ = known ? static_cast<int>(shares.windows_since_cut) : 0;
+  if (known) {
+    state.potential = shares.potential[own];
+    partition_.read_cuts(shares);
+    return;
+  }
   partition_.cut(ranks_, state.position);
   Prediction<D> none;
   for (auto* values : {&none.position, &none.velocity, &none.gravity}) values->resize(state.size());
   move(state, none, state.position);
+}
+
+template <int D>
+Shares Domain<D>::shares(const State<D>& own) const {
+  Shares shares;
+  shares.particles = ranks_.gather(std::vector<std::int64_t>{static_cast<std::int64_t>(own.size())});
+  shares.potential = ranks_.gather(std::vector<double>{own.potential});
+  partition_.write_cuts(shares);
+  shares.windows_since_cut = windows_since_cut_;
+  return shares;
 }
 
 template <int D>

@@ -5,6 +5,7 @@
 // particles whose predicted position lies in its part, and keeps copies of all others within the support of it, the ghosts. Arrays that
 // are read at neighbours hold the own particles first, then the ghosts, each in rows along x (row_grid.hpp).
 
+#include <cstdint>
 #include <vector>
 
 #include "fluid/particle_class.hpp"
@@ -16,12 +17,33 @@
 
 namespace tern::fluid {
 
+/// How a state of all ranks is theirs. Only from the same shares do they go on with the same bits.
+struct Shares {
+  std::vector<std::int64_t> particles;  ///< of each rank, in the order of the ranks; empty: not known
+  std::vector<double> potential;        ///< of each
+  std::vector<std::int64_t> cut_axis;   ///< of the partition
+  std::vector<double> cut_place;
+  std::int64_t windows_since_cut = 0;
+
+  /// The list of the members: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("particles", all.particles...);
+    visit("potential", all.potential...);
+    visit("cut_axis", all.cut_axis...);
+    visit("cut_place", all.cut_place...);
+    visit("windows_since_cut", all.windows_since_cut...);
+  }
+};
+
 /// Parts of space, one per rank. The same on all ranks.
 template <int D>
 class Partition {
  public:
   /// Cuts space so that every rank gets as many of the particles, which lie at `position` on the ranks.
   void cut(const Ranks& ranks, const std::vector<Vector<D>>& position);
+  void write_cuts(Shares& shares) const;
+  void read_cuts(const Shares& shares);
 
   int owner(const Vector<D>& x) const {
     int first = 0, last = ranks_;
@@ -74,8 +96,11 @@ class Domain {
   /// Most particles of a rank over their mean.
   double imbalance() const { return imbalance_; }
 
-  /// Of a state that all ranks know: keeps the own part.
-  void share_out(State<D>& state);
+  /// Of a state that all ranks know: keeps the own part, by the shares of as many ranks, or of parts that are cut anew. What counts over
+  /// the run goes on at the first rank.
+  void share_out(State<D>& state, const Shares& shares = {});
+  /// Those of now, on the first rank.
+  Shares shares(const State<D>& own) const;
   /// Sends particles to their owners, of parts that are cut anew where these have become too unequal.
   void migrate(State<D>& state, Prediction<D>& prediction);
   /// Finds the ghosts, with their positions and what is known of them at the begin of a window, and puts them in rows of their own.

@@ -25,10 +25,21 @@ Fluid<D>::Fluid(const Case& scene, const Ranks& ranks)
 }
 
 template <int D>
-void Fluid<D>::set_whole_state(State<D> state) {
-  domain_.share_out(state);
+void Fluid<D>::set_whole_state(State<D> state, const Shares& shares) {
+  domain_.share_out(state, shares);
   state_ = std::move(state);
   if (!domain_.alone()) totals_ = add_up(domain_.ranks(), totals_here());
+}
+
+template <int D>
+State<D> Fluid<D>::whole_state() const {
+  State<D> whole = domain_.gather(state_);
+  if (domain_.alone()) return whole;
+  whole.potential = totals_.potential;
+  whole.removed = totals_.removed;
+  whole.leaked = totals_.leaked;
+  whole.evaluations = totals_.evaluations;
+  return whole;
 }
 
 template <int D>
@@ -41,12 +52,26 @@ Totals<D> Fluid<D>::totals_here() const {
           fluid::largest_speed(state_.velocity),
           fluid::largest_bulk_speed(state_),
           fluid::filling(constants(), neighbours_, boundary_, correction_, state_),
+          fluid_extent(reference_, state_),
           state_.size(),
           fluid::spray_particles(state_),
           state_.removed,
           state_.leaked,
           state_.evaluations,
           domain_.ghosts()};
+}
+
+template <int D>
+Filling Fluid<D>::filling() const {
+  Filling filled = fluid::filling(constants(), neighbours_, boundary_, correction_, state_);
+  double sums[] = {filled.density, filled.inside, filled.all};
+  domain_.ranks().sum(std::span<double>(sums));
+  return {sums[0], sums[1], sums[2]};
+}
+
+template <int D>
+std::optional<FluidExtent<D>> Fluid<D>::extent() const {
+  return domain_.alone() ? fluid_extent(reference_, state_) : totals_.extent;
 }
 
 template <int D>

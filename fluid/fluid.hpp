@@ -44,7 +44,8 @@ class Fluid {
 
   /// Predicts over the window and finds neighbours at its middle.
   void begin_window(Ticks begin, Ticks duration);
-  /// The structure's surface at the middle of the window; returns the particles that see it.
+  /// The structure's surface at the middle of the window; returns the particles that see it. What crosses the interface is that of all
+  /// ranks: all are given it, and the first one returns it.
   InterfaceParticles<D> see_surface(const Surface<D>& surface);
   /// What of the pressure equation does not ask for the load. To be called while others compute that, or left to solve_pressure().
   void prepare_pressure();
@@ -62,15 +63,16 @@ class Fluid {
   /// Step wanted for the next window.
   StepProposal propose_step() const { return fluid::propose_step(reference_, largest_speed(), state_); }
   /// Which surface can be left out of the next window; nothing where the fluid is periodic and has no end.
-  std::optional<FluidExtent<D>> extent() const { return fluid_extent(reference_, state_); }
+  std::optional<FluidExtent<D>> extent() const;
 
   const State<D>& state() const { return state_; }
   /// Goes on from another state, between two windows: of the same scene, possibly of another fluid. The next window rebuilds the rest.
   void set_state(State<D> state) { state_ = std::move(state); }
   /// The same of a state that all ranks know.
-  void set_whole_state(State<D> state);
-  /// The state of all ranks, on the first one.
-  State<D> whole_state() const { return domain_.gather(state_); }
+  void set_whole_state(State<D> state, const Shares& shares = {});
+  /// The state of all ranks, on the first one, and how it is theirs.
+  State<D> whole_state() const;
+  Shares shares() const { return domain_.shares(state_); }
 
   // The data, for tests and gauges.
   const Reference<D>& reference() const { return reference_; }
@@ -121,6 +123,7 @@ class Fluid {
  private:
   friend class WholeState<D>;
   Totals<D> totals_here() const;
+  Filling filling() const;  ///< by the neighbours of this window
   /// div u* of the particles `only`, or with nullptr of all.
   void compute_divergence(const std::vector<int>* only);
   /// Adds dt f/m to the velocity of the particles at the structure; whether any force is not 0.
@@ -148,6 +151,7 @@ class Fluid {
   std::vector<double> projected_divergence_;                             ///< and its divergence
   PressureSystem<D> system_;
   std::vector<int> at_structure_;                               ///< particles that see the structure
+  std::ptrdiff_t first_at_structure_ = 0;                       ///< number of the first of them among those of all ranks
   BesideStructure beside_structure_;                            ///< these and their neighbours
   std::vector<Vector<D>> images_;                               ///< of one particle in its walls
   bool pressure_prepared_ = false, velocity_complete_ = false;  ///< by the functions of this name, in this window

@@ -29,7 +29,7 @@ StepProposal propose_step(const Reference<D>& reference, double fastest, const S
 template <int D>
 std::optional<FluidExtent<D>> fluid_extent(const Reference<D>& reference, const State<D>& state) {
   if (reference.period.any()) return std::nullopt;
-  FluidExtent<D> extent{state.position[0], state.position[0]};
+  FluidExtent<D> extent{Vector<D>::Constant(1e300), Vector<D>::Constant(-1e300)};
   for (const Vector<D>& x : state.position) {
     extent.low = extent.low.cwiseMin(x);
     extent.high = extent.high.cwiseMax(x);

@@ -10,8 +10,11 @@
 // for conservative forces. With the pressure solved at r^n + dt u^n instead, a wave of frequency omega loses
 // omega^2 dt / 2 of its amplitude per unit of time.
 
+#include <utility>
+
 #include "base/error.hpp"
 #include "base/timing.hpp"
+#include "fluid/boundary/interface_of_ranks.hpp"
 #include "fluid/boundary/interface_particles.hpp"
 #include "fluid/boundary/wall_contact.hpp"
 #include "fluid/correction_matrix.hpp"
@@ -81,8 +84,13 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
 
   pressure_prepared_ = false;
   prediction_.unprojected_velocity.clear();
-  return interface_particles(constants, state_, prediction_, boundary_, reports_divergence_ ? &divergence_ : nullptr, images_,
-                             at_structure_);
+  InterfaceParticles<D> own =
+      interface_particles(constants, state_, prediction_, boundary_, reports_divergence_ ? &divergence_ : nullptr, images_, at_structure_);
+  beside_structure_.list.clear();
+  if (boundary_.surface.size() == 0) return {};
+  list_beside_structure(domain_, prediction_.position.size(), neighbours_, at_structure_, beside_structure_);
+  first_at_structure_ = first_interface_particle(domain_.ranks(), at_structure_.size());
+  return gather(domain_.ranks(), std::move(own));
 }
 
 template <int D>
@@ -93,7 +101,7 @@ void Fluid<D>::prepare_pressure() {
     compute_density_source(reference_, prediction_.bulk_speed, neighbours_, boundary_, correction_, state_.particle_class, density_source_);
   }
   find_enclosed_fluid(domain_, neighbours_, correction_, state_, system_);
-  set_divergence_target(window_.duration, neighbours_, at_structure_, packed_, density_source_, divergence_target_);
+  set_divergence_target(window_.duration, neighbours_, beside_structure_, packed_, density_source_, divergence_target_);
   assemble_pressure_matrix(reference_.constants, state_, neighbours_, boundary_, correction_, system_.matrix);
   system_.left_behind.clear();
   pressure_prepared_ = true;
@@ -111,11 +119,11 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
     const bool pushed = push(load.force);  // u* += dt a_dissipative
     if (pushed || !first) {
       // Elsewhere nothing has changed since see_surface().
-      list_beside_structure(neighbours_, at_structure_, beside_structure_);
       compute_divergence(&beside_structure_.list);
     }
     if (first) {
-      complete_pressure_matrix(constants, load, neighbours_, boundary_, correction_, prediction_, at_structure_, state_, system_);
+      complete_pressure_matrix(constants, domain_.ranks(), load, neighbours_, boundary_, correction_, prediction_, at_structure_, state_,
+                               system_);
       // Where no surface lets a region change its volume, its own mean density is the one to keep.
       if (system_.body_tied.any()) system_.body_tied.subtract_means(divergence_target_);
     }
@@ -140,7 +148,8 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
     pressure.pressure.push_back(state_.pressure[i]);
     pressure.velocity.push_back(prediction_.velocity[i]);
   }
-  return pressure;
+  if (boundary_.surface.size() == 0) return pressure;
+  return gather(domain_.ranks(), std::move(pressure));
 }
 
 template <int D>
@@ -153,8 +162,8 @@ void Fluid<D>::drive_out_what_is_left() {
     fluid::compute_divergence<D>(reference_.period, neighbours_, boundary_, correction_, state_.particle_class, projected_velocity_,
                                  nullptr, packed_.velocity, projected_divergence_);
     left.assign(system_.matrix.rows(), 0);
-    assemble_left_behind(reference_.constants, window_.duration, neighbours_, at_structure_, state_.particle_class, projected_divergence_,
-                         divergence_target_, left);
+    assemble_left_behind(reference_.constants, window_.duration, neighbours_, beside_structure_, state_.particle_class,
+                         projected_divergence_, divergence_target_, left);
     if (system_.body_tied.any()) system_.body_tied.subtract_means(left);  // the first solve has closed the sum over them
   };
   find_left(system_.left_behind);
@@ -186,7 +195,7 @@ void Fluid<D>::end_window(const InterfaceForce<D>& force) {
   settle_wall_contacts(constants, window_.duration, boundary_, prediction_.position, prediction_.velocity);
   domain_.forget_ghosts(state_);
   check_speed(domain_.ranks(), window_, prediction_, boundary_.surface.velocity, state_);
-  check_volume(window_, boundary_.surface.size() == 0 ? 0 : volume_drift().known(), state_);
+  check_volume(window_, boundary_.surface.size() == 0 ? 0 : filling().volume_drift().known(), state_);
   state_.potential -= work_of_gravity(constants.mass, window_.duration, state_, prediction_);
   advance(window_.duration, prediction_, state_);  // r^{n+1} = r* + dt/2 u^{n+1}
   move_off_faces(constants, boundary_, prediction_.position, state_.position);
@@ -220,15 +229,17 @@ template <int D>
 bool Fluid<D>::push(const std::vector<Vector<D>>& force) {
   bool any = false;
   for (std::size_t m = 0; m < force.size(); ++m) {
-    prediction_.velocity[at_structure_[m]] += (window_.duration / reference_.constants.mass) * force[m];
     any = any || force[m].squaredNorm() > 0;
+    const std::size_t own = m - static_cast<std::size_t>(first_at_structure_);  // too large before the first
+    if (own >= at_structure_.size()) continue;
+    prediction_.velocity[at_structure_[own]] += (window_.duration / reference_.constants.mass) * force[m];
   }
   return any;
 }
 
 template <int D>
 void Fluid<D>::return_to_unprojected_velocity(const std::vector<Vector<D>>& surface_velocity) {
-  if (prediction_.unprojected_velocity.size() != state_.size())
+  if (domain_.ranks().any(prediction_.unprojected_velocity.size() != prediction_.velocity.size()))
     throw EndOfModel("The coupler asks for the pressure of a window once more without having said so (InterfaceCondition.repeats).");
   prediction_.velocity = prediction_.unprojected_velocity;
   set_surface_velocity(surface_velocity, at_structure_, boundary_);

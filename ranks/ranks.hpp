@@ -96,6 +96,23 @@ class Ranks {
 
   /// From one rank to all.
   void tell(void* bytes, std::size_t size, int from = 0) const;
+  template <class T>
+  void tell(std::vector<T>& values, int from = 0) const {
+    if (alone()) return;
+    std::uint64_t size = values.size();
+    tell(&size, sizeof size, from);
+    values.resize(size);
+    if (size > 0) tell(static_cast<void*>(values.data()), size * sizeof(T), from);
+  }
+
+  /// Of all ranks in their order, on all of them.
+  template <class T>
+  std::vector<T> gather_on_all(const std::vector<T>& own) const {
+    if (alone()) return own;
+    std::vector<T> all = gather(own);
+    tell(all);
+    return all;
+  }
 
   /// What the first rank that has something to say says; empty: none has.
   std::string first_word(const std::string& own) const;

@@ -40,19 +40,21 @@ void see_boundary(const Constants<D>& constants, const Period<D>& period, const 
   const std::span<const Vector<D>> viewers = std::span(position).first(neighbours.rows());
   see_walls<D>(constants.spacing, viewers, boundary);
   see_faces<D>(viewers, boundary.surface, boundary.surface_finder, boundary.surface_rows);
-  if (!boundary.surface_rows.face.empty()) {
+  // What parts two particles is seen by one of them, which may be of another rank.
+  thread_local FaceRows seen_by_all;
+  const auto rows_of_all = [&](const Faces<D>& faces, const FaceFinder<D>& finder, const FaceRows& own) -> const FaceRows& {
+    if (position.size() == viewers.size()) return own;
+    see_faces<D>(position, faces, finder, seen_by_all);
+    return seen_by_all;
+  };
+  if (const FaceRows& seen = rows_of_all(boundary.surface, boundary.surface_finder, boundary.surface_rows); !seen.face.empty()) {
     hide_walls_behind_structure<D>(position, boundary.seen_walls(), boundary.surface, boundary.surface_rows, boundary.wall_rows);
-    cut_pairs_through_faces<D>(constants, period, position, boundary.surface, boundary.surface_rows, true, neighbours);
+    cut_pairs_through_faces<D>(constants, period, position, boundary.surface, seen, true, neighbours);
     find_covered_faces<D>(boundary.surface, boundary.walls.faces(), boundary.wall_finder, 0.5 * constants.spacing, boundary.covered_faces);
   }
   if (!boundary.walls.any_two_sided()) return;
-  const FaceRows* seen = &boundary.wall_rows;
-  thread_local FaceRows seen_by_all;  // by particles of other ranks as well
-  if (position.size() > viewers.size()) {
-    see_faces<D>(position, boundary.seen_walls(), boundary.wall_finder, seen_by_all);
-    seen = &seen_by_all;
-  }
-  cut_pairs_through_faces<D>(constants, period, position, boundary.seen_walls(), *seen, false, neighbours);
+  cut_pairs_through_faces<D>(constants, period, position, boundary.seen_walls(),
+                             rows_of_all(boundary.seen_walls(), boundary.wall_finder, boundary.wall_rows), false, neighbours);
 }
 
 template <int D>

@@ -71,8 +71,8 @@ Totals<D> add_up(const Ranks& ranks, const Totals<D>& own) {
     visit(all.particles), visit(all.spray_particles), visit(all.removed), visit(all.leaked), visit(all.ghosts);
     Evaluations::for_each_field([&](const char*, auto& count) { visit(count); }, all.evaluations);
   };
-  // Every rank moves all walls.
-  if (!ranks.first()) all.evaluations.moving_walls = 0;
+  // Every rank moves all walls and has the whole surface of the structure.
+  if (!ranks.first()) all.evaluations.moving_walls = all.evaluations.structure_surface = 0;
   for_each_sum([&](auto& value) { sums.push_back(static_cast<double>(value)); });
   ranks.sum(std::span(sums));
   std::size_t next = 0;
@@ -80,6 +80,11 @@ Totals<D> add_up(const Ranks& ranks, const Totals<D>& own) {
   double speeds[] = {own.largest_speed, own.largest_bulk_speed};
   ranks.most(std::span<double>(speeds));
   all.largest_speed = speeds[0], all.largest_bulk_speed = speeds[1];
+  if (all.extent) {
+    ranks.least(std::span(all.extent->low.data(), D));
+    ranks.most(std::span(all.extent->high.data(), D));
+    all.extent->largest_speed = all.largest_speed;
+  }
   return all;
 }
 

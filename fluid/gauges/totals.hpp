@@ -1,11 +1,14 @@
 #pragma once
 // Single figures of the whole fluid.
 
+#include <optional>
+
 #include "fluid/boundary/boundary.hpp"
 #include "fluid/neighbours.hpp"
 #include "fluid/reference.hpp"
 #include "fluid/state.hpp"
 #include "fluid/workspace.hpp"
+#include "proto/interface.hpp"
 #include "ranks/ranks.hpp"
 
 namespace tern::fluid {
@@ -62,6 +65,7 @@ struct Totals {
   Vector<3> angular_momentum = Vector<3>::Zero();
   double largest_speed = 0, largest_bulk_speed = 0;
   Filling filling;
+  std::optional<FluidExtent<D>> extent;
   std::size_t particles = 0, spray_particles = 0, removed = 0, leaked = 0;
   Evaluations evaluations;
   std::size_t ghosts = 0;  ///< domain.hpp

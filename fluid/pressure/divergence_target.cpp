@@ -18,7 +18,7 @@
 namespace tern::fluid {
 
 template <int D>
-void set_divergence_target(double duration, const Neighbours<D>& neighbours, const std::vector<int>& at_structure,
+void set_divergence_target(double duration, const Neighbours<D>& neighbours, const BesideStructure& beside,
                            const PackedVelocities<D>& velocities, const std::vector<double>& density_source, std::vector<double>& target) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(neighbours.rows());
   target.resize(n);
@@ -32,24 +32,28 @@ void set_divergence_target(double duration, const Neighbours<D>& neighbours, con
     });
     target[i] = source(i) + 2 * duration * quarter;
   });
-  for_each_beside_structure(neighbours, at_structure, [&](int i) { target[i] = source(i); });
+  for (int i : beside.list) target[i] = source(i);
 }
 
 template <int D>
-void list_beside_structure(const Neighbours<D>& neighbours, const std::vector<int>& at_structure, BesideStructure& beside) {
+void list_beside_structure(const Domain<D>& domain, std::size_t particles, const Neighbours<D>& neighbours,
+                           const std::vector<int>& at_structure, BesideStructure& beside) {
   beside.list.clear();
-  beside.listed.assign(neighbours.begin.size(), 0);
-  for_each_beside_structure(neighbours, at_structure, [&](int i) {
-    if (!beside.listed[i]) beside.list.push_back(i);
+  beside.listed.assign(particles, 0);
+  for (int i : at_structure) {
     beside.listed[i] = 1;
-  });
+    neighbours.for_each(i, [&](int j, float) { beside.listed[j] = 1; });
+  }
+  domain.particles().collect(beside.listed, [](std::uint8_t& own, std::uint8_t other) { own |= other; });
+  for (std::size_t i = 0; i < neighbours.rows(); ++i)
+    if (beside.listed[i]) beside.list.push_back(static_cast<int>(i));
 }
 
-template void list_beside_structure<2>(const Neighbours<2>&, const std::vector<int>&, BesideStructure&);
-template void list_beside_structure<3>(const Neighbours<3>&, const std::vector<int>&, BesideStructure&);
-template void set_divergence_target<2>(double, const Neighbours<2>&, const std::vector<int>&, const PackedVelocities<2>&,
+template void list_beside_structure<2>(const Domain<2>&, std::size_t, const Neighbours<2>&, const std::vector<int>&, BesideStructure&);
+template void list_beside_structure<3>(const Domain<3>&, std::size_t, const Neighbours<3>&, const std::vector<int>&, BesideStructure&);
+template void set_divergence_target<2>(double, const Neighbours<2>&, const BesideStructure&, const PackedVelocities<2>&,
                                        const std::vector<double>&, std::vector<double>&);
-template void set_divergence_target<3>(double, const Neighbours<3>&, const std::vector<int>&, const PackedVelocities<3>&,
+template void set_divergence_target<3>(double, const Neighbours<3>&, const BesideStructure&, const PackedVelocities<3>&,
                                        const std::vector<double>&, std::vector<double>&);
 
 }  // namespace tern::fluid

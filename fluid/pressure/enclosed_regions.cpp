@@ -2,6 +2,7 @@
 
 #include "fluid/pressure/enclosed_regions.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -20,6 +21,7 @@ void EnclosedRegions::add_up(const std::vector<double>& values) {
   sum.assign(size.size(), 0);
   for (std::size_t i = 0; i < region.size(); ++i)
     if (region[i] >= 0) sum[region[i]] += values[i];
+  ranks.sum(std::span(sum));
 }
 
 void EnclosedRegions::subtract_means(std::vector<double>& values) {
@@ -92,8 +94,10 @@ void find_enclosed_regions(const Neighbours<D>& neighbours, const std::vector<Pa
 }
 
 template <int D>
-void check_that_none_is_enclosed(const Domain<D>& domain, const Neighbours<D>& neighbours, const std::vector<ParticleClass>& particle_class,
-                                 const std::vector<std::uint8_t>& at_surface, EnclosedRegions& regions) {
+void find_enclosed_regions_of_ranks(const Domain<D>& domain, const Neighbours<D>& neighbours,
+                                    const std::vector<ParticleClass>& particle_class, const std::vector<std::uint32_t>& label,
+                                    const std::vector<std::uint8_t>& at_surface, EnclosedRegions& regions) {
+  regions.ranks = domain.ranks();
   const int n = static_cast<int>(neighbours.rows());
   std::vector<std::uint8_t>& tied = regions.tied;
   regions.size.clear();
@@ -106,20 +110,69 @@ void check_that_none_is_enclosed(const Domain<D>& domain, const Neighbours<D>& n
     tied[i] ? ++newly_tied : ++loose;
   };
   // Ties go from rank to rank: as many rounds as ranks lie between the surface and the bottom.
-  while (true) {
+  std::int64_t loose = 0;
+  for (bool goes_on = true; goes_on;) {
     domain.particles().update(tied);
     std::int64_t found[] = {0, 0}, seen = 0;  // loose, newly tied
     for (int i = n - 1; i >= 0; --i) sweep_over(i, seen, found[1]);
     for (int i = 0; i < n; ++i) sweep_over(i, found[0], found[1]);
     domain.ranks().sum(std::span<std::int64_t>(found));
-    if (found[0] == 0) return;
-    if (found[1] == 0) break;
+    loose = found[0];
+    goes_on = loose > 0 && found[1] > 0;
   }
-  throw EndOfModel(
-      "Not with --ranks: fluid that walls enclose all round, without a free surface. Run the case without --ranks, or open the container.");
+  if (loose == 0) return;
+
+  // Parts of this rank that are connected here, each with the least label that any rank knows of it.
+  constexpr std::uint32_t none = ~std::uint32_t{0};
+  auto &part = regions.region, &queue = regions.queue;
+  part.assign(n, -1);
+  std::vector<std::uint32_t> least(particle_class.size(), none);
+  std::vector<int> first{0};
+  queue.clear();
+  const auto is_loose = [&](int i) { return particle_class[i].pressure_unknown() && !tied[i]; };
+  for (int start = 0; start < n; ++start) {
+    if (!is_loose(start) || part[start] >= 0) continue;
+    const int number = static_cast<int>(first.size()) - 1;
+    part[start] = number;
+    queue.push_back(start);
+    for (std::size_t next = first.back(); next < queue.size(); ++next)
+      neighbours.for_each(queue[next], [&](int j, float) {
+        if (j >= n || !is_loose(j) || part[j] >= 0) return;
+        part[j] = number;
+        queue.push_back(j);
+      });
+    first.push_back(static_cast<int>(queue.size()));
+  }
+  for (const int i : queue) least[i] = label[i];
+  for (bool changed = true; changed;) {
+    changed = false;
+    domain.particles().update(least);
+    for (std::size_t k = 0; k + 1 < first.size(); ++k) {
+      std::uint32_t low = none;
+      for (int m = first[k]; m < first[k + 1]; ++m) {
+        low = std::min(low, least[queue[m]]);
+        neighbours.for_each(queue[m], [&](int j, float) { low = std::min(low, least[j]); });
+      }
+      for (int m = first[k]; m < first[k + 1]; ++m) changed = changed || least[queue[m]] != low, least[queue[m]] = low;
+    }
+    changed = domain.ranks().any(changed);
+  }
+  std::vector<std::uint32_t> labels;
+  for (std::size_t k = 0; k + 1 < first.size(); ++k) labels.push_back(least[queue[first[k]]]);
+  labels = domain.ranks().gather_on_all(labels);
+  std::sort(labels.begin(), labels.end());
+  labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
+  std::vector<std::int64_t> size(labels.size(), 0);
+  for (const int i : queue) {
+    part[i] = static_cast<int>(std::lower_bound(labels.begin(), labels.end(), least[i]) - labels.begin());
+    ++size[part[i]];
+  }
+  domain.ranks().sum(std::span(size));
+  regions.size.assign(size.begin(), size.end());
 }
 
 void select_regions(const EnclosedRegions& regions, const std::vector<std::uint8_t>& property, bool value, EnclosedRegions& selected) {
+  selected.ranks = regions.ranks;
   selected.size.clear();
   std::vector<int>& number = selected.queue;
   number.assign(regions.size.size(), -1);
@@ -137,8 +190,9 @@ template <int D>
 void account_for_enclosed_fluid(const Reference<D>& reference, const Window& window, const Boundary<D>& boundary,
                                 const std::vector<double>& source, EnclosedRegions& regions, State<D>& state) {
   const double volume = reference.constants.volume;
-  const std::ptrdiff_t enclosed_rows = std::accumulate(regions.size.begin(), regions.size.end(), std::ptrdiff_t{0});
-  state.fills_enclosure = state.fills_enclosure || (enclosed_rows == static_cast<std::ptrdiff_t>(state.size()) &&
+  const std::int64_t enclosed_rows = std::accumulate(regions.size.begin(), regions.size.end(), std::int64_t{0});
+  const Ranks& ranks = regions.ranks;
+  state.fills_enclosure = state.fills_enclosure || (enclosed_rows == ranks.sum(static_cast<std::int64_t>(state.size())) &&
                                                     !boundary.walls.moving() && boundary.surface.size() == 0);
   EnclosedAccount& account = state.enclosed;
   account.any = true;
@@ -153,17 +207,31 @@ void account_for_enclosed_fluid(const Reference<D>& reference, const Window& win
     // What the faces seen by a particle push into the fluid per time, as the divergence counts it.
     if (regions.region[i] >= 0) regions.sum[regions.region[i]] += 2 * volume * boundary.sums.flux[i];
   }
+  ranks.sum(std::span(regions.sum));
   account.pushed.resize(reference.particles, 0);
-  int largest = -1;
+  std::vector<double> by_label;  // all ranks know what every particle has been pushed: it may come to them
+  if (!ranks.alone()) by_label.assign(reference.particles, 0);
+  std::vector<double>& pushed = ranks.alone() ? account.pushed : by_label;
+  for (std::size_t i = 0; i < regions.region.size(); ++i)
+    if (const int k = regions.region[i]; k >= 0) pushed[state.id[i]] += window.duration * regions.sum[k] / (regions.size[k] * volume);
+  ranks.sum(std::span(by_label));
+  for (std::size_t label = 0; label < by_label.size(); ++label) account.pushed[label] += by_label[label];
+  std::int64_t largest = -1;
   for (std::size_t i = 0; i < regions.region.size(); ++i) {
     const int k = regions.region[i];
     if (k < 0) continue;
-    double& pushed = account.pushed[state.id[i]];
-    pushed += window.duration * regions.sum[k] / (regions.size[k] * volume);
-    if (std::abs(pushed) > std::abs(account.volume_error)) account.volume_error = pushed, largest = k;
+    const double own = account.pushed[state.id[i]];
+    if (std::abs(own) > std::abs(account.volume_error)) account.volume_error = own, largest = k;
+  }
+  if (!ranks.alone()) {
+    const bool has_it = ranks.most(std::abs(account.volume_error)) == std::abs(account.volume_error);
+    const double value = has_it ? account.volume_error : 0, high = ranks.most(value), low = ranks.least(value);
+    account.volume_error = high >= -low ? high : low;
+    largest = ranks.most(has_it ? largest : -1);
   }
   if (account.warned || largest < 0 || std::abs(account.volume_error) < tolerated_volume_error) return;
   account.warned = true;
+  if (!ranks.first()) return;
   log_warning(
       fmt::format("A wall moves {} sealed fluid, which cannot change its volume: by t = {:.6g} s it has swept {:.3g} of the volume of "
                   "{} particles ({:.4g} m^{}); their pressure is what it would be at constant volume. Open the container, or leave "
@@ -172,12 +240,12 @@ void account_for_enclosed_fluid(const Reference<D>& reference, const Window& win
                   regions.size[largest], regions.size[largest] * volume, D));
 }
 
-#define TERN_INSTANTIATE(D)                                                                                                         \
-  template void check_that_none_is_enclosed<D>(const Domain<D>&, const Neighbours<D>&, const std::vector<ParticleClass>&,           \
-                                               const std::vector<std::uint8_t>&, EnclosedRegions&);                                 \
-  template void find_enclosed_regions<D>(const Neighbours<D>&, const std::vector<ParticleClass>&, const std::vector<std::uint8_t>&, \
-                                         EnclosedRegions&);                                                                         \
-  template void account_for_enclosed_fluid<D>(const Reference<D>&, const Window&, const Boundary<D>&, const std::vector<double>&,   \
+#define TERN_INSTANTIATE(D)                                                                                                               \
+  template void find_enclosed_regions_of_ranks<D>(const Domain<D>&, const Neighbours<D>&, const std::vector<ParticleClass>&,              \
+                                                  const std::vector<std::uint32_t>&, const std::vector<std::uint8_t>&, EnclosedRegions&); \
+  template void find_enclosed_regions<D>(const Neighbours<D>&, const std::vector<ParticleClass>&, const std::vector<std::uint8_t>&,       \
+                                         EnclosedRegions&);                                                                               \
+  template void account_for_enclosed_fluid<D>(const Reference<D>&, const Window&, const Boundary<D>&, const std::vector<double>&,         \
                                               EnclosedRegions&, State<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

@@ -25,14 +25,15 @@ namespace tern::fluid {
 
 /// The regions of one step.
 struct EnclosedRegions {
-  std::vector<int> region;         ///< of each row; -1: in none
-  std::vector<int> size;           ///< rows of each region
+  Ranks ranks;                     ///< that have parts of them
+  std::vector<int> region;         ///< of each own row; -1: in none
+  std::vector<int> size;           ///< rows of each region, of all ranks
   std::vector<double> sum;         ///< scratch, one per region
   std::vector<int> queue;          ///< scratch
   std::vector<std::uint8_t> tied;  ///< scratch
 
   bool any() const { return !size.empty(); }
-  /// sum[k] = sum of the values over region k.
+  /// sum[k] = sum of the values over region k. Over all ranks, as all functions here.
   void add_up(const std::vector<double>& values);
   /// Takes the mean over each region out of the values of its rows.
   void subtract_means(std::vector<double>& values);
@@ -44,10 +45,11 @@ template <int D>
 void find_enclosed_regions(const Neighbours<D>& neighbours, const std::vector<ParticleClass>& particle_class,
                            const std::vector<std::uint8_t>& at_surface, EnclosedRegions& regions);
 
-/// With several ranks, which know no enclosed regions: throws EndOfModel where there are any.
+/// The same of several ranks, in the order of the least label in each region. `label`: of the own particles.
 template <int D>
-void check_that_none_is_enclosed(const Domain<D>& domain, const Neighbours<D>& neighbours, const std::vector<ParticleClass>& particle_class,
-                                 const std::vector<std::uint8_t>& at_surface, EnclosedRegions& regions);
+void find_enclosed_regions_of_ranks(const Domain<D>& domain, const Neighbours<D>& neighbours,
+                                    const std::vector<ParticleClass>& particle_class, const std::vector<std::uint32_t>& label,
+                                    const std::vector<std::uint8_t>& at_surface, EnclosedRegions& regions);
 
 /// Those of `regions` whose number has this `property`.
 void select_regions(const EnclosedRegions& regions, const std::vector<std::uint8_t>& property, bool value, EnclosedRegions& selected);

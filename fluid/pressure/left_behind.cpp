@@ -12,20 +12,19 @@
 #include <algorithm>
 
 #include "base/parallel.hpp"
-#include "fluid/pressure/divergence_target.hpp"
 
 namespace tern::fluid {
 
 template <int D>
-void assemble_left_behind(const Constants<D>& constants, double duration, const Neighbours<D>& neighbours,
-                          const std::vector<int>& at_structure, const std::vector<ParticleClass>& particle_class,
-                          const std::vector<double>& divergence, const std::vector<double>& target, std::vector<double>& left) {
+void assemble_left_behind(const Constants<D>& constants, double duration, const Neighbours<D>& neighbours, const BesideStructure& beside,
+                          const std::vector<ParticleClass>& particle_class, const std::vector<double>& divergence,
+                          const std::vector<double>& target, std::vector<double>& left) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(neighbours.rows());
   const double scale = -constants.density / duration * constants.volume;
   parallel_for(n, [&](std::ptrdiff_t i) {
     if (particle_class[i].pressure_unknown()) left[i] = scale * (divergence[i] - target[i]);
   });
-  for_each_beside_structure(neighbours, at_structure, [&](int i) { left[i] = 0; });
+  for (int i : beside.list) left[i] = 0;
 }
 
 template <int D>
@@ -58,7 +57,7 @@ void keep_best_share(const Ranks& ranks, PressureSystem<D>& system, State<D>& st
 }
 
 #define TERN_INSTANTIATE(D)                                                                                                        \
-  template void assemble_left_behind<D>(const Constants<D>&, double, const Neighbours<D>&, const std::vector<int>&,                \
+  template void assemble_left_behind<D>(const Constants<D>&, double, const Neighbours<D>&, const BesideStructure&,                 \
                                         const std::vector<ParticleClass>&, const std::vector<double>&, const std::vector<double>&, \
                                         std::vector<double>&);                                                                     \
   template void add_correction<D>(const PressureSystem<D>&, State<D>&);                                                            \

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "fluid/neighbours.hpp"
+#include "fluid/pressure/divergence_target.hpp"
 #include "fluid/pressure/pressure_system.hpp"
 #include "fluid/reference.hpp"
 #include "fluid/state.hpp"
@@ -12,9 +13,9 @@ namespace tern::fluid {
 
 /// The source for what the pressure leaves behind of div u* - q; 0 beside the structure. `divergence`: div of u* - dt/rho grad p [1/s].
 template <int D>
-void assemble_left_behind(const Constants<D>& constants, double duration, const Neighbours<D>& neighbours,
-                          const std::vector<int>& at_structure, const std::vector<ParticleClass>& particle_class,
-                          const std::vector<double>& divergence, const std::vector<double>& target, std::vector<double>& left);
+void assemble_left_behind(const Constants<D>& constants, double duration, const Neighbours<D>& neighbours, const BesideStructure& beside,
+                          const std::vector<ParticleClass>& particle_class, const std::vector<double>& divergence,
+                          const std::vector<double>& target, std::vector<double>& left);
 
 /// Adds system.correction to state.pressure.
 template <int D>

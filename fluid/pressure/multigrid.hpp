@@ -142,8 +142,16 @@ class Multigrid {
   void split_coarse_places(Level& fine, Level& coarse, const std::array<bool, D>& halved);
   // multigrid_yielding.cpp
   void build_yielding(const YieldingSurface<D>& yielding, const std::vector<int>& at_structure);
+  void gather_rows_of_all(const YieldingSurface<D>& yielding);
+  /// Calls visit(m, c_ma) for the rows of a level that push lump a.
+  template <class Visit>
+  void for_rows_of_lump(bool of_all, std::size_t a, Visit&& visit) const;
+  double bound_of_row(bool of_all, std::size_t m) const { return of_all ? rows_of_all_.bound[m] : yielding_->bound_of_lumps(m); }
   /// y += (kappa - R) x
-  void add_difference(const Level& level, const std::vector<float>& x, std::vector<float>& y) const;
+  void add_difference(const Level& level, const std::vector<float>& x, std::vector<float>& y);
+  void add_rows(const Level& level, bool of_all, const std::vector<float>& x, std::vector<float>& y) const;
+  void push_lumps(const Level& level, const std::vector<float>& x) const;
+  void add_lumps(const Level& level, std::vector<float>& y) const;
   // multigrid_cycle.cpp
   void cycle(std::size_t level);
   void smooth(Level& level, bool forward);
@@ -176,6 +184,14 @@ class Multigrid {
   ConnectedParts parts_;  ///< in the end those of the coarsest grid
   std::vector<int> around_, corner_of_, row_of_particle_, place_;
   std::vector<std::pair<int, int>> corner_of_row_;  ///< cell, and entry in it, of each particle beside the structure
+  /// The particles beside the structure of all ranks, in their order: what YieldingSurface knows of the own ones.
+  struct RowsOfAll {
+    std::vector<double> bound;
+    std::vector<int> first, row;  ///< of each lump: where its rows begin; these
+    std::vector<Vector<D>> vector;
+  } rows_of_all_;
+  mutable std::vector<Vector<D>> push_;  ///< on each lump
+  std::vector<float> difference_;        ///< by node of the finest level
   std::vector<int> part_of_particle_, part_of_node_, part_of_finer_node_;
 };
 

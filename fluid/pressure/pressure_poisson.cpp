@@ -57,13 +57,14 @@ void assemble_row(const Constants<D>& constants, double yields, const State<D>& 
 
 /// Finds which enclosed regions bodies tie, and marks their particles with the symmetric gradient.
 template <int D>
-void tie_to_bodies(const std::vector<int>& at_structure, State<D>& state, PressureSystem<D>& system) {
+void tie_to_bodies(const Ranks& ranks, const std::vector<int>& at_structure, State<D>& state, PressureSystem<D>& system) {
   std::vector<std::uint8_t>& yields = system.enclosed.tied;
   yields.assign(system.enclosed.size.size(), 0);
   for (std::size_t m = 0; m < at_structure.size(); ++m) {
     if (!system.enclosed.any() || system.enclosed.region[at_structure[m]] < 0) continue;
     if (system.yielding.moved_by(m)) yields[system.enclosed.region[at_structure[m]]] = 1;
   }
+  if (!yields.empty()) ranks.most(std::span(yields));
   select_regions(system.enclosed, yields, false, system.sealed);
   select_regions(system.enclosed, yields, true, system.body_tied);
   if (!system.body_tied.any()) return;
@@ -86,10 +87,10 @@ void find_enclosed_fluid(const Domain<D>& domain, const Neighbours<D>& neighbour
         own.has(ParticleClass::beside_spray) || (!state.fills_enclosure && 1 - correction.trace[i] >= 0.5 * deficit_of_surface);
   });
   if (!domain.alone()) {
-    check_that_none_is_enclosed(domain, neighbours, state.particle_class, system.at_surface, system.enclosed);
-    return;
+    find_enclosed_regions_of_ranks(domain, neighbours, state.particle_class, state.id, system.at_surface, system.enclosed);
+  } else {
+    find_enclosed_regions<D>(neighbours, state.particle_class, system.at_surface, system.enclosed);
   }
-  find_enclosed_regions<D>(neighbours, state.particle_class, system.at_surface, system.enclosed);
   if (!system.enclosed.any()) return;
   for (std::ptrdiff_t i = 0; i < n; ++i) state.particle_class[i].set(ParticleClass::enclosed, system.enclosed.region[i] >= 0);
 }
@@ -105,12 +106,13 @@ void assemble_pressure_matrix(const Constants<D>& constants, const State<D>& sta
 }
 
 template <int D>
-void complete_pressure_matrix(const Constants<D>& constants, const InterfaceCondition<D>& load, const Neighbours<D>& neighbours,
-                              const Boundary<D>& boundary, const Corrections<D>& correction, const Prediction<D>& prediction,
-                              const std::vector<int>& at_structure, State<D>& state, PressureSystem<D>& system) {
+void complete_pressure_matrix(const Constants<D>& constants, const Ranks& ranks, const InterfaceCondition<D>& load,
+                              const Neighbours<D>& neighbours, const Boundary<D>& boundary, const Corrections<D>& correction,
+                              const Prediction<D>& prediction, const std::vector<int>& at_structure, State<D>& state,
+                              PressureSystem<D>& system) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(at_structure.size()), all = static_cast<std::ptrdiff_t>(state.size());
-  system.yielding.assemble(constants, load.response, boundary, state.particle_class, prediction, at_structure);
-  tie_to_bodies(at_structure, state, system);
+  system.yielding.assemble(constants, ranks, load.response, boundary, state.particle_class, prediction, at_structure);
+  tie_to_bodies(ranks, at_structure, state, system);
   parallel_for(n, [&](std::ptrdiff_t m) {
     assemble_row(constants, system.yielding.bound(m), state, neighbours, boundary, correction, at_structure[m], system.matrix);
   });
@@ -143,9 +145,9 @@ void assemble_pressure_source(const Constants<D>& constants, double duration, co
   template void find_enclosed_fluid<D>(const Domain<D>&, const Neighbours<D>&, const Corrections<D>&, State<D>&, PressureSystem<D>&);      \
   template void assemble_pressure_matrix<D>(const Constants<D>&, const State<D>&, const Neighbours<D>&, const Boundary<D>&,                \
                                             const Corrections<D>&, EdgeMatrix&);                                                           \
-  template void complete_pressure_matrix<D>(const Constants<D>&, const InterfaceCondition<D>&, const Neighbours<D>&, const Boundary<D>&,   \
-                                            const Corrections<D>&, const Prediction<D>&, const std::vector<int>&, State<D>&,               \
-                                            PressureSystem<D>&);                                                                           \
+  template void complete_pressure_matrix<D>(const Constants<D>&, const Ranks&, const InterfaceCondition<D>&, const Neighbours<D>&,         \
+                                            const Boundary<D>&, const Corrections<D>&, const Prediction<D>&, const std::vector<int>&,      \
+                                            State<D>&, PressureSystem<D>&);                                                                \
   template void assemble_pressure_source<D>(const Constants<D>&, double, const InterfaceCondition<D>&, const State<D>&,                    \
                                             const Prediction<D>&, const Boundary<D>&, const std::vector<int>&, const std::vector<double>&, \
                                             const std::vector<double>&, PressureSystem<D>&);

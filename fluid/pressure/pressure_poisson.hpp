@@ -12,8 +12,7 @@
 
 namespace tern::fluid {
 
-/// system.enclosed, whose particles it marks in the state: what they lack of their support is no surface. Throws EndOfModel where there
-/// are any and several ranks.
+/// system.enclosed, whose particles it marks in the state: what they lack of their support is no surface.
 template <int D>
 void find_enclosed_fluid(const Domain<D>& domain, const Neighbours<D>& neighbours, const Corrections<D>& correction, State<D>& state,
                          PressureSystem<D>& system);
@@ -26,9 +25,10 @@ void assemble_pressure_matrix(const Constants<D>& constants, const State<D>& sta
 /// system.yielding and the rows of the particles `at_structure`, whose faces yield as the load says; and, where an enclosed region
 /// deforms a body, those of the particles it pushes by its level. Marks these in the state; system.sealed and system.body_tied.
 template <int D>
-void complete_pressure_matrix(const Constants<D>& constants, const InterfaceCondition<D>& load, const Neighbours<D>& neighbours,
-                              const Boundary<D>& boundary, const Corrections<D>& correction, const Prediction<D>& prediction,
-                              const std::vector<int>& at_structure, State<D>& state, PressureSystem<D>& system);
+void complete_pressure_matrix(const Constants<D>& constants, const Ranks& ranks, const InterfaceCondition<D>& load,
+                              const Neighbours<D>& neighbours, const Boundary<D>& boundary, const Corrections<D>& correction,
+                              const Prediction<D>& prediction, const std::vector<int>& at_structure, State<D>& state,
+                              PressureSystem<D>& system);
 
 /// system.source from div u*, the target q of the divergence and, once it is known, system.left_behind.
 template <int D>

@@ -25,10 +25,10 @@ void solve(const Domain<D>& domain, const Window& window, const std::vector<Vect
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
   // Sealed fluid can obey the source but for its mean. What is left of a source that was all mean is rounding.
   if (system.sealed.any()) {
-    const double whole = ordered_dot(std::span<const double>(source), std::span<const double>(source));
+    const auto squared = [&] { return domain.ranks().sum(ordered_dot(std::span<const double>(source), std::span<const double>(source))); };
+    const double whole = squared();
     system.sealed.subtract_means(source);
-    if (ordered_dot(std::span<const double>(source), std::span<const double>(source)) < rounding * rounding * whole)
-      std::fill(source.begin(), source.end(), 0.0);
+    if (squared() < rounding * rounding * whole) std::fill(source.begin(), source.end(), 0.0);
   }
 
   const int before = system.result.iterations;  // of the coupling iterations before

@@ -14,9 +14,10 @@ constexpr double least_filled = 1e-3;  ///< of the half space before a point; at
 }  // namespace
 
 template <int D>
-void YieldingSurface<D>::assemble(const Constants<D>& constants, const SurfaceResponse& response, const Boundary<D>& boundary,
-                                  const std::vector<ParticleClass>& particle_class, const Prediction<D>& prediction,
-                                  const std::vector<int>& at_structure) {
+void YieldingSurface<D>::assemble(const Constants<D>& constants, const Ranks& ranks, const SurfaceResponse& response,
+                                  const Boundary<D>& boundary, const std::vector<ParticleClass>& particle_class,
+                                  const Prediction<D>& prediction, const std::vector<int>& at_structure) {
+  ranks_ = ranks;
   response_ = response;
   if (!any()) return;
   const FaceRows& seen = boundary.surface_rows;
@@ -30,6 +31,7 @@ void YieldingSurface<D>::assemble(const Constants<D>& constants, const SurfaceRe
     for (int entry = seen.begin[i]; entry < seen.begin[i] + seen.count[i]; ++entry)
       transferred_[seen.face[entry]] += 2 * constants.volume * seen.weight[entry];
   }
+  ranks_.sum(std::span(transferred_));
   for (std::size_t s = 0; s < response_.share.size(); ++s) {
     const std::size_t k = s / static_cast<std::size_t>(per_point);
     const double filled = transferred_[k] / boundary.surface.area[k];
@@ -104,6 +106,7 @@ void YieldingSurface<D>::assemble(const Constants<D>& constants, const SurfaceRe
     scale_[a] = constants.density / response_.mass[a];
     for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) size_[a] += scale_[a] * vector_[entry_[e]].norm();
   });
+  ranks_.sum(std::span(size_));
   bound_.assign(rows, 0);
   bound_of_lumps_.assign(rows, 0);
   parallel_for(rows, [&](std::ptrdiff_t m) {
@@ -115,6 +118,11 @@ void YieldingSurface<D>::assemble(const Constants<D>& constants, const SurfaceRe
   });
 
   motion_.resize(lumps);
+}
+
+template <int D>
+void YieldingSurface<D>::sum_motion() const {
+  if (!ranks_.alone()) ranks_.sum(std::span(motion_.data()->data(), D * motion_.size()));
 }
 
 template <int D>
@@ -139,6 +147,7 @@ void YieldingSurface<D>::add_difference(const std::vector<int>& at_structure, co
       force += vector_[entry_[e]] * double(x[at_structure[row_[e]]]);
     motion_[a] = scale_[a] * force;
   });
+  sum_motion();
   for (std::size_t m = 0; m < at_structure.size(); ++m) y[at_structure[m]] -= static_cast<T>(bound_of_lumps_[m] * x[at_structure[m]]);
   spread(at_structure, y);
 }
@@ -149,7 +158,7 @@ void YieldingSurface<D>::add_source(const std::vector<double>& reference_pressur
   if (!any()) return;
   std::fill(motion_.begin(), motion_.end(), Vector<D>::Zero());
   const std::size_t points = boundary.surface.size(), per_point = response_.lumps_per_point(points);
-  for (std::size_t k = 0; k < points; ++k)
+  for (std::size_t k = 0; k < points && ranks_.first(); ++k)
     for (std::size_t s = k * per_point; s < (k + 1) * per_point; ++s)
       motion_[response_.lump[s]] -= response_.share[s] * transferred_[k] * reference_pressure[k] * boundary.surface.normal[k];
   const std::ptrdiff_t lumps = static_cast<std::ptrdiff_t>(response_.mass.size());
@@ -157,6 +166,7 @@ void YieldingSurface<D>::add_source(const std::vector<double>& reference_pressur
     for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) motion_[a] -= between_[entry_[e]];
     motion_[a] *= point_[a] == several ? scale_[a] : 0;
   });
+  sum_motion();
   // To a lump that is one point, every particle has its own part: kappa_ia (p^ - rho g.(x_k - x_i)).
   const std::ptrdiff_t rows = static_cast<std::ptrdiff_t>(at_structure.size());
   parallel_for(rows, [&](std::ptrdiff_t m) {

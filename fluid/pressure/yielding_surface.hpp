@@ -21,14 +21,16 @@
 #include "fluid/reference.hpp"
 #include "fluid/workspace.hpp"
 #include "proto/interface.hpp"
+#include "ranks/ranks.hpp"
 
 namespace tern::fluid {
 
 template <int D>
 class YieldingSurface {
  public:
-  /// c of the particles `at_structure` that are unknowns of the pressure, and kappa.
-  void assemble(const Constants<D>& constants, const SurfaceResponse& response, const Boundary<D>& boundary,
+  /// c of the particles `at_structure` that are unknowns of the pressure, and kappa. All ranks know the whole surface, and each the rows of
+  /// its own particles: the lumps are pushed by those of all.
+  void assemble(const Constants<D>& constants, const Ranks& ranks, const SurfaceResponse& response, const Boundary<D>& boundary,
                 const std::vector<ParticleClass>& particle_class, const Prediction<D>& prediction, const std::vector<int>& at_structure);
 
   /// Whether a pressure of the particle at_structure[m] moves the structure.
@@ -60,9 +62,12 @@ class YieldingSurface {
  private:
   static constexpr int several = -1, none = -2;  ///< in place of the one point of a lump
 
+  /// Over all ranks.
+  void sum_motion() const;
   template <class T>
   void spread(const std::vector<int>& at_structure, std::vector<T>& y) const;
 
+  Ranks ranks_;
   SurfaceResponse response_;
   std::vector<double> scale_;                   ///< rho/m_a
   std::vector<std::ptrdiff_t> begin_;           ///< of each row, with room for all lumps it may have

@@ -13,9 +13,7 @@ class FluidSide {
  public:
   static constexpr const char* role = "fluid";
 
-  FluidSide(const Case& scene, const Fluid<D>& fluid) : scene_(scene), fluid_(fluid) {}
-  /// In many processes.
-  FluidSide(const Case& scene, Leader<D>& leader) : scene_(scene), fluid_(leader.fluid()), leader_(&leader) {}
+  FluidSide(const Case& scene, Leader<D>& leader) : scene_(scene), fluid_(leader.fluid()), leader_(leader) {}
 
   Ticks time() const { return fluid_.state().time; }
   GaugeValues gauges() const {
@@ -37,12 +35,12 @@ class FluidSide {
  private:
   template <class Look>
   auto look(Look&& look) const {
-    return leader_ ? leader_->look(look) : look(fluid_);
+    return leader_.look(look);
   }
 
   const Case& scene_;
   const Fluid<D>& fluid_;
-  Leader<D>* leader_ = nullptr;
+  Leader<D>& leader_;
   Measures<D> measures_;
 };
 

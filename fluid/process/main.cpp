@@ -23,17 +23,16 @@ struct Alone {
     report.set_count("window_halvings", control.halvings());
     report.set_measure("window_s", seconds(duration));
     ScopedTimer timer(compute_s);
-    leader.compute_window(now, duration);
+    leader.begin_window(now, duration);
+    leader.pass_window();
     return {duration, control.halvings() > 0 ? "repeated" : proposal.limit, leader.fluid().last_solve().iterations};
   }
-  void save(StateWriter& file) const {
-    file("fluid", leader.fluid().state());
+  void save(StateWriter& file) {
+    leader.save(file);
     file("control", control);
   }
   void restore(StateReader& file) {
-    fluid::State<D> state;
-    file("fluid", state);
-    leader.own_fluid().set_state(std::move(state));
+    leader.restore(file);
     file("control", control);
     shorten();
   }
@@ -62,18 +61,10 @@ void run_without_structure(const CommandLine& command, const Case& scene, const 
 
 template <int D>
 void run(const CommandLine& command, const Case& scene, const Ranks& ranks, RunReport& report) {
-  if (!ranks.alone()) {
-    fluid::check_case_for_ranks(scene);
-    if (!command.alone()) throw BadInput("Not with --ranks: a coupler (--endpoint).");
-    if (command.resume) throw BadInput("Not with --ranks: --resume. Run the case anew, or without --ranks.");
-    Case without_checkpoints = scene;
-    without_checkpoints.output.checkpoint_interval = 0;
-    return run_without_structure<D>(command, without_checkpoints, ranks, report);
-  }
   if (command.alone()) return run_without_structure<D>(command, scene, ranks, report);
   proto::take_part(command, wire::FLUID, [&](proto::ParticipantChannel& channel) {
-    fluid::Fluid<D> fluid(scene);
-    fluid::Participant<D> participant(command, scene, report, channel, fluid);
+    fluid::Leader<D> leader(scene, ranks);
+    fluid::Participant<D> participant(command, scene, report, channel, leader);
     proto::take_part_as_fluid<D>(channel, participant);
   });
 }

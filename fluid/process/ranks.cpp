@@ -34,10 +34,30 @@ void obey(const Case& scene, const Ranks& ranks) {
     try {
       if (order.kind == Order::end) return;
       Fluid<D>& fluid = made.value();
-      if (order.kind == Order::gather_state) fluid.whole_state();
-      if (order.kind == Order::compute_window) {
-        fluid.begin_window(order.begin, order.duration);
-        fluid.pass_window();
+      const auto told = [&]<class OfInterface>(OfInterface values) {
+        tell(ranks, values);
+        return values;
+      };
+      switch (order.kind) {
+        case Order::make_fluid:
+        case Order::end: break;
+        case Order::begin_window: fluid.begin_window(order.begin, order.duration); break;
+        case Order::see_surface: fluid.see_surface(told(Surface<D>{})); break;
+        case Order::prepare_pressure: fluid.prepare_pressure(); break;
+        case Order::solve_pressure: fluid.solve_pressure(told(InterfaceCondition<D>{})); break;
+        case Order::complete_velocity: fluid.complete_velocity(); break;
+        case Order::end_window: fluid.end_window(told(InterfaceForce<D>{})); break;
+        case Order::pass_window: fluid.pass_window(); break;
+        case Order::gather_state: fluid.whole_state(); break;
+        case Order::tell_shares: fluid.shares(); break;
+        case Order::set_state: {
+          State<D> state;
+          Shares shares;
+          tell_fields(ranks, state);
+          tell_fields(ranks, shares);
+          fluid.set_whole_state(std::move(state), shares);
+          break;
+        }
       }
     } catch (const NumericalFailure&) {
       // All ranks have it, and the first one says so and orders the end.
@@ -46,13 +66,6 @@ void obey(const Case& scene, const Ranks& ranks) {
 }
 
 }  // namespace
-
-void check_case_for_ranks(const Case& scene) {
-  const auto refuse = [&](const std::string& what) {
-    throw BadInput(fmt::format("{}: not with --ranks: {}. Run this case without --ranks.", scene.path, what));
-  };
-  if (scene.structure) refuse("a [structure]");
-}
 
 void announce(const Ranks& ranks) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);

@@ -2,22 +2,50 @@
 // The fluid in many processes. The first rank is the process that a user, the report and the results know; the others compute their part
 // of what it orders, write nothing, and end with it.
 
-#include <cstring>
+#include <cstdint>
+#include <type_traits>
+#include <utility>
 
+#include "fluid/boundary/interface_of_ranks.hpp"
 #include "fluid/fluid.hpp"
+#include "run/state_file.hpp"
 
 namespace tern::fluid {
 
 struct Order {
-  enum Kind : std::int64_t { make_fluid, compute_window, gather_state, end };
+  enum Kind : std::int64_t {
+    make_fluid,
+    begin_window,
+    see_surface,
+    prepare_pressure,
+    solve_pressure,
+    complete_velocity,
+    end_window,
+    pass_window,
+    gather_state,
+    tell_shares,
+    set_state,
+    end
+  };
   Kind kind;
   Ticks begin = 0, duration = 0;  ///< of the window
 };
 
-/// Throws BadInput with the first thing in the scene that several ranks cannot compute yet.
-void check_case_for_ranks(const Case& scene);
+/// From the first rank to all.
+template <class T>
+void tell_fields(const Ranks& ranks, T& value) {
+  if (ranks.alone()) return;
+  if constexpr (HasFields<T>) {
+    T::for_each_field([&](const char*, auto& own) { tell_fields(ranks, own); }, value);
+  } else if constexpr (requires { typename T::allocator_type; }) {
+    ranks.tell(value);
+  } else {
+    static_assert(std::is_arithmetic_v<T>);
+    ranks.tell(&value, sizeof value);
+  }
+}
 
-/// The first rank, between its work and that of the others. Alone it orders nothing.
+/// The first rank, between its work and that of the others: a fluid as the coupling sees it. Alone it orders nothing.
 template <int D>
 class Leader {
  public:
@@ -27,12 +55,33 @@ class Leader {
   Leader& operator=(const Leader&) = delete;
 
   const Fluid<D>& fluid() const { return fluid_; }
-  /// Alone: to be changed.
-  Fluid<D>& own_fluid() { return fluid_; }
 
-  void compute_window(Ticks begin, Ticks duration) {
-    order(ranks_, {Order::compute_window, begin, duration});
+  void begin_window(Ticks begin, Ticks duration) {
+    order(ranks_, {Order::begin_window, begin, duration});
     fluid_.begin_window(begin, duration);
+  }
+  InterfaceParticles<D> see_surface(const Surface<D>& surface) {
+    order(ranks_, {Order::see_surface}, surface);
+    return fluid_.see_surface(surface);
+  }
+  void prepare_pressure() {
+    order(ranks_, {Order::prepare_pressure});
+    fluid_.prepare_pressure();
+  }
+  InterfacePressure<D> solve_pressure(const InterfaceCondition<D>& condition) {
+    order(ranks_, {Order::solve_pressure}, condition);
+    return fluid_.solve_pressure(condition);
+  }
+  void complete_velocity() {
+    order(ranks_, {Order::complete_velocity});
+    fluid_.complete_velocity();
+  }
+  void end_window(const InterfaceForce<D>& force) {
+    order(ranks_, {Order::end_window}, force);
+    fluid_.end_window(force);
+  }
+  void pass_window() {
+    order(ranks_, {Order::pass_window});
     fluid_.pass_window();
   }
 
@@ -45,8 +94,34 @@ class Leader {
     return look(std::as_const(fluid_));
   }
 
+  /// What the ranks go on from to a checkpoint, and back. They may have become more or fewer.
+  void save(StateWriter& file) {
+    look([&](const Fluid<D>& whole) { file("fluid", whole.state()); });
+    if (ranks_.alone()) return;
+    order(ranks_, {Order::tell_shares});
+    file("shares", fluid_.shares());
+  }
+  void restore(StateReader& file) {
+    State<D> state;
+    Shares shares;
+    file("fluid", state);
+    if (file.has("shares")) file("shares", shares);
+    order(ranks_, {Order::set_state});
+    tell_fields(ranks_, state);
+    tell_fields(ranks_, shares);
+    fluid_.set_whole_state(std::move(state), shares);
+  }
+
   static void order(const Ranks& ranks, Order order) {
     if (!ranks.alone()) ranks.tell(&order, sizeof order);
+  }
+  /// With what of the interface the others need for it.
+  template <class OfInterface>
+  static void order(const Ranks& ranks, Order what, const OfInterface& values) {
+    if (ranks.alone()) return;
+    order(ranks, what);
+    OfInterface told = values;
+    tell(ranks, told);
   }
 
  private:

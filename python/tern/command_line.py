@@ -94,6 +94,12 @@ def _run_options(parser):
     parser.add_argument("--quiet", action="store_true", help="say nothing unless something fails")
 
 
+def _ranks_options(parser):
+    parser.add_argument("--ranks", metavar="N", type=int,
+                        help="run the fluid in N processes (docs/SCALE.md); another N has other last digits")
+    parser.add_argument("--oversubscribe", action="store_true", help="with --ranks: even where there are fewer cores")
+
+
 def _retries_option(parser):
     parser.add_argument("--retries", metavar="N", type=_count, default=0,
                         help="after a lost process or machine go on from the newest checkpoint, at most N times")
@@ -138,8 +144,7 @@ def parser():
     for role in ("fluid", "structure"):
         one.add_argument(f"--{role}", metavar="COMMAND", help=f"program to start in place of tern-{role}, with its options; it is "
                          "given those of tern-" + role + " in addition (docs/PARTICIPANTS.md)")
-    one.add_argument("--ranks", metavar="N", type=int, help="run the fluid in N processes (docs/SCALE.md); another N has other last digits")
-    one.add_argument("--oversubscribe", action="store_true", help="with --ranks: even where there are fewer cores")
+    _ranks_options(one)
     one.add_argument("--record", action="store_true", help="keep all messages of fluid and structure in interface.record, from which "
                      "either can be played back (docs/PARTICIPANTS.md)")
     one.add_argument("--only", choices=("fluid", "structure", "coupler"), help="start this process only")
@@ -159,6 +164,7 @@ def parser():
     one.add_argument("run", metavar="RUN", help="directory of a run that was interrupted, killed, or is to go on beyond its end")
     one.add_argument("--set", metavar="KEY=VALUE", action="append", default=[],
                      help="change end_time or an interval of [output] for the rest; all else must be as it was")
+    _ranks_options(one)
     _retries_option(one)
     _run_options(one)
     one.add_argument("--build", choices=build.PRESETS, default="release", help="build to use (default release)")

@@ -69,7 +69,9 @@ void Ranks::swap_sizes(std::vector<std::int64_t>& sizes) const {
 }
 
 void Ranks::tell(void* bytes, std::size_t size, int from) const {
-  if (!alone()) MPI_Bcast(bytes, static_cast<int>(size), MPI_BYTE, from, MPI_COMM_WORLD);
+  if (alone()) return;
+  for (std::size_t first = 0; first < size; first += most_bytes)
+    MPI_Bcast(static_cast<char*>(bytes) + first, static_cast<int>(std::min(most_bytes, size - first)), MPI_BYTE, from, MPI_COMM_WORLD);
 }
 
 std::string Ranks::first_word(const std::string& own) const {

@@ -2,7 +2,8 @@
 // the whole fluid by itself.
 //
 // Seen red: with ghosts that keep the velocity they begin with, and without the patches that other ranks fill (OneWindow); with marks
-// that do not go to the owners (Marks); with pairs counted from a corner of each rank (ManyWindows.OfAWave).
+// that do not go to the owners (Marks); with pairs counted from a corner of each rank (ManyWindows.OfAWave); with enclosed regions of each
+// rank alone, and with what is pushed into them known to the owners of the particles alone (OneWindow.IsThatOfOneRankInEnclosures).
 
 #include <gtest/gtest.h>
 
@@ -80,6 +81,15 @@ void expect_the_same_window(const Case& scene, const State<D>& start) {
   EXPECT_NEAR(many.volume_drift().share, one.volume_drift().share, 1e-12);
   EXPECT_NEAR(many.volume_drift().inside, one.volume_drift().inside, 1e-12);
   EXPECT_EQ(many.spray_particles(), one.spray_particles());
+  const EnclosedAccount &of_one = one.sealed(), &of_many = many.sealed();
+  EXPECT_EQ(of_one.any, of_many.any);
+  EXPECT_NEAR(of_one.volume_error, of_many.volume_error, 1e-9 * std::abs(of_one.volume_error));
+  EXPECT_NEAR(of_one.largest_flux, of_many.largest_flux, 1e-9 * std::abs(of_one.largest_flux));
+  EXPECT_EQ(of_one.pushed.size(), of_many.pushed.size());
+  double pushed_apart = 0;
+  for (std::size_t label = 0; label < std::min(of_one.pushed.size(), of_many.pushed.size()); ++label)
+    pushed_apart = std::max(pushed_apart, std::abs(of_one.pushed[label] - of_many.pushed[label]));
+  EXPECT_LE(pushed_apart, 1e-9 * std::abs(of_one.volume_error));
   const State<D> whole = many.whole_state();
   if (!Ranks::all().first()) return;
   const Difference difference = compare(one.state(), whole);
@@ -267,11 +277,15 @@ TEST(Ranks, FailTogetherWithTheSentenceOfOne) {
   EXPECT_EQ(Ranks::all().first_word(sentence), sentence);
 }
 
-TEST(Ranks, RefuseFluidWithoutASurface) {
-  if (Ranks::all().alone()) GTEST_SKIP() << "one rank knows enclosed fluid";
-  const Case scene = testing::scene(2, 0.05, {box({0, 0, 0}, {1, 1, 0})}, {tank({0, 0, 0}, {1, 1, 0}, {})});
-  Fluid<2> fluid(scene, Ranks::all());
-  EXPECT_THROW(step(fluid, 1e-3), EndOfModel);
+// Two waters without a surface, of which a wall pushes the upper one: each is a region of its own, whatever the ranks have of them.
+TEST(OneWindow, IsThatOfOneRankInEnclosures) {
+  WallCase piston = obstacle({0.8, 0.42, 0}, {0.9, 0.9, 0});
+  piston.motion.emplace().displacement = {Expression("-0.1*t"), Expression(), Expression()};
+  Case scene = testing::scene(
+      2, 0.02, {box({0, 0, 0}, {0.8, 0.4, 0}), box({0, 0.44, 0}, {0.8, 0.8, 0})},
+      {tank({0, 0, 0}, {0.9, 0.8, 0}, {}), obstacle({-0.1, 0.4, 0}, {1, 0.44, 0}), obstacle({0.8, -0.1, 0}, {1, 0.42, 0}), piston});
+  scene.fluid->bodies[0].velocity = {Expression("0.2*sin(5*y)"), Expression(), Expression()};
+  expect_the_window_of_one_rank<2>(scene);
 }
 
 }  // namespace

@@ -18,31 +18,33 @@ KILLED = re.compile(r"process rank (\d+) .*exited on\s+signal (\d+)")
 ALONE_IN_A_NETWORK = ["unshare", "--map-root-user", "--net", "sh", "-c", 'ip link set lo up && exec "$@"', "sh"]
 
 
-def check(count, oversubscribe, roles, resume):
-    """Raises Error with the first thing of a run that several ranks cannot do."""
+def check(count, oversubscribe, roles, foreign):
+    """Raises Error with the first thing of a run that several ranks cannot do. `foreign`: the roles that have a solver of their own."""
     if count < 1:
         raise Error(BAD_INPUT, f"--ranks {count}: has to be 1 or more.")
-    if roles != ["fluid"]:
-        raise Error(BAD_INPUT, f"Not with --ranks: {' and '.join(role for role in roles if role != 'fluid')}. The fluid runs in many "
-                               "processes where it is alone; run this case without --ranks.")
-    if resume:
-        raise Error(BAD_INPUT, "Not with --ranks: --resume. Such runs keep no checkpoints; run the case anew, or without --ranks.")
+    if "fluid" not in roles:
+        raise Error(BAD_INPUT, f"Not with --ranks: {' and '.join(roles)} alone. It is the fluid that runs in many processes.")
+    if "fluid" in foreign:
+        raise Error(BAD_INPUT, "Not with --ranks: --fluid. It is tern's own fluid that runs in many processes.")
     cores = len(os.sched_getaffinity(0))
     if count > cores and not oversubscribe:
         raise Error(BAD_INPUT, f"--ranks {count}: this machine has {cores} cores for it, and ranks that share one wait for each other; "
                                "give fewer, or --oversubscribe.")
 
 
-def command(words, count, oversubscribe):
-    """`words` in that many processes."""
+def command(words, count, oversubscribe, endpoint=None):
+    """`words` in that many processes. `endpoint`: where the coupler listens; one at ipc:// is reached from any network."""
     cores = ["--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1"] if oversubscribe else ["--bind-to", "core"]
+    # Who is told to end has ended his own work: mpirun need not wait for the others.
     start = ["mpirun", "-n", str(count), *cores, "--mca", "btl", "self,vader", "--mca", "btl_vader_single_copy_mechanism", "none",
-             "--mca", "oob_tcp_if_include", "lo", *words]
-    possible = subprocess.run([*ALONE_IN_A_NETWORK, "true"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
-    if possible.returncode == 0:
+             "--mca", "oob_tcp_if_include", "lo", "--mca", "odls_base_sigkill_timeout", "0", *words]
+    if endpoint and not endpoint.startswith("ipc://"):
+        why = f"a coupler at {endpoint} is not reached from a network of mpirun's own"
+    elif subprocess.run([*ALONE_IN_A_NETWORK, "true"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode == 0:
         return [*ALONE_IN_A_NETWORK, *start]
-    print("tern: warning: this machine gives mpirun no network of its own; while the run lasts its ports are open to the networks the "
-          "machine is on.", file=sys.stderr, flush=True)
+    else:
+        why = "this machine gives mpirun no network of its own"
+    print(f"tern: warning: {why}; while the run lasts its ports are open to the networks the machine is on.", file=sys.stderr, flush=True)
     return start
 
 

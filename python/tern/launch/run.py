@@ -257,11 +257,13 @@ def _amend(out, contents, cause):
 
 
 def resumed(out, request):
-    """The request for what is left of the run in `out`; of `request` what may be new: end, threads, deadline, quiet, and more --set."""
+    """The request for what is left of the run in `out`; of `request` what may be new: end, threads, ranks, deadline, quiet, and more
+    --set."""
     contents, _ = resumption.newest(out)
     launch = contents["launch"]
     own = {"case": contents["case_path"], "case_options": contents["options"], "out": str(out), "resume": str(out),
            "until": request.until or launch["until"], "threads": request.threads or launch["threads"],
+           "ranks": request.ranks or launch["ranks"], "oversubscribe": request.oversubscribe or launch["oversubscribe"],
            "deadline": request.deadline or launch["deadline"], "quiet": request.quiet, "build": request.build}
     return Request(**{**launch, **contents["commands"], **own})
 
@@ -272,12 +274,12 @@ def _run_once(request, work):
     directory = build.ensure("ranks" if many and request.build == "release" else request.build)
     case = cases.read(directory, path, request.case_options)
     roles = roles_of(case, request.only)
-    if many:
-        ranks.check(request.ranks, request.oversubscribe, roles, request.resume)
     commands = {role: command for role in ("fluid", "structure")
                 if (command := foreign_command(getattr(request, role), role, case, roles))}
     for command in commands.values():
         packages.ensure_for(command)
+    if many:
+        ranks.check(request.ranks, request.oversubscribe, roles, commands)
     before = None
     if request.resume:
         out = Path(request.resume).resolve()
@@ -355,9 +357,9 @@ def _run_once(request, work):
                 if role in commands:
                     group.start(role, [*commands[role], str(path), *own], Path(commands[role][0]).name,
                                 foreign_environment(directory, request.threads))
-                elif many:
+                elif many and role == "fluid":
                     words = [str(directory / f"tern-{role}"), str(path), *own]
-                    group.start(role, ranks.command(words, request.ranks, request.oversubscribe), None,
+                    group.start(role, ranks.command(words, request.ranks, request.oversubscribe, endpoint), None,
                                 ranks.environment(group.directory), in_ranks=True)
                 else:
                     group.start(role, [str(directory / f"tern-{role}"), str(path), *own])
