@@ -46,7 +46,7 @@ const Rows<FluidNumerics>& numerics_rows() {
        "Coefficient of the particle shifting, which evens particles out at up to 39 times this the rate of strain; 0 = off."},
       {"noise_damping", &FluidNumerics::noise_damping, "-", "0.2", from_to(0, 1),
        "Share of the particle-scale velocity noise (what a linear field does not explain) damped per relaxation time; 0 = off."},
-      {"courant", &FluidNumerics::courant, "-", "0.3", above_to(0, 0.5), "Largest step as a fraction of dx/|u|max."},
+      {"courant", &FluidNumerics::courant, "-", "0.4", above_to(0, 0.5), "Largest step as a fraction of dx/|u|max."},
       {"gravity_courant", &FluidNumerics::gravity_courant, "-", "0.1", above_to(0, 0.5), "Largest step as a fraction of sqrt(dx/|g|)."},
       {"viscous_courant", &FluidNumerics::viscous_courant, "-", "0.125", above_to(0, 0.125),
        "Largest step as a fraction of h^2/nu with nu = mu/rho; only with a viscosity."},

@@ -136,7 +136,7 @@ class KnobsTest(unittest.TestCase):
     # Fluid.
 
     def test_fluid_numerics_courant(self):
-        self.assert_steps("surge", FLUID + "courant=0.15", "velocity", 2.0)
+        self.assert_steps("surge", FLUID + "courant=0.2", "velocity", 2.0)
 
     def test_fluid_numerics_gravity_courant(self):
         self.assert_steps("rest", FLUID + "gravity_courant=0.05", "gravity", 2.0, FLUID + "courant=0.5")
