@@ -75,7 +75,7 @@ TEST(PeriodicBox, GivesTheSameStepWhereverThePeriodIsCut) {
   std::vector<std::vector<Vector<2>>> velocity;
   for (const Vector<2>& shift : {Vector<2>(0, 0), Vector<2>(0.37, 0.71)}) {
     Case c = vortices(2, 20);
-    c.fluid->numerics.pressure_tolerance = 1e-12;
+    c.fluid->numerics.pressure_tolerance = 1e-15;
     Fluid<2> fluid(c);
     std::mt19937 random(seed);
     jitter(fluid, 0.2, random);
