@@ -21,7 +21,7 @@ import tern
 from tern.verify import bands, expected
 
 ROOT = Path(__file__).resolve().parents[1]
-COURANT, GRAVITY_COURANT = 0.3, 0.1  # the defaults
+COURANT, GRAVITY_COURANT = 0.4, 0.1  # the defaults
 
 # A drop of radius 0.5 m that a central force swings between two ellipses, without viscosity: for small swings sqrt(2) rad/s.
 DROP = """

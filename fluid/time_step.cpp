@@ -201,8 +201,8 @@ void Fluid<D>::end_window(const InterfaceForce<D>& force) {
   move_off_faces(constants, boundary_, prediction_.position, state_.position);
   if (constants.numerics.shifting > 0) {
     state_.evaluations.shifting += static_cast<long>(state_.size());
-    shift_particles(constants, window_.duration, neighbours_, boundary_, correction_, state_.particle_class, packed_, prediction_.position,
-                    state_.position, state_.velocity);
+    shift_particles(constants, window_.duration, neighbours_, boundary_, correction_, state_.particle_class, packed_, state_.id,
+                    prediction_.position, state_.position, state_.velocity);
   }
   state_.leaked += count_leaks(constants.spacing, boundary_.seen_walls(), boundary_.wall_rows, prediction_.position, state_.position);
   state_.leaked += count_leaks(constants.spacing, boundary_.surface, boundary_.surface_rows, prediction_.position, state_.position);

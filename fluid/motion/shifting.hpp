@@ -19,6 +19,7 @@ void move_off_faces(const Constants<D>& constants, const Boundary<D>& boundary, 
 template <int D>
 void shift_particles(const Constants<D>& constants, double duration, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
                      const Corrections<D>& correction, const std::vector<ParticleClass>& particle_class, const PackedVelocities<D>& packed,
-                     const std::vector<Vector<D>>& predicted_position, std::vector<Vector<D>>& position, std::vector<Vector<D>>& velocity);
+                     const std::vector<std::uint32_t>& label, const std::vector<Vector<D>>& predicted_position,
+                     std::vector<Vector<D>>& position, std::vector<Vector<D>>& velocity);
 
 }  // namespace tern::fluid

@@ -15,6 +15,9 @@ namespace {
 constexpr int multigrid_limit = 60;  ///< iterations; more means that the preconditioner has failed
 constexpr int jacobi_limit = 20000;
 constexpr double rounding = 1e-12;  ///< of a mean that is subtracted
+/// Where no particle is at a body, what the first solve leaves belongs to what the correction answers, which is much more: the equation is
+/// not exactly the divergence of the pressure gradient. Beside a body nothing answers it.
+constexpr double answered_tolerance = 1e-3, answered_tolerance_by_that_of_pressure = 1000;
 /// The correction of the pressure is of a hundredth of its size, and a part of what it answers to stays in any case.
 constexpr double correction_tolerance = 0.1, correction_tolerance_by_that_of_pressure = 1e5;
 
@@ -95,7 +98,10 @@ void solve_pressure_poisson(const Constants<D>& constants, const Domain<D>& doma
   system.solution.assign(state.pressure.size(), 0);
   parallel_for(n, [&](std::ptrdiff_t i) { system.solution[i] = state.particle_class[i].pressure_unknown() ? state.pressure[i] : 0; });
 
-  solve(domain, window, position, at_structure, constants.numerics.pressure_tolerance, system.source, system.solution, state, system);
+  double tolerance = constants.numerics.pressure_tolerance;
+  if (at_structure.empty())
+    tolerance = std::max(tolerance, std::min(answered_tolerance, answered_tolerance_by_that_of_pressure * tolerance));
+  solve(domain, window, position, at_structure, tolerance, system.source, system.solution, state, system);
   parallel_for(n, [&](std::ptrdiff_t i) { state.pressure[i] = system.solution[i]; });
   domain.particles().update(state.pressure);
   state.has_pressure = true;

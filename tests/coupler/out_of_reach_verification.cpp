@@ -22,7 +22,7 @@ struct FluidThatAlwaysLooks : fluid::Fluid<2> {
 /// A column of water that falls apart and runs against a plate.
 Case dam_break(Coupling coupling) {
   CaseOptions options;
-  options.overrides = {{"fluid.body.0.shape.box.max", "[0.1, 0.2]"}};
+  options.overrides = {{"fluid.body.0.shape.box.max", "[0.1, 0.2]"}, {"fluid.numerics.courant", "0.3"}};
   Case scene = read_case(TERN_SOURCE_DIR "/tests/process/cases/splash_plate/case.toml", options);
   choose(coupling, scene.coupling);
   return scene;

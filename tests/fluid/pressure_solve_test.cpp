@@ -39,9 +39,7 @@ Eigen::VectorXd head(const std::vector<double>& values, std::size_t n) {
 
 /// A column that has collapsed for `until` seconds.
 Fluid<2> collapsed(int nx, int ny, double until, double tolerance = 1e-6) {
-  Case c = dam_break(nx, ny);
-  c.fluid->numerics.pressure_tolerance = tolerance;
-  Fluid<2> fluid(c);
+  Fluid<2> fluid(solved_to(tolerance, dam_break(nx, ny)));
   run(fluid, until, [] {});
   return fluid;
 }
@@ -89,8 +87,8 @@ TEST(PressureSolve, TakesFewIterationsInADamBreakOnABlock) {
     EXPECT_EQ(fluid.fallback_solves(), 0);
     EXPECT_EQ(fluid.leaked() + fluid.removed(), 0u);
   };
-  expect_few("in_2d", Fluid<2>(dam_break_on_block(2, 0.2 / 50)));
-  expect_few("in_3d", Fluid<3>(dam_break_on_block(3, 0.2 / 10)));
+  expect_few("in_2d", Fluid<2>(solved_to(1e-6, dam_break_on_block(2, 0.2 / 50))));
+  expect_few("in_3d", Fluid<3>(solved_to(1e-6, dam_break_on_block(3, 0.2 / 10))));
 }
 
 // The pressures on the two sides of a thin plate have nothing to do with each other, which a grid must be told. Measured: 4.3 to
@@ -104,12 +102,12 @@ TEST(PressureSolve, TakesFewIterationsWithAThinPlateWetOnBothSides) {
     EXPECT_LE(iterations.most, 9) << name;
   };
   constexpr double dx = 0.2 / 45;
-  expect_few("parts the tank", Fluid<2>(parted_tank(2, dx, dx, 0.5)));
-  expect_few("bent", Fluid<2>(parted_tank(2, dx, dx, 0.5, 0.04)));
-  expect_few("ends at half the depth", Fluid<2>(parted_tank(2, dx, dx, 0.1)));
+  expect_few("parts the tank", Fluid<2>(solved_to(1e-6, parted_tank(2, dx, dx, 0.5))));
+  expect_few("bent", Fluid<2>(solved_to(1e-6, parted_tank(2, dx, dx, 0.5, 0.04))));
+  expect_few("ends at half the depth", Fluid<2>(solved_to(1e-6, parted_tank(2, dx, dx, 0.1))));
   constexpr double coarse = 0.2 / 12;
-  expect_few("in 3D", Fluid<3>(parted_tank(3, coarse, coarse, 0.5)));
-  expect_few("in 3D, ends at half the depth", Fluid<3>(parted_tank(3, coarse, coarse, 0.1)));
+  expect_few("in 3D", Fluid<3>(solved_to(1e-6, parted_tank(3, coarse, coarse, 0.5))));
+  expect_few("in 3D, ends at half the depth", Fluid<3>(solved_to(1e-6, parted_tank(3, coarse, coarse, 0.1))));
 }
 
 State<2> three_steps(int threads) {

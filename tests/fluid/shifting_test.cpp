@@ -35,7 +35,7 @@ struct Shifted {
     by_axis<D>(velocity, packed.velocity);
     compute_velocity_gradient(fluid.period(), fluid.neighbours(), fluid.correction(), particle_class, packed);
     shift_particles(fluid.reference().constants, dt, fluid.neighbours(), fluid.boundary(), fluid.correction(), particle_class, packed,
-                    position, after, change);
+                    fluid.state().id, position, after, change);
     for (std::size_t i = 0; i < position.size(); ++i) {
       shift.push_back(after[i] - position[i]);
       change[i] -= velocity[i];
@@ -103,6 +103,27 @@ TEST(Shifting, TakesTheVelocityHalfOfTheWayWhereMomentumIsNotKeptPairByPair) {
     inside += !symmetric && result.shift[i].norm() > 1e-3;
   }
   EXPECT_GT(inside, 50);
+}
+
+// On the lines x = 1/4 and y = 1/4 of these vortices a column of particles closes in on a stagnation point. Before its spacing is half of
+// the lattice's, every other particle must have left it to a side, also in the longest windows that a case may ask for. Measured: 0.44 dx.
+// Seen to fail: without the part of the shift that is each particle's own (0.01 dx).
+TEST(Shifting, LeadsParticlesOffTheLinesOfASymmetricFlow) {
+  Case c = vortices(2, 50);
+  c.fluid->numerics.courant = 0.5;
+  Fluid<2> fluid(c);
+  double least = 1;
+  run(fluid, 0.3, [&] {
+    const auto& x = fluid.state().position;
+    for (std::size_t i = 0; i < x.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        Vector<2> r = x[i] - x[j];
+        for (int a = 0; a < 2; ++a) r[a] -= std::nearbyint(r[a]);
+        least = std::min(least, r.norm());
+      }
+  });
+  std::printf("[ least distance %.2f dx ]\n", least * 50);
+  EXPECT_GT(least, 0.3 / 50);
 }
 
 }  // namespace

@@ -93,7 +93,7 @@ TEST(TaylorGreen, DecaysAtTheRateOfItsViscosity) {
   }
 }
 
-// What the scheme dissipates by itself. Good codes lose less than 2 %; measured 2.3 %. Seen to fail: with free surfaces looked for in the
+// What the scheme dissipates by itself. Good codes lose less than 2 %; measured 1.8 %. Seen to fail: with free surfaces looked for in the
 // full box; with shifting in proportion to the largest speed (13 %); with noise damping of resolved motion too (3.5 %).
 TEST(TaylorGreen, WithoutViscosityLosesLittleEnergy) {
   const double loss = taylor_green(50, 0, 1.0).loss;

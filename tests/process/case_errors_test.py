@@ -95,7 +95,7 @@ class CaseErrors(unittest.TestCase):
         self.assertEqual(answer.returncode, 0, answer.stderr)
         read = json.loads(answer.stdout)
         self.assertEqual(read["settings"]["fluid"]["spacing"], 0.008)
-        self.assertEqual(read["settings"]["fluid"]["numerics"]["courant"], 0.3)
+        self.assertEqual(read["settings"]["fluid"]["numerics"]["courant"], 0.4)
         self.assertEqual((read["name"], read["dimension"], read["has_fluid"], read["has_structure"]),
                          ("dam_break_plate", 2, True, True))
         other = json.loads(run("tern-case", "json", CASE).stdout)

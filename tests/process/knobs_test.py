@@ -63,10 +63,12 @@ class Result:
         return total[0] - total[-1]
 
     def unevenness(self):
-        """Scatter of the distance to the nearest particle, over its mean."""
+        """Scatter of the distance to the nearest particle, over its mean. A drop that flies alone is left out: it would decide."""
         distance = np.linalg.norm(self.position[:, None] - self.position[None], axis=2)
         np.fill_diagonal(distance, np.inf)
-        return float(np.std(distance.min(axis=1)) / np.mean(distance.min(axis=1)))
+        nearest = distance.min(axis=1)
+        nearest = nearest[nearest < 2 * np.median(nearest)]
+        return float(np.std(nearest) / np.mean(nearest))
 
     def wall_distance(self):
         """Of the particle that is nearest to a side of the tank, which is a box from 0 to 0.4 m [m]."""
@@ -136,7 +138,7 @@ class KnobsTest(unittest.TestCase):
     # Fluid.
 
     def test_fluid_numerics_courant(self):
-        self.assert_steps("surge", FLUID + "courant=0.15", "velocity", 2.0)
+        self.assert_steps("surge", FLUID + "courant=0.2", "velocity", 2.0, FLUID + "gravity_courant=0.5")
 
     def test_fluid_numerics_gravity_courant(self):
         self.assert_steps("rest", FLUID + "gravity_courant=0.05", "gravity", 2.0, FLUID + "courant=0.5")
@@ -262,9 +264,9 @@ class KnobsTest(unittest.TestCase):
 
     def test_preset(self):
         """The preset is the same, to the bit, as the settings it stands for."""
-        until = "end_time=0.02"  # explicit staggering of this plate is stopped soon after
-        _, other = self.pair("impact", "preset=paper", until)
-        spelt_out = self.run_scene("impact", until, COUPLING + "algorithm=explicit", COUPLING + "scheme=riemann",
+        start = "end_time=0.02", FLUID + "courant=0.3"  # explicit staggering of this plate is stopped soon after
+        _, other = self.pair("impact", "preset=paper", *start)
+        spelt_out = self.run_scene("impact", *start, COUPLING + "algorithm=explicit", COUPLING + "scheme=riemann",
                                    COUPLING + "vem.coefficient=5", COUPLING + "vem.form=seed")
         self.assertEqual(other.change(spelt_out), 0)
 

@@ -102,7 +102,7 @@ void expect_the_same_window(const Case& scene, const State<D>& start) {
 
 template <int D>
 void expect_the_window_of_one_rank(Case scene) {
-  scene.fluid->numerics.pressure_tolerance = 1e-12;
+  scene.fluid->numerics.pressure_tolerance = 1e-15;
   expect_the_same_window<D>(scene, disordered<D>(scene, 30));
 }
 
@@ -113,11 +113,11 @@ TEST(OneWindow, IsThatOfOneRankAroundABlock) { expect_the_window_of_one_rank<2>(
 // On a lattice the distance of many pairs is the support.
 TEST(OneWindow, IsThatOfOneRankFromALattice) {
   for (Case scene : {dam_break(20, 40), dam_break_on_block(2, 0.2 / 20)}) {
-    scene.fluid->numerics.pressure_tolerance = 1e-12;
+    scene.fluid->numerics.pressure_tolerance = 1e-15;
     expect_the_same_window<2>(scene, Fluid<2>(scene).state());
   }
   Case scene = dam_break_on_block(3, 0.2 / 10);
-  scene.fluid->numerics.pressure_tolerance = 1e-12;
+  scene.fluid->numerics.pressure_tolerance = 1e-15;
   expect_the_same_window<3>(scene, Fluid<3>(scene).state());
 }
 
@@ -218,7 +218,7 @@ std::vector<double> distances(const Case& scene, const State<D>& start, const Ra
 
 TEST(ManyWindows, OfAWaveStayWithThoseOfOneRank) {
   Case scene = testing::scene(2, 0.025, {water_with_wave(1, 0.05)}, {tank({0, 0, 0}, {1, 1, 0})});
-  scene.fluid->numerics.pressure_tolerance = 1e-12;
+  scene.fluid->numerics.pressure_tolerance = 1e-15;
   const State<2> start = disordered<2>(scene, 10);
   const auto distance = distances(scene, start, Ranks::all());
   EXPECT_LT(distance.back(), 1e-7);

@@ -47,7 +47,7 @@ TEST_F(CaseFile, HasTheDefaultsOfACaseBuiltInCode) {
   EXPECT_EQ(g.shifting, f.shifting);
   EXPECT_EQ(g.noise_damping, f.noise_damping);
   EXPECT_EQ(g.courant, f.courant);
-  EXPECT_EQ(g.courant, 0.3);
+  EXPECT_EQ(g.courant, 0.4);
   EXPECT_EQ(g.gravity_courant, f.gravity_courant);
   EXPECT_EQ(g.viscous_courant, f.viscous_courant);
   EXPECT_EQ(g.contact_distance, f.contact_distance);
@@ -191,7 +191,6 @@ TEST_F(CaseFile, DraftAndReferenceScaleTheSpacingsAndKeepTheOptionsOfTheCase) {
   EXPECT_EQ(reference.structure->bodies[0].spacing, 0.0125);
   EXPECT_EQ(read(with("spacing = 0.025", "spacing = 0.0125"), {{}, "draft"}).structure->bodies[0].spacing, 0.025);
   EXPECT_EQ(read(small_case, {{{"fluid.spacing", "0.05"}}, "draft"}).fluid->spacing, 0.05);
-  EXPECT_EQ(draft.fluid->numerics.courant, 0.4);
   EXPECT_EQ(draft.fluid->numerics.gravity_courant, 0.1) << "not beside a structure";
   EXPECT_EQ(read_case(TERN_SOURCE_DIR "/cases/hydrostatic_tank", {{}, "draft"}).fluid->numerics.gravity_courant, 0.2);
   EXPECT_EQ(draft.structure->numerics.integrator, Integrator::automatic);
@@ -222,7 +221,7 @@ TEST_F(CaseFile, HasAHashOfTheEffectiveSettings) {
   EXPECT_EQ(hash.size(), 16u);
   EXPECT_EQ(read(std::string("# a comment\n") + small_case).hash, hash);
   EXPECT_EQ(read(with("density = 1000", "density = 1000.0")).hash, hash);
-  EXPECT_EQ(read(with("[[gauge]]", "[fluid.numerics]\ncourant = 0.3\n[[gauge]]")).hash, hash) << "a default, spelled out";
+  EXPECT_EQ(read(with("[[gauge]]", "[fluid.numerics]\ncourant = 0.4\n[[gauge]]")).hash, hash) << "a default, spelled out";
   EXPECT_NE(read(small_case, {{{"fluid.density", "1001"}}, ""}).hash, hash);
   EXPECT_NE(read(with("density = 1000", "density = 1000.0000001")).hash, hash);
 }
