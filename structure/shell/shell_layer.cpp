@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "sph/kernel.hpp"
 #include "sph/symmetric_matrix.hpp"
+#include "structure/shell/shell_force.hpp"
 
 namespace tern::structure {
 namespace {
@@ -151,7 +152,7 @@ ShellLayer<D> make_shell_layer(const std::string& name, ShellParticles<D> partic
         fmt::format("Body '{}': a shell of the material {} is not built; use neo_hookean or st_venant_kirchhoff, or model it as "
                     "a solid.",
                     name, material.name()));
-  ShellLayer<D> layer{std::move(particles), material, thickness, {}, {}, {}, {}, {}, {}, {}};
+  ShellLayer<D> layer{std::move(particles), material, thickness, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}};
   const ShellParticles<D>& p = layer.particles;
   const std::size_t count = p.position.size();
   for (int a = 0; a < D - 1; ++a) layer.cell_squared[a] = std::pow(std::min(p.spacing[a], thickness), 2) / 12;
@@ -203,6 +204,14 @@ ShellLayer<D> make_shell_layer(const std::string& name, ShellParticles<D> partic
       const auto begin = layer.neighbour.begin() + layer.first[j], end = layer.neighbour.begin() + layer.first[j + 1];
       layer.mirror[n] = static_cast<std::uint32_t>(std::lower_bound(begin, end, i) - layer.neighbour.begin());
     }
+  layer.weight_sum.assign(count, ShellLayer<D>::Weights::Zero());
+  for (std::size_t i = 0; i < count; ++i)
+    for (auto n = layer.first[i]; n < layer.first[i + 1]; ++n) {
+      layer.weight_sum[i] += p.area[i] * layer.weight[n];
+      layer.mirror_weight.push_back(-p.area[layer.neighbour[n]] * layer.weight[layer.mirror[n]]);
+    }
+  if constexpr (D == 3)
+    for (std::size_t i = 0; i < count; ++i) layer.rest.push_back(shell_rest(layer, i));
   return layer;
 }
 

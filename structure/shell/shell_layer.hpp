@@ -63,8 +63,16 @@ struct ShellParticles {
 template <int D>
 ShellParticles<D> shell_particles(const MidSurface<D>& surface);
 
+/// What the energy compares with: metric x_,a.x_,b, bend n.x_,ab and x_,ac.x_,b + x_,bc.x_,a, halved, of x = X.
+struct ShellRest {
+  Eigen::Matrix<double, 2, 2, Eigen::DontAlign> metric, bend;
+  std::array<Eigen::Matrix<double, 2, 2, Eigen::DontAlign>, 2> gradient;
+};
+
 template <int D>
 struct ShellLayer {
+  using Weights = Eigen::Matrix<double, shell_unknowns<D>, 1, Eigen::DontAlign>;
+
   ShellParticles<D> particles;
   Material material;
   double thickness = 0;                                ///< t [m]
@@ -72,11 +80,14 @@ struct ShellLayer {
 
   // Pairs (i, j), those of particle i from first[i] on.
   std::vector<std::uint32_t> first, neighbour, mirror;  ///< mirror: where the pair (j, i) is
-  std::vector<Eigen::Matrix<double, shell_unknowns<D>, 1, Eigen::DontAlign>> weight;  ///< g^a_ij, k^ab_ij
+  std::vector<Weights> weight;                          ///< g^a_ij, k^ab_ij
+  std::vector<Weights> mirror_weight;                   ///< -A_j times those of the pair (j, i)
+  std::vector<Weights> weight_sum;                      ///< A_i sum_j of those of particle i
 
   /// Of a particle of a clamp: sum_j k^ab_ij xi_c, row ab, column c, which the slopes R e_c of the clamp are to be multiplied with.
   std::vector<Eigen::Matrix<double, shell_unknowns<D> - shell_slopes<D>, shell_slopes<D>, Eigen::DontAlign>> clamp_slope;
   std::vector<ShellDerivatives<D>> reference;  ///< of x = X
+  std::vector<ShellRest> rest;                 ///< 3D
 
   std::size_t size() const { return particles.position.size(); }
   /// E' = E/(1 - nu^2), the modulus of a plate; in plane stress E [Pa].
