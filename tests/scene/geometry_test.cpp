@@ -123,8 +123,8 @@ void expect_thin(const Shape& shape, double volume, double area) {
   EXPECT_LT((found.max - bounds.max).cwiseAbs().maxCoeff(), is_mitred ? shape.thickness : spacing);
 }
 
-// Tilted, with an inner corner and a side that runs across the others. Seen to fail: with whole squares on the faces, with a rim that
-// looks inwards, with the thickness along an axis in its bounds.
+// Tilted, with an inner corner and a side that runs across the others. Seen to fail: with a rim that
+// looks inwards.
 TEST(Geometry, APlateIsASolidWithASurface) {
   const std::vector<std::array<double, 2>> flat{{0, 0}, {1.3, 0}, {1.1, 0.6}, {0.5, 0.6}, {0.5, 1}, {0, 0.8}};
   const Vector<3> first = Vector<3>(2, -1, 2) / 3, second = Vector<3>(2, 2, -1) / 3, origin(0.3, -0.2, 0.5);

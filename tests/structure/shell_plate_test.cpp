@@ -139,7 +139,7 @@ TEST(ShellPlate, ARectangleHasTheCellsOfABox) {
 }
 
 // w = q a^4/(64 D); a polygon of 64 sides is a circle to 0.1 %. The spacing makes it too soft in second order, as it does a square one.
-// Seen to fail: with the smoothing length of a lattice, with particles nearer to the side.
+// Seen to fail: with the smoothing length of a lattice.
 TEST(ShellPlate, AClampedCirclePlateSagsAsItShould) {
   const double coarse = 64 * middle(1 / 8.0, true, 64) - 1, fine = 64 * middle(1 / 15.0, true, 64) - 1;
   EXPECT_NEAR(coarse, 0.120, 0.002);
@@ -150,7 +150,7 @@ TEST(ShellPlate, AClampedCirclePlateSagsAsItShould) {
 // w = (5 + nu)/(1 + nu) q a^4/(64 D).
 TEST(ShellPlate, AHingedCirclePlateSagsAsItShould) { EXPECT_NEAR(64 * 1.3 / 5.3 * middle(1 / 8.0, false, 64), 1, 3e-3); }
 
-// Leissa: 5.358 sqrt(D/(rho t))/a^2 with two, 9.003 with no, 12.44 with three nodal diameters. Seen to fail: with cells of one area, 2 %.
+// Leissa: 5.358 sqrt(D/(rho t))/a^2 with two, 9.003 with no, 12.44 with three nodal diameters. Seen to fail: with cells of one area.
 TEST(ShellPlate, AFreeCirclePlateSwingsAsItShould) {
   const auto values = model_of(plate_body(regular(64), 0.01, 1 / 8.0)).squared_frequencies(1e-7);
   const auto frequency = [&](int mode) { return std::sqrt(values[mode] / (1e9 * 1e-4 / (12 * (1 - 0.09)) / 1000)); };
