@@ -59,7 +59,7 @@ struct MidSurface {
   }
 };
 
-/// Whether particles have neighbours by rows: those of a plate have them where a straight line in the outline leads, on a ball they are all.
+/// Whether particles have neighbours by rows: those of a plate have them where a straight line in it leads, on a ball they are all.
 template <int D>
 bool is_in_rows(const MidSurface<D>& surface) {
   return surface.kind != MidSurface<D>::Kind::ball && surface.kind != MidSurface<D>::Kind::plate;
@@ -80,8 +80,8 @@ struct SurfaceCell {
 
 /// The first coordinate runs fastest. On a plate those of its held sides come first, evenly along them; then what of a lattice is inside,
 /// but for places nearer to a held side than half a spacing. Each has the part of the plate that is nearer to it than to the others; a free
-/// particle with less than a quarter of a spacing squared is left out. On a ball the corners of triangles: nearly even everywhere, six of them beside each but the twelve
-/// of the icosahedron, which have five. Each has a third of the triangles around it.
+/// particle with less than a quarter of a spacing squared is left out. On a ball the corners of triangles: nearly even everywhere, six
+/// of them beside each but the twelve of the icosahedron, which have five. Each has a third of the triangles around it.
 template <int D>
 std::vector<SurfaceCell<D>> cells_of(const MidSurface<D>& surface);
 

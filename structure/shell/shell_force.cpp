@@ -127,7 +127,8 @@ struct Tangents {
     return g;
   }
 
-  /// What is conjugate to the derivatives, by d rho_ab = n.dx_,ab + p_ab.dc, p_ab = (x_,ab - rho_ab n)/|c|, c = x_,1 x x_,2, where the stresses of E, rho and G_..1, G_..2 are these.
+  /// What is conjugate to the derivatives, by d rho_ab = n.dx_,ab + p_ab.dc, p_ab = (x_,ab - rho_ab n)/|c|, c = x_,1 x x_,2,
+  /// where the stresses of E, rho and G_..1, G_..2 are these.
   void conjugate_of(const ShellDerivatives<3>& d, const Eigen::Matrix2d& stress, const Eigen::Matrix2d& moment,
                     const std::array<Eigen::Matrix2d, 2>& cell, ShellDerivatives<3>& conjugate) const {
     conjugate.leftCols<2>() = x * stress;
