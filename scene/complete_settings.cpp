@@ -132,9 +132,10 @@ class Completion {
     if (value.type != Type::table) wrong_type(p, value, "a shape such as { box = { min = [...], max = [...] } }");
     refuse_unknown_keys("shape", value);
     if (value.keys.size() != 1) {
-      fail_at(value.where,
-              fmt::format("{} names {} shapes, but has to name exactly one of box, polygon, ball, ring, line, tube, union, difference.",
-                          label(p), value.keys.size()));
+      fail_at(
+          value.where,
+          fmt::format("{} names {} shapes, but has to name exactly one of box, polygon, ball, ring, line, tube, plate, union, difference.",
+                      label(p), value.keys.size()));
     }
     const std::string& kind = value.keys.front();
     const Setting& body = value.items.front();
@@ -149,10 +150,11 @@ class Completion {
       for (Setting& item : list.items) item = complete_shape(p, item);
       complete.set(kind, std::move(list));
     } else {
-      if (kind == "polygon" && dimension_ == 3) fail_at(body.where, "a polygon has no meaning in 3D; use boxes and balls.");
-      const bool is_thin_2d = kind == "ring" || kind == "line", is_thin = is_thin_2d || kind == "tube";
+      if (kind == "polygon" && dimension_ == 3) fail_at(body.where, "a polygon has no meaning in 3D; use boxes and balls, or a plate.");
+      const bool is_thin_2d = kind == "ring" || kind == "line", is_thin = is_thin_2d || kind == "tube" || kind == "plate";
       if (is_thin_2d && dimension_ == 3) fail_at(body.where, fmt::format("a {} has no meaning in 3D; use a tube.", kind));
       if (kind == "tube" && dimension_ == 2) fail_at(body.where, "a tube has no meaning in 2D; use a ring.");
+      if (kind == "plate" && dimension_ == 2) fail_at(body.where, "a plate has no meaning in 2D; use a line.");
       if (is_thin && (p.table != "structure.body" || p.type != ParameterType::shape))
         fail_at(body.where, fmt::format("a {} can be the shape of a [[structure.body]] only, as a whole; here use {}.", kind,
                                         dimension_ == 2 ? "a difference of balls or polygons" : "boxes and balls"));

@@ -12,6 +12,7 @@
 #include <numeric>
 #include <optional>
 
+#include "scene/held_particles.hpp"
 #include "scene/mid_surface.hpp"
 #include "scene/placement.hpp"
 #include "scene/scene_check.hpp"
@@ -33,8 +34,10 @@ template <int D>
 int held_ends(const StructureBody& body) {
   Vector<D> low = Vector<D>::Constant(infinity), high = -low;
   std::vector<Vector<D>> held;
+  const std::vector<bool> is_held = held_particles<D>(body);
+  std::size_t n = 0;
   for (const Vector<D>& x : fill_body<D>(body)) {
-    if (std::any_of(body.clamps.begin(), body.clamps.end(), [&](const Shape& s) { return contains<D>(s, x); }))
+    if (is_held[n++])
       held.push_back(x);
     else
       low = low.cwiseMin(x), high = high.cwiseMax(x);
@@ -52,10 +55,9 @@ BodyEstimate estimate_body(const Case& scene, const StructureBody& body) {
   const auto clamped = [&](const Vector<D>& x) {
     return std::any_of(body.clamps.begin(), body.clamps.end(), [&](const Shape& s) { return contains<D>(s, x); });
   };
-  for (const Vector<D>& x : fill_body<D>(body)) {
-    ++result.particles;
-    result.clamped += clamped(x);
-  }
+  const std::vector<bool> held = held_particles<D>(body);
+  result.particles = held.size();
+  result.clamped = static_cast<std::size_t>(std::count(held.begin(), held.end(), true));
   for (const Vector<D>& x : sample_surface<D>(body.shape, point_distance<D>(body.spacing, body.is_shell, scene.fluid)).position)
     result.surface_points += !clamped(x);
   if (const double joined = body.is_shell ? 0 : joined_patch_length<D>(body.spacing, scene.fluid); joined > 0)

@@ -1,5 +1,5 @@
 // Solids as signed functions: negative inside, zero on the boundary, positive outside.
-//   box, ball, polygon, ring, line, tube: the signed distance;  union: min over parts;  difference: max(first, -others).
+//   box, ball, polygon, ring, line, tube, plate: the signed distance;  union: min over parts;  difference: max(first, -others).
 
 #include "scene/geometry.hpp"
 
@@ -9,6 +9,8 @@
 
 namespace tern {
 namespace {
+
+constexpr double round_off = 1e-6;  // in spacings: sides given in decimal are whole multiples only to round-off
 
 double polygon_distance(const std::vector<std::array<double, 2>>& vertices, double x, double y) {
   double nearest = std::numeric_limits<double>::max();
@@ -80,9 +82,22 @@ double line_distance(const Shape& shape, double x, double y) {
   return side < 0 ? std::max(side, -inner_end) : side;
 }
 
+/// In the plane of a plate, and over it.
+std::array<double, 3> in_plate(const Shape& shape, const Vector<3>& x, bool is_direction = false) {
+  std::array<double, 3> s{};
+  for (int a = 0; a < 3; ++a)
+    for (int d = 0; d < 3; ++d) s[a] += shape.axes[a][d] * (x[d] - (is_direction ? 0 : shape.center[d]));
+  return s;
+}
+
 template <int D>
 double thin_distance(const Shape& shape, const Vector<D>& x) {
   if (shape.kind == Shape::Kind::line) return line_distance(shape, x[0], x[1]);
+  if constexpr (D == 3)
+    if (shape.kind == Shape::Kind::plate) {
+      const auto [u, v, w] = in_plate(shape, x);
+      return distance_to_product(polygon_distance(shape.vertices, u, v), std::abs(w) - 0.5 * shape.thickness);
+    }
   const auto [u, v] = in_plane<D>(shape, x);
   const double across = ring_distance(shape, u, v);
   if (D == 2) return across;
@@ -108,6 +123,18 @@ void add_crossings_of_thin(const Shape& shape, const Vector<D>& x, const Vector<
     }
     return;
   }
+  if constexpr (D == 3)
+    if (shape.kind == Shape::Kind::plate) {
+      const auto [u, v, w] = in_plate(shape, x);
+      const auto [du, dv, dw] = in_plate(shape, direction, true);
+      for (std::size_t i = 0, j = shape.vertices.size() - 1; i < shape.vertices.size(); j = i++) {
+        const auto &a = shape.vertices[j], &b = shape.vertices[i];
+        add_crossing(a[0], a[1], b[0] - a[0], b[1] - a[1], u, v, du, dv, at);
+      }
+      for (const double z : {-0.5 * shape.thickness, 0.5 * shape.thickness})
+        if (dw != 0) at.push_back((z - w) / dw);
+      return;
+    }
   const auto [u, v] = in_plane<D>(shape, x);
   const int first = D == 2 ? 0 : (shape.axis + 1) % 3, second = D == 2 ? 1 : (shape.axis + 2) % 3;
   const double du = direction[first], dv = direction[second], squared = du * du + dv * dv;
@@ -127,6 +154,18 @@ void add_crossings_of_thin(const Shape& shape, const Vector<D>& x, const Vector<
 template <int D>
 Bounds<D> bounds_of_thin(const Shape& shape) {
   Bounds<D> bounds;
+  if constexpr (D == 3)
+    if (shape.kind == Shape::Kind::plate) {
+      bounds.min.setConstant(std::numeric_limits<double>::max());
+      bounds.max = -bounds.min;
+      for (const auto& corner : shape.corners)
+        for (int d = 0; d < 3; ++d) {
+          const double half = 0.5 * shape.thickness * std::abs(shape.axes[2][d]);
+          bounds.min[d] = std::min(bounds.min[d], corner[d] - half);
+          bounds.max[d] = std::max(bounds.max[d], corner[d] + half);
+        }
+      return bounds;
+    }
   if (shape.kind == Shape::Kind::line) {
     bounds.min.setConstant(std::numeric_limits<double>::max());
     bounds.max = -bounds.min;
@@ -187,7 +226,8 @@ void add_ray_crossings(const Shape& shape, const Vector<D>& x, const Vector<D>& 
     }
     case Shape::Kind::ring:
     case Shape::Kind::line:
-    case Shape::Kind::tube: return add_crossings_of_thin<D>(shape, x, direction, at);
+    case Shape::Kind::tube:
+    case Shape::Kind::plate: return add_crossings_of_thin<D>(shape, x, direction, at);
     case Shape::Kind::union_of:
     case Shape::Kind::difference:
       for (const Shape& part : shape.parts) add_ray_crossings<D>(part, x, direction, at);
@@ -195,6 +235,35 @@ void add_ray_crossings(const Shape& shape, const Vector<D>& x, const Vector<D>& 
 }
 
 }  // namespace
+
+Shape plate_shape(std::vector<std::array<double, 3>> corners, double thickness) {
+  Shape plate;
+  plate.kind = Shape::Kind::plate;
+  plate.thickness = thickness;
+  plate.corners = std::move(corners);
+  const std::size_t count = plate.corners.size();
+  const auto corner = [&](std::size_t i) {
+    const auto& x = plate.corners[i % count];
+    return Vector<3>(x[0], x[1], x[2]);
+  };
+  const Vector<3> from = corner(0);
+  Vector<3> normal = Vector<3>::Zero(), along = Vector<3>::Zero();
+  for (std::size_t i = 0; i < count; ++i) {
+    normal += (corner(i) - from).cross(corner(i + 1) - from);
+    const Vector<3> side = corner(i + 1) - corner(i);
+    if (side.norm() > along.norm() * (1 + round_off)) along = side;
+  }
+  if (normal.norm() <= round_off * along.squaredNorm()) return plate;
+  normal.normalize();
+  along = (along - along.dot(normal) * normal).normalized();
+  const Vector<3> across = normal.cross(along);
+  for (int d = 0; d < 3; ++d) {
+    plate.center[d] = from[d];
+    plate.axes[0][d] = along[d], plate.axes[1][d] = across[d], plate.axes[2][d] = normal[d];
+  }
+  for (std::size_t i = 0; i < count; ++i) plate.vertices.push_back({along.dot(corner(i) - from), across.dot(corner(i) - from)});
+  return plate;
+}
 
 template <int D>
 double signed_distance(const Shape& shape, const Vector<D>& x) {
@@ -216,7 +285,8 @@ double signed_distance(const Shape& shape, const Vector<D>& x) {
     }
     case Shape::Kind::ring:
     case Shape::Kind::line:
-    case Shape::Kind::tube: return thin_distance<D>(shape, x);
+    case Shape::Kind::tube:
+    case Shape::Kind::plate: return thin_distance<D>(shape, x);
     case Shape::Kind::union_of: {
       double value = std::numeric_limits<double>::max();
       for (const Shape& part : shape.parts) value = std::min(value, signed_distance<D>(part, x));
@@ -256,7 +326,8 @@ Bounds<D> bounding_box(const Shape& shape) {
       break;
     case Shape::Kind::ring:
     case Shape::Kind::line:
-    case Shape::Kind::tube: return bounds_of_thin<D>(shape);
+    case Shape::Kind::tube:
+    case Shape::Kind::plate: return bounds_of_thin<D>(shape);
     case Shape::Kind::union_of:
       bounds = bounding_box<D>(shape.parts.front());
       for (const Shape& part : shape.parts) {
@@ -277,8 +348,6 @@ bool contains(const Shape& shape, const Vector<D>& x) {
 }
 
 namespace {
-
-constexpr double round_off = 1e-6;  // in spacings: sides given in decimal are whole multiples only to round-off
 
 /// Whole spacings in a length.
 long cells_in(double length, double spacing) { return static_cast<long>(std::floor(length / spacing + 0.5 + round_off)); }

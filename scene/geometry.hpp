@@ -1,5 +1,5 @@
 #pragma once
-// Solid shapes: boxes, polygons (2D), balls, thin ones with a thickness (rings and lines in 2D, tubes in 3D), and their union and
+// Solid shapes: boxes, polygons (2D), balls, thin ones with a thickness (rings and lines in 2D, tubes and plates in 3D), their union and
 // difference. Coordinates in m.
 
 #include <array>
@@ -15,21 +15,27 @@
 namespace tern {
 
 struct Shape {
-  enum class Kind { box, polygon, ball, ring, line, tube, union_of, difference };
+  enum class Kind { box, polygon, ball, ring, line, tube, plate, union_of, difference };
   static constexpr double whole_turn = 2 * std::numbers::pi;
 
   Kind kind = Kind::box;
   std::array<double, 3> min{}, max{};           ///< box
-  std::vector<std::array<double, 2>> vertices;  ///< polygon, any orientation, not self-intersecting; line
-  std::array<double, 3> center{};               ///< ball, ring, tube
+  std::vector<std::array<double, 2>> vertices;  ///< polygon, any orientation, not self-intersecting; line; plate: in its plane
+  std::array<double, 3> center{};               ///< ball, ring, tube; plate: where its plane's coordinates are 0
   double radius = 0;                            ///< ball; ring and tube: halfway through the thickness
-  double thickness = 0;                         ///< ring, line, tube
+  double thickness = 0;                         ///< ring, line, tube, plate
   double begin = 0, end = whole_turn;           ///< ring, tube: angles between which they are [rad]
   double length = 0;                            ///< tube: along its axis, half on each side of the centre
   int axis = 2;                                 ///< tube: x, y or z; angles are counted from the next of these to the one after it
   bool closed = false;                          ///< line: from the last corner back to the first
+  std::vector<std::array<double, 3>> corners;   ///< plate, halfway through its thickness
+  std::array<std::array<double, 3>, 3> axes{};  ///< plate: unit vectors along its longest side, across that, and its normal
   std::vector<Shape> parts;                     ///< union_of: all; difference: the first minus the others
 };
+
+/// A plate with these corners in order, in the plane that fits them best: seen from where its normal points, they go round anticlockwise.
+/// Its axes are 0 where they have no plane.
+Shape plate_shape(std::vector<std::array<double, 3>> corners, double thickness);
 
 template <int D>
 struct Bounds {

@@ -107,15 +107,37 @@ MidSurface<D> middle_of_ball(const StructureBody& body) {
   return surface;
 }
 
+MidSurface<3> middle_of_plate(const Shape& shape) {
+  MidSurface<3> surface;
+  surface.kind = MidSurface<3>::Kind::plate;
+  surface.thickness = shape.thickness;
+  for (int d = 0; d < 3; ++d) {
+    surface.origin[d] = shape.center[d];
+    for (int a = 0; a < 3; ++a) surface.axes(d, a) = shape.axes[a][d];
+  }
+  surface.low = surface.high = shape.vertices[0];
+  for (const auto& vertex : shape.vertices) {
+    surface.outline.emplace_back(vertex[0], vertex[1]);
+    for (int n = 0; n < 2; ++n) {
+      surface.low[n] = std::min(surface.low[n], vertex[n]);
+      surface.high[n] = std::max(surface.high[n], vertex[n]);
+    }
+  }
+  surface.sides.assign(surface.outline.size(), EdgeKind::free);
+  return surface;
+}
+
 template <int D>
 MidSurface<D> bare_surface(const StructureBody& body) {
   const Shape::Kind kind = body.shape.kind;
   if (kind == Shape::Kind::box) return middle_of_box<D>(body.shape);
   if (kind == (D == 2 ? Shape::Kind::ring : Shape::Kind::tube)) return middle_of_round<D>(body.shape);
   if (D == 2 && kind == Shape::Kind::line) return middle_of_line<D>(body);
+  if constexpr (D == 3)
+    if (kind == Shape::Kind::plate) return middle_of_plate(body.shape);
   if (D == 3 && is_hollow_ball(body.shape)) return middle_of_ball<D>(body);
   throw BadInput(fmt::format("The shell '{}' has no mid-surface, which only a box{} has. Make it one, or model it as a solid.", body.name,
-                             D == 2 ? ", a ring or a line" : ", a tube or a ball less a smaller one about its centre"));
+                             D == 2 ? ", a ring or a line" : ", a plate, a tube or a ball less a smaller one about its centre"));
 }
 
 /// Along which coordinate, in words.
@@ -125,6 +147,7 @@ std::string direction_of(const MidSurface<D>& surface, int n) {
   if (surface.kind == Kind::path) return "along it";
   if (surface.kind == Kind::ball) return "round it";
   if (surface.kind == Kind::round) return n == D - 2 ? "round it" : "along its axis";
+  if (surface.kind == Kind::plate) return n == 0 ? "along its longest side" : "across its longest side";
   int axis = 0;
   surface.axes.col(n).cwiseAbs().maxCoeff(&axis);
   return fmt::format("in direction {}", "xyz"[axis]);
@@ -249,12 +272,60 @@ void hinge(const StructureBody& body, const Shape& region, MidSurface<D>& surfac
         body.name, found == 0 ? "none" : "several"));
 }
 
+/// Marks the sides of a plate that a clamp or hinge contains.
+void hold_sides(const StructureBody& body, const Shape& region, EdgeKind as, MidSurface<3>& surface) {
+  constexpr int parts = 32;
+  const char* what = as == EdgeKind::clamp ? "clamp" : "hinge";
+  const auto holds = [&](const Vector<2>& s) {
+    return signed_distance<3>(region, surface.at({s[0], s[1]}).position) <= round_off * body.spacing;
+  };
+  int found = 0;
+  for (std::size_t i = 0; i < surface.outline.size(); ++i) {
+    const Vector<2>&from = surface.outline[i], to = surface.outline[(i + 1) % surface.outline.size()], along = to - from;
+    const Vector<2> inwards = Vector<2>(-along[1], along[0]).normalized();
+    int held = 0;
+    for (int k = 0; k <= parts; ++k) held += holds(from + along * k / parts);
+    const int beside = static_cast<int>(std::ceil(parts * surface.thickness / along.norm()));  // held by what holds the next side
+    if (held <= parts && held > 2 * (beside + 1) && along.norm() > 2 * surface.thickness)
+      throw BadInput(
+          fmt::format("The plate '{}' has a {} that holds its side {} in part; let it contain the whole side, or add a corner "
+                      "where it ends.",
+                      body.name, what, i + 1));
+    if (held <= parts) continue;
+    ++found;
+    if (holds(0.5 * (from + to) + surface.thickness * (1 + round_off) * inwards))
+      throw BadInput(
+          fmt::format("The plate '{}' has a {} that reaches farther into it than its thickness, {:.3g} m, at its side {}; one "
+                      "holds a side only: make it smaller.",
+                      body.name, what, surface.thickness, i + 1));
+    surface.sides[i] = std::max(surface.sides[i], as);
+  }
+  if (found == 0)
+    throw BadInput(fmt::format("The plate '{}' has a {} that contains none of its sides from corner to corner.", body.name, what));
+}
+
+/// How a plate is held where its outline reaches the ends of its lattice.
+void mark_ends(MidSurface<3>& surface) {
+  for (int n = 0; n < 2; ++n)
+    for (int end = 0; end < 2; ++end) {
+      const double at = end == 0 ? surface.low[n] : surface.high[n], slack = round_off * surface.length(n);
+      for (std::size_t i = 0; i < surface.outline.size(); ++i)
+        for (const std::size_t corner : {i, (i + 1) % surface.outline.size()})
+          if (std::abs(surface.outline[corner][n] - at) <= slack) surface.edges[n][end] = std::max(surface.edges[n][end], surface.sides[i]);
+      // A side along the end says more than those that only touch it.
+      for (std::size_t i = 0; i < surface.outline.size(); ++i) {
+        const Vector<2>&from = surface.outline[i], &to = surface.outline[(i + 1) % surface.outline.size()];
+        if (std::max(std::abs(from[n] - at), std::abs(to[n] - at)) <= slack) surface.edges[n][end] = surface.sides[i];
+      }
+    }
+}
+
 }  // namespace
 
 template <int D>
 SurfacePlace<D> MidSurface<D>::at(const std::array<double, D - 1>& s) const {
   SurfacePlace<D> place{origin, axes};
-  if (kind == Kind::flat) {
+  if (kind == Kind::flat || kind == Kind::plate) {
     for (int n = 0; n < D - 1; ++n) place.position += s[n] * axes.col(n);
     return place;
   }
@@ -286,7 +357,7 @@ SurfacePlace<D> MidSurface<D>::at(const std::array<double, D - 1>& s) const {
 
 template <int D>
 double MidSurface<D>::height(const Vector<D>& x) const {
-  if (kind == Kind::flat) return std::abs((x - origin).dot(axes.col(D - 1)));
+  if (kind == Kind::flat || kind == Kind::plate) return std::abs((x - origin).dot(axes.col(D - 1)));
   if (kind == Kind::ball) return std::abs((x - origin).norm() - radius);
   if (kind == Kind::round) return std::abs(std::hypot((x - origin).dot(axes.col(D - 2)), (x - origin).dot(axes.col(D - 1))) - radius);
   double least = std::numeric_limits<double>::max();
@@ -341,9 +412,17 @@ MidSurface<D> mid_surface(const StructureBody& body) {
         fmt::format("The shell '{}' is a ball, which has no edge that a clamp or hinge could hold. Leave them out, or model it as a "
                     "solid.",
                     body.name));
-  for (const Shape& clamp : body.rigid_clamps())
-    surface.kind == Kind::flat ? clamp_box(body, clamp, surface) : clamp_bent(body, clamp, surface);
-  for (const Shape& region : body.hinges) hinge(body, region, surface);
+  if constexpr (D == 3)
+    if (surface.kind == Kind::plate) {
+      for (const Shape& clamp : body.rigid_clamps()) hold_sides(body, clamp, EdgeKind::clamp, surface);
+      for (const Shape& region : body.hinges) hold_sides(body, region, EdgeKind::hinge, surface);
+      mark_ends(surface);
+    }
+  if (surface.kind != Kind::plate) {
+    for (const Shape& clamp : body.rigid_clamps())
+      surface.kind == Kind::flat ? clamp_box(body, clamp, surface) : clamp_bent(body, clamp, surface);
+    for (const Shape& region : body.hinges) hinge(body, region, surface);
+  }
   for (int n = 0; n < D - 1; ++n) {
     const double held = 0.5 * surface.held_ends(n), length = surface.length(n);
     surface.count[n] = static_cast<int>(std::lround(length / (surface.kind == Kind::ball ? surface.spacing(n) : body.spacing) - held));
@@ -417,6 +496,80 @@ std::vector<SurfaceCell<3>> cells_of_sphere(int parts) {
   return cells;
 }
 
+/// Places along the held sides of a plate. Those between two sharp corners, or of one kind, are divided evenly as a whole: from corner
+/// to corner where other held sides go on, half a spacing inside where a free one does.
+void add_held(const MidSurface<3>& surface, double spacing, std::vector<Vector<2>>& places, std::vector<EdgeKind>& kinds) {
+  const Outline& outline = surface.outline;
+  const std::size_t count = outline.size();
+  const auto corner = [&](std::size_t i) { return outline[i % count]; };
+  const auto side = [&](std::size_t i) { return surface.sides[i % count]; };
+  const auto is_break = [&](std::size_t i) {
+    const Vector<2> before = corner(i) - corner(i + count - 1), after = corner(i + 1) - corner(i);
+    const double turn = std::acos(std::clamp(before.dot(after) / (before.norm() * after.norm()), -1.0, 1.0));
+    return side(i) != side(i + count - 1) || turn > largest_turn * (1 + round_off);
+  };
+  std::size_t first = 0;
+  while (first < count && !is_break(first)) ++first;
+  const bool is_loop = first == count;
+  if (is_loop) first = 0;
+  for (std::size_t i = first; i < first + count;) {
+    std::size_t last = i + 1;  // the corner where the piece ends
+    std::vector<double> at{0, (corner(i + 1) - corner(i)).norm()};
+    for (; last < first + count && !is_break(last); ++last) at.push_back(at.back() + (corner(last + 1) - corner(last)).norm());
+    const EdgeKind kind = side(i);
+    if (kind != EdgeKind::free) {
+      const EdgeKind before = side(i + count - 1), after = side(last);
+      const double ends = is_loop ? 0 : 0.5 * ((before != EdgeKind::free) + (after != EdgeKind::free));
+      const long pieces = std::max(1L, std::lround(at.back() / spacing - ends));
+      const double step = at.back() / (static_cast<double>(pieces) + ends);
+      const bool on_corner = is_loop || before != EdgeKind::free;
+      const long number = pieces + (!is_loop && before != EdgeKind::free);  // not the last corner: the next piece begins there
+      for (long k = 0; k < number; ++k) {
+        const double s = (static_cast<double>(k) + (on_corner ? 0 : 0.5)) * step;
+        const auto next = std::upper_bound(at.begin() + 1, at.end() - 1, s) - at.begin();
+        const double share = (s - at[next - 1]) / (at[next] - at[next - 1]);
+        const std::size_t from = i + static_cast<std::size_t>(next) - 1;
+        places.push_back(corner(from) + share * (corner(from + 1) - corner(from)));
+        kinds.push_back(k == 0 && on_corner ? std::max(kind, before) : kind);
+      }
+    }
+    i = last;
+  }
+}
+
+std::vector<SurfaceCell<3>> cells_of_plate(const MidSurface<3>& surface) {
+  const double spacing = std::sqrt(surface.spacing(0) * surface.spacing(1));
+  std::vector<Vector<2>> places;
+  std::vector<EdgeKind> kinds;
+  add_held(surface, spacing, places, kinds);
+  for (int b = 0; b < surface.count[1] + surface.held_ends(1); ++b)
+    for (int a = 0; a < surface.count[0] + surface.held_ends(0); ++a) {
+      const std::array<int, 2> index{a, b};
+      Vector<2> s;
+      for (int n = 0; n < 2; ++n)
+        s[n] = surface.low[n] + (index[n] + (surface.edges[n][0] == EdgeKind::free ? 0.5 : 0)) * surface.spacing(n);
+      bool is_kept = signed_distance(surface.outline, s) <= round_off * spacing;
+      for (std::size_t i = 0; i < surface.sides.size() && is_kept; ++i)
+        if (surface.sides[i] != EdgeKind::free)
+          is_kept = distance_to_side(surface.outline[i], surface.outline[(i + 1) % surface.sides.size()], s) > 0.5 * spacing;
+      if (!is_kept) continue;
+      places.push_back(s);
+      kinds.push_back(EdgeKind::free);
+    }
+  std::vector<double> areas = cell_areas(surface.outline, places, spacing);
+  const auto is_small = [&](std::size_t i) { return kinds[i] == EdgeKind::free && areas[i] < 0.25 * (1 - round_off) * spacing * spacing; };
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (!is_small(i)) places[kept] = places[i], kinds[kept++] = kinds[i];
+  if (kept < places.size()) {
+    places.resize(kept), kinds.resize(kept);
+    areas = cell_areas(surface.outline, places, spacing);
+  }
+  std::vector<SurfaceCell<3>> cells;
+  for (std::size_t i = 0; i < places.size(); ++i) cells.push_back({surface.at({places[i][0], places[i][1]}), areas[i], kinds[i]});
+  return cells;
+}
+
 }  // namespace
 
 template <int D>
@@ -430,6 +583,8 @@ std::vector<SurfaceCell<D>> cells_of(const MidSurface<D>& surface) {
       }
       return cells;
     }
+  if constexpr (D == 3)
+    if (surface.kind == MidSurface<D>::Kind::plate) return cells_of_plate(surface);
   std::array<int, 2> size{1, 1};
   for (int a = 0; a < D - 1; ++a) size[a] = surface.count[a] + surface.held_ends(a);
   std::vector<SurfaceCell<D>> cells;

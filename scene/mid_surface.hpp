@@ -9,6 +9,7 @@
 
 #include "scene/case_file.hpp"
 #include "scene/geometry.hpp"
+#include "scene/plane_polygon.hpp"
 
 namespace tern {
 
@@ -23,23 +24,25 @@ struct SurfacePlace {
 };
 
 /// A rectangle of its coordinates s, which are lengths along it, laid into space: flat; rolled up about the axis of a circle or of a tube,
-/// where the last coordinate goes round; or along a path in the plane. A ball has no such coordinates, but the corners of an icosahedron
-/// and of the triangles into which its faces are cut (cells_of()).
+/// where the last coordinate goes round; or along a path in the plane. Of a plate only what is inside its outline. A ball has no such
+/// coordinates, but the corners of an icosahedron and of the triangles into which its faces are cut (cells_of()).
 template <int D>
 struct MidSurface {
-  enum class Kind { flat, round, path, ball } kind = Kind::flat;
+  enum class Kind { flat, plate, round, path, ball } kind = Kind::flat;
   double thickness = 0;                                ///< [m]
-  std::array<double, D - 1> low{}, high{};             ///< of s, between its clamps [m]
-  std::array<std::array<EdgeKind, 2>, D - 1> edges{};  ///< at both ends of each coordinate
-  std::array<int, D - 1> count{};                      ///< free particles along each coordinate; ball: round it
+  std::array<double, D - 1> low{}, high{};             ///< of s, between its clamps; plate: of the outline [m]
+  std::array<std::array<EdgeKind, 2>, D - 1> edges{};  ///< at both ends of each coordinate; plate: where the outline reaches it
+  std::array<int, D - 1> count{};                      ///< free particles along each coordinate; ball: round it; plate: of its lattice
   std::array<bool, D - 1> closed{};                    ///< the end of a coordinate is its beginning
-  Vector<D> origin = Vector<D>::Zero();                ///< flat: where s = 0; round, ball: the centre, of a tube where it begins
-  Matrix<D> axes = Matrix<D>::Identity();              ///< flat: directions of s, then the normal; round: axis, and where angles are 0
-  double radius = 0, begin = 0;                        ///< round, ball: its radius [m]; round: its angle where s = 0
-  int parts = 0;                                       ///< ball: into which each edge of the icosahedron is cut
-  std::vector<Vector<D>> corners;                      ///< path: closed, the last is the first again
-  std::vector<double> corner_at;                       ///< their s [m]
-  double reach = 0;                                    ///< path: its direction is that from `reach` before to `reach` after a place [m]
+  Vector<D> origin = Vector<D>::Zero();                ///< flat, plate: where s = 0; round, ball: the centre, of a tube where it begins
+  Matrix<D> axes = Matrix<D>::Identity();  ///< flat, plate: directions of s, then the normal; round: axis, and where angles are 0
+  double radius = 0, begin = 0;            ///< round, ball: its radius [m]; round: its angle where s = 0
+  int parts = 0;                           ///< ball: into which each edge of the icosahedron is cut
+  std::vector<Vector<D>> corners;          ///< path: closed, the last is the first again
+  std::vector<double> corner_at;           ///< their s [m]
+  Outline outline;                         ///< plate: in s, anticlockwise about the normal
+  std::vector<EdgeKind> sides;             ///< plate: of the side from each corner of the outline to the next
+  double reach = 0;                        ///< path: its direction is that from `reach` before to `reach` after a place [m]
 
   /// Not of a ball.
   SurfacePlace<D> at(const std::array<double, D - 1>& s) const;
@@ -56,6 +59,12 @@ struct MidSurface {
   }
 };
 
+/// Whether particles have neighbours by rows: those of a plate have them where a straight line in it leads, on a ball they are all.
+template <int D>
+bool is_in_rows(const MidSurface<D>& surface) {
+  return surface.kind != MidSurface<D>::Kind::ball && surface.kind != MidSurface<D>::Kind::plate;
+}
+
 /// Throws BadInput where the body cannot be modelled as a shell: of another shape, with a sharp corner, held by clamps that do not end at a
 /// whole edge, or by hinges that do not hold one.
 template <int D>
@@ -69,8 +78,10 @@ struct SurfaceCell {
   EdgeKind edge;  ///< that the particle stands on; where two meet, a clamp comes before a hinge
 };
 
-/// The first coordinate runs fastest. On a ball the corners of triangles: nearly even everywhere, six of them beside each but the twelve
-/// of the icosahedron, which have five. Each has a third of the triangles around it.
+/// The first coordinate runs fastest. On a plate those of its held sides come first, evenly along them; then what of a lattice is inside,
+/// but for places nearer to a held side than half a spacing. Each has the part of the plate that is nearer to it than to the others; a free
+/// particle with less than a quarter of a spacing squared is left out. On a ball the corners of triangles: nearly even everywhere, six
+/// of them beside each but the twelve of the icosahedron, which have five. Each has a third of the triangles around it.
 template <int D>
 std::vector<SurfaceCell<D>> cells_of(const MidSurface<D>& surface);
 

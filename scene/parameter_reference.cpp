@@ -23,6 +23,7 @@ std::string type_text(const Parameter& p) {
     case ParameterType::expression: return "number or expression";
     case ParameterType::expressions: return "D numbers or expressions";
     case ParameterType::vertices: return "list of [x, y]";
+    case ParameterType::places: return "list of [x, y, z]";
     case ParameterType::shape: return p.table == "shape" ? "table" : "shape";
     case ParameterType::shapes: return "list of shapes";
   }

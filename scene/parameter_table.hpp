@@ -21,7 +21,8 @@ enum class ParameterType {
   expression,   ///< number or expression text
   expressions,  ///< list of D numbers or expression texts
   vertices,     ///< list of at least 2 points [x, y]
-  shape,        ///< table with exactly one of box, polygon, ball, ring, line, tube, union, difference
+  places,       ///< list of at least 3 points [x, y, z]
+  shape,        ///< table with exactly one of box, polygon, ball, ring, line, tube, plate, union, difference
   shapes,       ///< list of shapes
 };
 

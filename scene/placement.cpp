@@ -70,6 +70,7 @@ class PlacementCheck {
     check_particles_exist();
     check_fluid_place();
     check_structure_place();
+    check_joints();
     check_faces_beside_fluid();
     check_clamps();
     check_thickness();
@@ -253,6 +254,28 @@ class PlacementCheck {
     }
   }
 
+  /// Who lets two shells touch expects a joint, but nothing would join them. What a clamp holds is joined by it.
+  void check_joints() const {
+    const auto touches = [](const StructureBody& body, const StructureBody& other) -> std::optional<Vector<D>> {
+      const double spacing = std::min(body.spacing, other.spacing);
+      for (const Vector<D>& x : sample_surface<D>(body.shape, spacing).position)
+        if (signed_distance<D>(other.shape, x) <= 1e-6 * spacing && !clamped(body, x) && !clamped(other, x)) return x;
+      return std::nullopt;
+    };
+    for (std::size_t i = 0; i < structure().size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        const StructureBody &body = structure()[i], &other = structure()[j];
+        if (!body.is_shell || !other.is_shell) continue;
+        std::optional<Vector<D>> x = touches(body, other);
+        if (!x) x = touches(other, body);
+        if (x)
+          fail(where_body(i),
+               fmt::format("the shells '{}' and '{}' touch at {}, but there are no joints of shells: nothing would hold them "
+                           "together. Leave a gap, clamp both there, or model them as one solid.",
+                           body.name, other.name, text(*x)));
+      }
+  }
+
   void check_clamps() const {
     for (std::size_t i = 0; i < structure().size(); ++i) {
       const StructureBody& body = structure()[i];
@@ -293,7 +316,7 @@ class PlacementCheck {
               fmt::format("{}: the spacing of the shell '{}', {:.3g} m, is wider than what bends along a tube at its ends and under loads, "
                           "sqrt(radius x thickness) = {:.3g} m: it is too soft there. Half of that is enough.",
                           where_body(i), body.name, body.spacing, std::sqrt(surface.radius * surface.thickness)));
-        if (body.spacing < 0.5 * fit.thickness)
+        if (body.spacing * (1 + 1e-6) < 0.5 * fit.thickness)
           scene_.warnings.push_back(
               fmt::format("{}: the spacing of the shell '{}', {:.3g} m, is below half of its thickness, {:.3g} m: the sub-steps shrink "
                           "with its square, and nothing gets better. As a solid the body costs less.",

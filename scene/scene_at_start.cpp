@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "scene/held_particles.hpp"
 #include "scene/mid_surface.hpp"
 
 namespace tern {
@@ -36,21 +37,19 @@ json rows(const LatticePoints<D>& points) {
   return result;
 }
 
-/// Rows of the points that lie in one of the regions.
+/// Rows of the points that are marked.
 template <int D>
-json rows_inside(const LatticePoints<D>& points, const std::vector<Shape>& regions, long& count) {
+json marked_rows(const LatticePoints<D>& points, const std::vector<bool>& is_marked) {
   json result = json::array();
-  const auto inside = [&](const Vector<D>& x) {
-    return std::any_of(regions.begin(), regions.end(), [&](const Shape& region) { return contains<D>(region, x); });
-  };
-  count = 0;
+  std::size_t first = 0;  // point of the run
   for (const auto& run : points.runs()) {
     long begin = 0;
     for (long i = 0; i <= run.count; ++i) {
-      if (i < run.count && inside(points.at(run, i))) continue;
-      if (i > begin) result.push_back(row<D>(points.at(run, begin), i - begin)), count += i - begin;
+      if (i < run.count && is_marked[first + static_cast<std::size_t>(i)]) continue;
+      if (i > begin) result.push_back(row<D>(points.at(run, begin), i - begin));
       begin = i + 1;
     }
+    first += static_cast<std::size_t>(run.count);
   }
   return result;
 }
@@ -105,7 +104,7 @@ template <int D>
 struct PlacedBody {
   json said;
   LatticePoints<D> points;
-  const std::vector<Shape>* clamps;
+  const StructureBody* structure;
   const VectorExpression* velocity;
 };
 
@@ -113,26 +112,25 @@ template <int D>
 std::string text(const Case& scene, std::size_t most_points) {
   std::vector<PlacedBody<D>> bodies;
   std::size_t count = 0;
-  const auto add = [&](const char* kind, const std::string& name, double spacing, LatticePoints<D> points, const std::vector<Shape>* clamps,
+  const auto add = [&](const char* kind, const std::string& name, double spacing, LatticePoints<D> points, const StructureBody* structure,
                        const VectorExpression& velocity) {
     count += points.size();
     json said = {{"kind", kind}, {"name", name}, {"spacing", spacing}, {"count", points.size()}};
-    bodies.push_back({std::move(said), std::move(points), clamps, &velocity});
+    bodies.push_back({std::move(said), std::move(points), structure, &velocity});
   };
   if (scene.fluid)
     for (const FluidBody& body : scene.fluid->bodies)
       add("fluid", "", scene.fluid->spacing, fill_with_fluid<D>(body.shape, scene.fluid->spacing), nullptr, body.velocity);
   if (scene.structure)
     for (const StructureBody& body : scene.structure->bodies)
-      add("structure", body.name, body.spacing, fill_body<D>(body), &body.clamps, body.velocity);
+      add("structure", body.name, body.spacing, fill_body<D>(body), &body, body.velocity);
 
   json result = {{"count", count}, {"walls", json::array()}, {"clamps", json::array()}, {"bodies", json::array()}};
-  for (auto& [said, points, clamps, velocity] : bodies) {
-    if (clamps) {
-      long clamped = 0;
-      json found = rows_inside<D>(points, *clamps, clamped);
-      said["clamped"] = clamped;
-      if (count <= most_points) said["clamped_rows"] = std::move(found);
+  for (auto& [said, points, structure, velocity] : bodies) {
+    if (structure) {
+      const std::vector<bool> held = held_particles<D>(*structure);
+      said["clamped"] = std::count(held.begin(), held.end(), true);
+      if (count <= most_points) said["clamped_rows"] = marked_rows<D>(points, held);
     }
     if (count <= most_points) {
       said["step"] = points.step()[0];

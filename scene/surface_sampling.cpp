@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "scene/geometry.hpp"
+#include "scene/plane_polygon.hpp"
 
 namespace tern {
 namespace {
@@ -160,6 +161,8 @@ class Sampler {
       sample_polygon(vertices);
     } else if (leaf.kind == Shape::Kind::tube) {
       sample_tube(leaf);
+    } else if (leaf.kind == Shape::Kind::plate) {
+      sample_plate(leaf);
     } else {
       sample_box(leaf);
     }
@@ -266,6 +269,41 @@ class Sampler {
       add_patches(across, along, leaf.thickness * leaf.length, [&](double u, double v) {
         return SurfacePoint<D>{place((v - 0.5) * leaf.length, inner + u * leaf.thickness, angle), direction(0, 0, side, angle)};
       });
+    }
+  }
+
+  /// Both faces, cut into squares that end at the sides, and the rim. A plate is a whole shape: none of it is hidden.
+  void sample_plate(const Shape& leaf) {
+    Outline outline;
+    for (const auto& vertex : leaf.vertices) outline.emplace_back(vertex[0], vertex[1]);
+    const auto axis = [&](int a) { return Vector<D>(leaf.axes[a][0], leaf.axes[a][1], leaf.axes[a][2]); };
+    const Vector<D> origin(leaf.center[0], leaf.center[1], leaf.center[2]);
+    const auto place = [&](const Vector<2>& s, double z) { return Vector<D>(origin + s[0] * axis(0) + s[1] * axis(1) + z * axis(2)); };
+    Vector<2> low = outline[0], high = outline[0];
+    for (const Vector<2>& corner : outline) low = low.cwiseMin(corner), high = high.cwiseMax(corner);
+    const std::array<long, 2> pieces{count(high[0] - low[0]), count(high[1] - low[1])};
+    const Vector<2> step((high[0] - low[0]) / static_cast<double>(pieces[0]), (high[1] - low[1]) / static_cast<double>(pieces[1]));
+    for (long j = 0; j < pieces[1]; ++j) {
+      const Vector<2> below(0, low[1] + static_cast<double>(j) * step[1]), above = below + Vector<2>(0, step[1]);
+      const Outline row = cut(cut(outline, below, Vector<2>(0, -1)), above, Vector<2>(0, 1));
+      for (long i = 0; i < pieces[0]; ++i) {
+        const Vector<2> left(low[0] + static_cast<double>(i) * step[0], 0), right = left + Vector<2>(step[0], 0);
+        const PlaneArea piece = area_of(cut(cut(row, left, Vector<2>(-1, 0)), right, Vector<2>(1, 0)));
+        if (piece.area <= 1e-9 * step[0] * step[1]) continue;
+        for (const double side : {1.0, -1.0}) add({place(piece.centre, 0.5 * side * leaf.thickness), side * axis(2)}, piece.area);
+      }
+    }
+    const long across = count(leaf.thickness);
+    for (std::size_t k = 0; k < outline.size(); ++k) {
+      const Vector<2>&from = outline[k], along = outline[(k + 1) % outline.size()] - from;
+      const Vector<D> normal = (along[1] * axis(0) - along[0] * axis(1)).normalized();
+      const long n = count(along.norm());
+      for (long j = 0; j < across; ++j)
+        for (long i = 0; i < n; ++i) {
+          const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(n);
+          const double z = ((static_cast<double>(j) + 0.5) / static_cast<double>(across) - 0.5) * leaf.thickness;
+          add({place(from + share * along, z), normal}, along.norm() * leaf.thickness / static_cast<double>(n * across));
+        }
     }
   }
 

@@ -107,6 +107,10 @@ Setting checked_value(const Parameter& p, const Setting& value, std::size_t dime
       if (value.type != Type::list || value.items.size() < 2) wrong_type(p, value, "a list of at least 2 points [x, y]");
       for (const Setting& vertex : value.items) check_entries(p, vertex, 2, false);
       return plain(value);
+    case ParameterType::places:
+      if (value.type != Type::list || value.items.size() < 3) wrong_type(p, value, "a list of at least 3 points [x, y, z]");
+      for (const Setting& place : value.items) check_entries(p, place, 3, false);
+      return plain(value);
     case ParameterType::shape:
     case ParameterType::shapes: break;
   }

@@ -40,6 +40,15 @@ double patches_of_primitive(const Shape& shape, double spacing) {
     }
     return count;
   }
+  if (shape.kind == Shape::Kind::plate) {
+    std::array<double, 2> low = shape.vertices[0], high = low;
+    for (std::size_t i = 0, j = shape.vertices.size() - 1; i < shape.vertices.size(); j = i++) {
+      const auto &a = shape.vertices[j], &b = shape.vertices[i];
+      count += pieces(std::hypot(b[0] - a[0], b[1] - a[1])) * pieces(shape.thickness);
+      for (int d = 0; d < 2; ++d) low[d] = std::min(low[d], b[d]), high[d] = std::max(high[d], b[d]);
+    }
+    return count + 2 * pieces(high[0] - low[0]) * pieces(high[1] - low[1]);
+  }
   if (shape.kind == Shape::Kind::ring || shape.kind == Shape::Kind::tube) {
     const double around = pieces((shape.end - shape.begin) * shape.radius);
     return 2 * around * (D == 2 ? 1 : pieces(shape.length) + pieces(shape.thickness));
@@ -62,7 +71,7 @@ std::string most_text(double most) { return fmt::format("{:.0e}", most); }
 }  // namespace
 
 double count_sides(const Shape& shape) {
-  double count = shape.kind == Shape::Kind::polygon || shape.kind == Shape::Kind::line ? static_cast<double>(shape.vertices.size()) : 1;
+  double count = shape.vertices.empty() ? 1 : static_cast<double>(shape.vertices.size());
   for (const Shape& part : shape.parts) count += count_sides(part);
   return count;
 }

@@ -28,6 +28,11 @@ void read_value(std::vector<std::array<double, 2>>& value, const Setting& settin
   for (const Setting& point : setting.items) value.push_back({point.items[0].number, point.items[1].number});
 }
 
+void read_value(std::vector<std::array<double, 3>>& value, const Setting& setting) {
+  value.clear();
+  for (const Setting& point : setting.items) value.push_back({point.items[0].number, point.items[1].number, point.items[2].number});
+}
+
 void read_value(Shape& value, const Setting& setting) { value = read_shape(setting); }
 void read_value(std::optional<Shape>& value, const Setting& setting) { value = read_shape(setting); }
 

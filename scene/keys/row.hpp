@@ -22,6 +22,7 @@ void read_value(std::array<double, 3>& value, const Setting& setting);
 void read_value(Expression& value, const Setting& setting);
 void read_value(VectorExpression& value, const Setting& setting);
 void read_value(std::vector<std::array<double, 2>>& value, const Setting& setting);
+void read_value(std::vector<std::array<double, 3>>& value, const Setting& setting);
 void read_value(Shape& value, const Setting& setting);
 void read_value(std::optional<Shape>& value, const Setting& setting);
 void read_value(std::vector<Shape>& value, const Setting& setting);
@@ -36,6 +37,7 @@ constexpr ParameterType type_of(const std::array<double, 3>*) { return Parameter
 constexpr ParameterType type_of(const Expression*) { return ParameterType::expression; }
 constexpr ParameterType type_of(const VectorExpression*) { return ParameterType::expressions; }
 constexpr ParameterType type_of(const std::vector<std::array<double, 2>>*) { return ParameterType::vertices; }
+constexpr ParameterType type_of(const std::vector<std::array<double, 3>>*) { return ParameterType::places; }
 constexpr ParameterType type_of(const Shape*) { return ParameterType::shape; }
 constexpr ParameterType type_of(const std::optional<Shape>*) { return ParameterType::shape; }
 constexpr ParameterType type_of(const std::vector<Shape>*) { return ParameterType::shapes; }

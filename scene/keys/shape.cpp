@@ -29,7 +29,8 @@ bool crosses_itself(const std::vector<std::array<double, 2>>& v, bool closed = t
   return false;
 }
 
-void check_corners(const std::vector<std::array<double, 2>>& vertices, const char* what, const Setting& table) {
+template <class Corners>
+void check_corners(const Corners& vertices, const char* what, const Setting& table) {
   constexpr std::size_t most_corners = 10000;  // each side is held against each other one
   if (vertices.size() > most_corners)
     throw BadInput(fmt::format("{}: the {} has {} corners, but at most {} are allowed; leave out those that lie nearer than a spacing.",
@@ -106,6 +107,17 @@ const Rows<Shape>& tube_rows() {
   return rows;
 }
 
+const Rows<Shape>& plate_rows() {
+  // clang-format off
+  static const Rows<Shape> rows = {
+      {"vertices", &Shape::corners, "m", required, a_place,
+       "Corners in order, either way round, all in one plane, halfway through the thickness; sides must not cross."},
+      {"thickness", &Shape::thickness, "m", required, a_size, "Thickness."},
+  };
+  // clang-format on
+  return rows;
+}
+
 void check_arc(const Shape& shape, const Setting& table) {
   const double turn = shape.end - shape.begin;
   if (turn <= 0 || turn > Shape::whole_turn * (1 + 1e-12))
@@ -136,6 +148,28 @@ void read_line(Shape& shape, const Setting& table) {
       throw BadInput(
           fmt::format("{}: corner {} of the line repeats the one before, ({}, {}) m; remove one.", table.where, i + 1, v[i][0], v[i][1]));
   if (crosses_itself(v, shape.closed)) throw BadInput(fmt::format("{}: the line crosses itself; give its corners in order.", table.where));
+}
+
+void read_plate(Shape& shape, const Setting& table) {
+  fill(shape, plate_rows(), table);
+  check_corners(shape.corners, "plate", table);
+  const std::size_t count = shape.corners.size();
+  for (std::size_t i = 0; i < count; ++i)
+    if (const auto& x = shape.corners[i]; x == shape.corners[(i + count - 1) % count])
+      throw BadInput(fmt::format("{}: corner {} of the plate repeats the one before, ({}, {}, {}) m; remove one.", table.where, i + 1, x[0],
+                                 x[1], x[2]));
+  shape = plate_shape(std::move(shape.corners), shape.thickness);
+  if (shape.vertices.empty() || crosses_itself(shape.vertices))
+    throw BadInput(fmt::format("{}: the sides of the plate cross, or it has no area; give the corners in order around it.", table.where));
+  double size = 0;
+  for (const auto& vertex : shape.vertices) size = std::max(size, std::hypot(vertex[0], vertex[1]));
+  for (std::size_t i = 0; i < count; ++i) {
+    double off = 0;
+    for (int d = 0; d < 3; ++d) off += shape.axes[2][d] * (shape.corners[i][d] - shape.center[d]);
+    if (std::abs(off) > 1e-6 * size)
+      throw BadInput(fmt::format("{}: corner {} of the plate, ({}, {}, {}) m, is {:.3g} m off the plane of the others; a plate is flat.",
+                                 table.where, i + 1, shape.corners[i][0], shape.corners[i][1], shape.corners[i][2], std::abs(off)));
+  }
 }
 
 void read_box(Shape& shape, const Setting& table) {
@@ -192,6 +226,7 @@ const Rows<Shape>& shape_rows() {
       {"ring", solid(Shape::Kind::ring, read_ring), "", absent, any, "See `shape.ring`."},
       {"line", solid(Shape::Kind::line, read_line), "", absent, any, "See `shape.line`."},
       {"tube", solid(Shape::Kind::tube, read_tube), "", absent, any, "See `shape.tube`."},
+      {"plate", solid(Shape::Kind::plate, read_plate), "", absent, any, "See `shape.plate`."},
       {"union", combination(Shape::Kind::union_of), "", absent, any, "List of shapes; a point of any of them belongs to the solid."},
       {"difference", combination(Shape::Kind::difference), "", absent, any, "List of shapes; the first without the others."},
   };
@@ -212,7 +247,9 @@ std::vector<TableDefinition> shape_tables() {
           {"shape.line", false, Presence::filled, "A line of straight pieces with a thickness; of an elastic body in 2D.",
            parameters_of(line_rows())},
           {"shape.tube", false, Presence::filled, "A round tube, or a part of one between two angles; of an elastic body in 3D.",
-           parameters_of(tube_rows())}};
+           parameters_of(tube_rows())},
+          {"shape.plate", false, Presence::filled, "A flat polygon in space with a thickness; of an elastic body in 3D.",
+           parameters_of(plate_rows())}};
 }
 
 Shape read_shape(const Setting& table) { return filled(shape_rows(), table); }

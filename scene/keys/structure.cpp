@@ -45,8 +45,9 @@ const Rows<StructureBody>& body_rows() {
        "Law of the material: " + material_meanings() + "."},
       {"model", one_of(&StructureBody::is_shell, {{"solid", false}, {"shell", true}}), "", absent, any,
        "solid (absent): particles fill the shape. shell: one layer of particles on the mid-surface of a box, whose shortest side is the "
-       "thickness, of a ring or a line (2D), of a tube or of a ball less a smaller one about its centre (3D). Clamps hold whole edges, "
-       "those of a box are boxes; a ball has none. It bends without transverse shear, so it has to be thin: 30 thicknesses between two "
+       "thickness, of a ring or a line (2D), of a plate, a tube or a ball less a smaller one about its centre (3D). Clamps hold whole "
+       "edges, those of a box are boxes, those of a plate reach into it by less than its thickness; a ball has none. Shells must "
+       "not touch: there are no joints. It bends without transverse shear, so it has to be thin: 30 thicknesses between two "
        "clamps, 10 as a cantilever. A spacing of one to two thicknesses "
        "is enough; a ring needs 30 particles."},
       {"mooney_ratio", &StructureBody::mooney_ratio, "-", absent, from_to(0, 1),

@@ -73,7 +73,7 @@ bool shell_elastic_forces(const Reference<D>& reference, State<D>& state, Worksp
     if (stresses_of(shell, own) < shell.layer.size()) return false;
     std::fill(own.viscous.begin(), own.viscous.end(), ShellDerivatives<D>::Zero());
     for_each_block(static_cast<std::ptrdiff_t>(shell.layer.size()), [&](std::ptrdiff_t i) {
-      const Vector<D> force = shell_force<D>(shell.layer, static_cast<std::size_t>(i), own.conjugate);
+      const Vector<D> force = shell_force<D, 1>(shell.layer, static_cast<std::size_t>(i), {own.conjugate})[0];
       for (int a = 0; a < D; ++a) state.internal_force[a][shell.first_row + i] = force[a];
     });
   }
@@ -107,10 +107,12 @@ void shell_internal_forces(const Reference<D>& reference, double time_s, State<D
       for (int lane = 0; lane < lane_count; ++lane) {
         const std::ptrdiff_t i = n * lane_count + lane, row = shell.first_row + i;
         if (i >= static_cast<std::ptrdiff_t>(shell.layer.size())) break;
-        Vector<D> force = shell_force<D>(shell.layer, static_cast<std::size_t>(i), own.conjugate);
-        if (is_viscous) {
-          const Vector<D> viscous = shell_force<D>(shell.layer, static_cast<std::size_t>(i), own.viscous);
-          force += viscous;
+        Vector<D> force;
+        if (!is_viscous) {
+          force = shell_force<D, 1>(shell.layer, static_cast<std::size_t>(i), {own.conjugate})[0];
+        } else {
+          const auto [elastic, viscous] = shell_force<D, 2>(shell.layer, static_cast<std::size_t>(i), {own.conjugate, own.viscous});
+          force = elastic + viscous;
           state.diffusion_power[block][lane] =
               shell.layer.particles.area[i] *
                   shell_turning_power<D>(shell.layer, i, own.derivatives[i], own.viscous[i], own.turn, own.turn_rate) -

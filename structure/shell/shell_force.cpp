@@ -3,6 +3,7 @@
 #include <complex>
 
 #include "base/lanes.hpp"
+#include "structure/shell/components.hpp"
 
 namespace tern::structure {
 namespace {
@@ -21,10 +22,10 @@ std::pair<double, double> line_energy(const ShellLayer<2>& layer, double c, doub
   return {0.5 * layer.modulus() * e * e, 0.5 * layer.modulus() * e};
 }
 
-/// E' [(1 - nu) A + nu tr A I].
-Eigen::Matrix2d hooke(const ShellLayer<3>& layer, const Eigen::Matrix2d& a) {
-  const double nu = layer.poisson_ratio();
-  return layer.modulus() * ((1 - nu) * a + nu * a.trace() * Eigen::Matrix2d::Identity());
+/// E' [(1 - nu) A + nu tr A I], by Lame's parameters.
+inline Eigen::Matrix2d hooke(const ShellLayer<3>& layer, const Eigen::Matrix2d& a) {
+  const double lambda = layer.material.lambda, mu = layer.material.mu;
+  return 2 * mu * a + 2 * lambda * mu / (lambda + 2 * mu) * a.trace() * Eigen::Matrix2d::Identity();
 }
 
 /// Psi [J/m^3] of a stretched surface of metric c, and 2 dPsi/dC [Pa].
@@ -116,11 +117,6 @@ struct Tangents {
       for (int b = 0; b < 2; ++b) bend(a, b) = normal.dot(d.col(second_derivative<3>(a, b)));
   }
 
-  /// p of d rho_ab = n.dx_,ab + p.dc, c = x_,1 x x_,2; the normal of a clamp is given.
-  Vector<3> by_turn(const ShellDerivatives<3>& d, int a, int b) const {
-    return is_clamped ? Vector<3>::Zero() : Vector<3>((d.col(second_derivative<3>(a, b)) - bend(a, b) * normal) / area);
-  }
-
   /// x_,ae.x_,b + x_,be.x_,a, with the slopes of `first` and the second derivatives of `second`, halved.
   static Eigen::Matrix2d gradient(const ShellDerivatives<3>& first, const ShellDerivatives<3>& second, int e) {
     Eigen::Matrix2d g;
@@ -131,23 +127,24 @@ struct Tangents {
     return g;
   }
 
-  /// What is conjugate to the derivatives where the stresses of E, rho and G_..1, G_..2 are these.
+  /// What is conjugate to the derivatives, by d rho_ab = n.dx_,ab + p_ab.dc, p_ab = (x_,ab - rho_ab n)/|c|, c = x_,1 x x_,2,
+  /// where the stresses of E, rho and G_..1, G_..2 are these.
   void conjugate_of(const ShellDerivatives<3>& d, const Eigen::Matrix2d& stress, const Eigen::Matrix2d& moment,
                     const std::array<Eigen::Matrix2d, 2>& cell, ShellDerivatives<3>& conjugate) const {
     conjugate.leftCols<2>() = x * stress;
-    conjugate.rightCols<3>().setZero();
-    for (int a = 0; a < 2; ++a)
-      for (int b = 0; b < 2; ++b) {
-        conjugate.col(second_derivative<3>(a, b)) += moment(a, b) * normal;
-        if (is_clamped) continue;
-        const Vector<3> p = by_turn(d, a, b);
-        conjugate.col(0) += moment(a, b) * x.col(1).cross(p);
-        conjugate.col(1) += moment(a, b) * p.cross(x.col(0));
-        for (int e = 0; e < 2; ++e) {
-          const int ae = second_derivative<3>(a, e);
-          conjugate.col(ae) += cell[e](a, b) * x.col(b);
-          conjugate.col(b) += cell[e](a, b) * d.col(ae);
-        }
+    conjugate.col(2) = moment(0, 0) * normal;
+    conjugate.col(3) = (moment(0, 1) + moment(1, 0)) * normal;
+    conjugate.col(4) = moment(1, 1) * normal;
+    if (is_clamped) return;
+    const Vector<3> curved = moment(0, 0) * d.col(2) + (moment(0, 1) + moment(1, 0)) * d.col(3) + moment(1, 1) * d.col(4);
+    const Vector<3> p = (curved - moment.cwiseProduct(bend).sum() * normal) / area;  // sum of M_ab p_ab
+    conjugate.col(0) += Vector<3>(x.col(1)).cross(p);
+    conjugate.col(1) += p.cross(Vector<3>(x.col(0)));
+    for (int e = 0; e < 2; ++e)
+      for (int a = 0; a < 2; ++a) {
+        const int ae = second_derivative<3>(a, e);
+        conjugate.col(ae) += cell[e](a, 0) * x.col(0) + cell[e](a, 1) * x.col(1);
+        for (int b = 0; b < 2; ++b) conjugate.col(b) += cell[e](a, b) * d.col(ae);
       }
   }
 };
@@ -156,15 +153,14 @@ double density(const ShellLayer<3>& layer, std::size_t i, const ShellDerivatives
                ShellDerivatives<3>& conjugate) {
   const double t = layer.thickness;
   const auto clamp = layer.particles.clamp[i];
-  const Matrix<3> still = Matrix<3>::Identity();
-  const ShellDerivatives<3>& r = layer.reference[i];
-  const Tangents now(layer, i, d, clamp >= 0 ? &turn[clamp] : nullptr), before(layer, i, r, clamp >= 0 ? &still : nullptr);
-  const auto [psi, stress] = surface_energy(layer, now.x.transpose() * now.x, before.x.transpose() * before.x);
-  const Eigen::Matrix2d rho = now.bend - before.bend, moment = t * t * t / 12 * hooke(layer, rho);
+  const ShellRest& rest = layer.rest[i];
+  const Tangents now(layer, i, d, clamp >= 0 ? &turn[clamp] : nullptr);
+  const auto [psi, stress] = surface_energy(layer, now.x.transpose() * now.x, rest.metric);
+  const Eigen::Matrix2d rho = now.bend - rest.bend, moment = t * t * t / 12 * hooke(layer, rho);
   double w = t * psi + 0.5 * moment.cwiseProduct(rho).sum();
   std::array<Eigen::Matrix2d, 2> cell;
   for (int e = 0; e < 2 && clamp < 0; ++e) {
-    const Eigen::Matrix2d g = Tangents::gradient(d, d, e) - Tangents::gradient(r, r, e);
+    const Eigen::Matrix2d g = Tangents::gradient(d, d, e) - rest.gradient[e];
     cell[e] = t * layer.cell_squared[e] * hooke(layer, g);
     w += 0.5 * cell[e].cwiseProduct(g).sum();
   }
@@ -181,11 +177,13 @@ void viscous_stress(const ShellLayer<3>& layer, std::size_t i, const ShellDeriva
   const Eigen::Matrix2d product = now.x.transpose() * x_rate, strain_rate = 0.5 * (product + product.transpose());
   const Vector<3> c_rate = x_rate.col(0).cross(now.x.col(1)) + now.x.col(0).cross(x_rate.col(1));
   Eigen::Matrix2d bend_rate;
-  const Vector<3> normal_rate = clamp >= 0 ? Vector<3>(turn_rate[clamp] * layer.particles.frame[i].col(2)) : Vector<3>::Zero();
+  // dn/dt.x_,ab, of the normal that turns with the surface (c_rate), or with its clamp.
+  const Vector<3> turning = clamp >= 0 ? Vector<3>(turn_rate[clamp] * layer.particles.frame[i].col(2))
+                                       : Vector<3>((c_rate - now.normal.dot(c_rate) * now.normal) / now.area);
   for (int a = 0; a < 2; ++a)
-    for (int b = 0; b < 2; ++b) {
+    for (int b = a; b < 2; ++b) {
       const int ab = second_derivative<3>(a, b);
-      bend_rate(a, b) = now.normal.dot(rate.col(ab)) + now.by_turn(d, a, b).dot(c_rate) + normal_rate.dot(d.col(ab));
+      bend_rate(a, b) = bend_rate(b, a) = now.normal.dot(rate.col(ab)) + turning.dot(d.col(ab));
     }
   std::array<Eigen::Matrix2d, 2> cell;
   for (int e = 0; e < 2 && clamp < 0; ++e)
@@ -195,13 +193,27 @@ void viscous_stress(const ShellLayer<3>& layer, std::size_t i, const ShellDeriva
 
 }  // namespace
 
+ShellRest shell_rest(const ShellLayer<3>& layer, std::size_t i) {
+  const Matrix<3> still = Matrix<3>::Identity();
+  const ShellDerivatives<3>& r = layer.reference[i];
+  const Tangents before(layer, i, r, layer.particles.clamp[i] >= 0 ? &still : nullptr);
+  return {before.x.transpose() * before.x, before.bend, {Tangents::gradient(r, r, 0), Tangents::gradient(r, r, 1)}};
+}
+
 template <int D>
 void shell_derivatives_of(const ShellLayer<D>& layer, std::span<const Vector<D>> x, std::span<const Matrix<D>> turn,
                           std::span<ShellDerivatives<D>> derivatives) {
   constexpr int second = shell_unknowns<D> - shell_slopes<D>;
   for_each_block(static_cast<std::ptrdiff_t>(layer.size()), [&](std::ptrdiff_t i) {
-    ShellDerivatives<D> sum = ShellDerivatives<D>::Zero();
-    for (auto n = layer.first[i]; n < layer.first[i + 1]; ++n) sum += (x[layer.neighbour[n]] - x[i]) * layer.weight[n].transpose();
+    const Lanes own = components<D>(x[i].data());
+    Lanes columns[shell_unknowns<D>] = {};
+    const auto* weight = layer.weight.data();
+    for (auto n = layer.first[i]; n < layer.first[i + 1]; ++n) {
+      const Lanes from = components<D>(x[layer.neighbour[n]].data()) - own;
+      for (int c = 0; c < shell_unknowns<D>; ++c) columns[c] += from * weight[n][c];
+    }
+    ShellDerivatives<D> sum;
+    for (int c = 0; c < shell_unknowns<D>; ++c) sum.col(c) = vector_of<D>(columns[c]);
     const auto clamp = layer.particles.clamp[i];
     for (int a = 0; a < D - 1 && clamp >= 0; ++a)
       sum.template rightCols<second>() -= turn[clamp] * layer.particles.frame[i].col(a) * layer.clamp_slope[i].col(a).transpose();
@@ -239,14 +251,19 @@ double shell_turning_power(const ShellLayer<D>& layer, std::size_t i, const Shel
   return power;
 }
 
-template <int D>
-Vector<D> shell_force(const ShellLayer<D>& layer, std::size_t i, std::span<const ShellDerivatives<D>> conjugate) {
-  Vector<D> force = Vector<D>::Zero();
-  for (auto n = layer.first[i]; n < layer.first[i + 1]; ++n) {
-    const auto j = layer.neighbour[n];
-    force += layer.particles.area[i] * (conjugate[i] * layer.weight[n]);
-    force -= layer.particles.area[j] * (conjugate[j] * layer.weight[layer.mirror[n]]);
-  }
+// f_i = sum_j (A_i dW_i w_ij - A_j dW_j w_ji). Columns that follow each other have sums of their own: one would wait for itself.
+template <int D, std::size_t N>
+std::array<Vector<D>, N> shell_force(const ShellLayer<D>& layer, std::size_t i,
+                                     const std::array<std::span<const ShellDerivatives<D>>, N>& conjugate) {
+  Lanes sums[N][2] = {};
+  const auto add = [&](std::size_t j, const typename ShellLayer<D>::Weights& weight) {
+    for (int c = 0; c < shell_unknowns<D>; ++c)
+      for (std::size_t m = 0; m < N; ++m) sums[m][c % 2] += components<D>(conjugate[m][j].data() + D * c) * weight[c];
+  };
+  add(i, layer.weight_sum[i]);
+  for (auto n = layer.first[i]; n < layer.first[i + 1]; ++n) add(layer.neighbour[n], layer.mirror_weight[n]);
+  std::array<Vector<D>, N> force;
+  for (std::size_t m = 0; m < N; ++m) force[m] = vector_of<D>(sums[m][0] + sums[m][1]);
   return force;
 }
 
@@ -258,7 +275,7 @@ double shell_forces(const ShellLayer<D>& layer, std::span<const Vector<D>> x, st
   for (std::size_t i = 0; i < layer.size(); ++i)
     energy += layer.particles.area[i] * shell_energy_density(layer, i, derivatives[i], turn, conjugate[i]);
   for_each_block(static_cast<std::ptrdiff_t>(layer.size()),
-                 [&](std::ptrdiff_t i) { force[i] = shell_force<D>(layer, static_cast<std::size_t>(i), conjugate); });
+                 [&](std::ptrdiff_t i) { force[i] = shell_force<D, 1>(layer, static_cast<std::size_t>(i), {conjugate})[0]; });
   return energy;
 }
 
@@ -271,7 +288,10 @@ double shell_forces(const ShellLayer<D>& layer, std::span<const Vector<D>> x, st
                                         std::span<const Matrix<D>>, std::span<const Matrix<D>>, double, ShellDerivatives<D>&);       \
   template double shell_turning_power<D>(const ShellLayer<D>&, std::size_t, const ShellDerivatives<D>&, const ShellDerivatives<D>&,  \
                                          std::span<const Matrix<D>>, std::span<const Matrix<D>>);                                    \
-  template Vector<D> shell_force<D>(const ShellLayer<D>&, std::size_t, std::span<const ShellDerivatives<D>>);                        \
+  template std::array<Vector<D>, 1> shell_force<D, 1>(const ShellLayer<D>&, std::size_t,                                             \
+                                                      const std::array<std::span<const ShellDerivatives<D>>, 1>&);                   \
+  template std::array<Vector<D>, 2> shell_force<D, 2>(const ShellLayer<D>&, std::size_t,                                             \
+                                                      const std::array<std::span<const ShellDerivatives<D>>, 2>&);                   \
   template double shell_forces<D>(const ShellLayer<D>&, std::span<const Vector<D>>, std::span<const Matrix<D>>,                      \
                                   std::span<ShellDerivatives<D>>, std::span<ShellDerivatives<D>>, std::span<Vector<D>>);
 TERN_INSTANTIATE(2)

@@ -21,6 +21,9 @@ template <int D>
 void shell_derivatives_of(const ShellLayer<D>& layer, std::span<const Vector<D>> x, std::span<const Matrix<D>> turn,
                           std::span<ShellDerivatives<D>> derivatives);
 
+/// What the energy of particle i compares with. Its reference has to be there.
+ShellRest shell_rest(const ShellLayer<3>& layer, std::size_t i);
+
 /// W [J/m^(D-1)] of particle i and, in `conjugate`, dW/dx_,a and dW/dx_,ab.
 template <int D>
 double shell_energy_density(const ShellLayer<D>& layer, std::size_t i, const ShellDerivatives<D>& derivatives,
@@ -38,9 +41,10 @@ template <int D>
 double shell_turning_power(const ShellLayer<D>& layer, std::size_t i, const ShellDerivatives<D>& derivatives,
                            const ShellDerivatives<D>& conjugate, std::span<const Matrix<D>> turn, std::span<const Matrix<D>> turn_rate);
 
-/// f_i = -dU/dx_i [N/m^(3-D)] from A_j dW_j of all particles j.
-template <int D>
-Vector<D> shell_force(const ShellLayer<D>& layer, std::size_t i, std::span<const ShellDerivatives<D>> conjugate);
+/// f_i = -dU/dx_i [N/m^(3-D)] from dW_j of all particles j; of several W at once.
+template <int D, std::size_t N>
+std::array<Vector<D>, N> shell_force(const ShellLayer<D>& layer, std::size_t i,
+                                     const std::array<std::span<const ShellDerivatives<D>>, N>& conjugate);
 
 /// All of it: U [J/m^(3-D)], and the forces. `derivatives` and `conjugate` are work space of the size of the layer.
 template <int D>

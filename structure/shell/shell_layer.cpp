@@ -9,11 +9,13 @@
 #include "base/error.hpp"
 #include "sph/kernel.hpp"
 #include "sph/symmetric_matrix.hpp"
+#include "structure/shell/shell_force.hpp"
 
 namespace tern::structure {
 namespace {
 
-constexpr double smoothing_ratio = 1.1;  // h over spacing
+constexpr double smoothing_ratio = 1.1;  // h over spacing, on a lattice
+constexpr double most_smoothing = 2;     // h over spacing, of a particle in a sharp corner
 
 template <int D>
 using Offset = Eigen::Matrix<double, shell_slopes<D>, 1>;  ///< xi_a over the spacing along a
@@ -39,6 +41,7 @@ template <int D>
 std::vector<std::uint32_t> cells_beside(const ShellParticles<D>& particles, std::size_t i) {
   constexpr int reach = 3;  // cells; 2.2 spacings round a circle of ten reach into the third
   std::vector<std::uint32_t> beside;
+  if (!particles.beside.empty()) return particles.beside[i];
   if (!particles.in_rows) {  // nothing lies over another part of a ball
     for (std::size_t j = 0; j < particles.position.size(); ++j)
       if (j != i) beside.push_back(static_cast<std::uint32_t>(j));
@@ -65,9 +68,9 @@ std::vector<std::uint32_t> cells_beside(const ShellParticles<D>& particles, std:
 /// Weights of the first `slopes` and of all second derivatives in spacings, one column per offset, by the terms xi_a (if slopes > 0)
 /// and xi_a xi_b/2 (a <= b; xi_0 xi_1 whole). Empty when the offsets do not determine them.
 template <int D>
-Eigen::MatrixXd fit(const std::vector<Offset<D>>& offsets, bool with_slopes) {
+Eigen::MatrixXd fit(const std::vector<Offset<D>>& offsets, bool with_slopes, double smoothing) {
   const int slopes = with_slopes ? shell_slopes<D> : 0, terms = slopes + shell_unknowns<D> - shell_slopes<D>;
-  const Kernel<2> kernel(smoothing_ratio);
+  const Kernel<2> kernel(smoothing);
   Eigen::MatrixXd basis(terms, offsets.size());
   Eigen::VectorXd weight(offsets.size());
   for (std::size_t n = 0; n < offsets.size(); ++n) {
@@ -84,6 +87,28 @@ Eigen::MatrixXd fit(const std::vector<Offset<D>>& offsets, bool with_slopes) {
   return inverse * weighted;
 }
 
+/// Smoothing length in spacings of a particle of a plate. Beside an edge that runs across the lattice the particles within the usual
+/// reach may hardly determine the fit. It grows until no derivative takes more from the noise of the positions than in the corner of a
+/// lattice: the slope there is (-3 x_0 + 4 x_1 - x_2)/2, whose squared weights sum to 6.5.
+template <int D>
+double smoothing_of(const ShellParticles<D>& particles, std::size_t i) {
+  constexpr double of_corner = 6.5 * (1 + 1e-6), step = 0.1;
+  for (double smoothing = smoothing_ratio; smoothing < most_smoothing; smoothing += step) {
+    std::vector<Offset<D>> offsets;
+    for (const std::uint32_t j : cells_beside(particles, i))
+      if (squared_distance(particles, i, j) < 4 * smoothing * smoothing * (1 - 1e-9)) offsets.push_back(offset_between(particles, i, j));
+    const auto is_quiet = [&](const Eigen::MatrixXd& weights) {
+      if (weights.size() == 0) return false;
+      for (Eigen::Index row = 0; row < weights.rows(); ++row)
+        if (weights.row(row).squaredNorm() + std::pow(weights.row(row).sum(), 2) > of_corner) return false;
+      return true;
+    };
+    if (is_quiet(fit<D>(offsets, true, smoothing)) && (particles.clamp[i] < 0 || is_quiet(fit<D>(offsets, false, smoothing))))
+      return smoothing;
+  }
+  return most_smoothing;
+}
+
 }  // namespace
 
 template <int D>
@@ -94,7 +119,7 @@ ShellParticles<D> shell_particles(const MidSurface<D>& surface) {
     particles.size[a] = surface.count[a] + surface.held_ends(a);
   }
   particles.closed = surface.closed;
-  particles.in_rows = surface.kind != MidSurface<D>::Kind::ball;
+  particles.in_rows = is_in_rows(surface);
   for (const SurfaceCell<D>& cell : cells_of(surface)) {
     particles.position.push_back(cell.place.position);
     particles.frame.push_back(cell.place.frame);
@@ -102,6 +127,15 @@ ShellParticles<D> shell_particles(const MidSurface<D>& surface) {
     particles.held.push_back(cell.edge != EdgeKind::free);
     particles.clamp.push_back(cell.edge == EdgeKind::clamp ? 0 : -1);
   }
+  if constexpr (D == 3)
+    if (surface.kind == MidSurface<D>::Kind::plate) {
+      std::vector<Vector<2>> places;
+      for (const Vector<D>& x : particles.position) {
+        const Vector<D> from = x - surface.origin;
+        places.emplace_back(surface.axes.col(0).dot(from), surface.axes.col(1).dot(from));
+      }
+      particles.beside = points_beside(surface.outline, places, 2 * most_smoothing * std::max(surface.spacing(0), surface.spacing(1)));
+    }
   return particles;
 }
 
@@ -118,29 +152,31 @@ ShellLayer<D> make_shell_layer(const std::string& name, ShellParticles<D> partic
         fmt::format("Body '{}': a shell of the material {} is not built; use neo_hookean or st_venant_kirchhoff, or model it as "
                     "a solid.",
                     name, material.name()));
-  ShellLayer<D> layer{std::move(particles), material, thickness, {}, {}, {}, {}, {}, {}, {}};
+  ShellLayer<D> layer{std::move(particles), material, thickness, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}};
   const ShellParticles<D>& p = layer.particles;
   const std::size_t count = p.position.size();
   for (int a = 0; a < D - 1; ++a) layer.cell_squared[a] = std::pow(std::min(p.spacing[a], thickness), 2) / 12;
   layer.clamp_slope.resize(count);
   layer.reference.resize(count);
   layer.first.push_back(0);
-  const double reach = 4 * smoothing_ratio * smoothing_ratio * (1 - 1e-9);
+  std::vector<double> smoothing(count, smoothing_ratio);
+  for (std::size_t i = 0; i < count && !p.beside.empty(); ++i) smoothing[i] = smoothing_of(p, i);
   for (std::size_t i = 0; i < count; ++i) {
     std::vector<Offset<D>> offsets;
     for (const std::uint32_t j : cells_beside(p, i)) {
-      if (0.5 * (squared_distance(p, i, j) + squared_distance(p, j, i)) >= reach) continue;
+      const double reach = 2 * std::max(smoothing[i], smoothing[j]);
+      if (0.5 * (squared_distance(p, i, j) + squared_distance(p, j, i)) >= reach * reach * (1 - 1e-9)) continue;
       layer.neighbour.push_back(j);
       offsets.push_back(offset_between(p, i, j));
     }
     layer.first.push_back(static_cast<std::uint32_t>(layer.neighbour.size()));
-    Eigen::MatrixXd weights = fit<D>(offsets, true);
-    const Eigen::MatrixXd held = p.clamp[i] >= 0 ? fit<D>(offsets, false) : Eigen::MatrixXd();
+    Eigen::MatrixXd weights = fit<D>(offsets, true, smoothing[i]);
+    const Eigen::MatrixXd held = p.clamp[i] >= 0 ? fit<D>(offsets, false, smoothing[i]) : Eigen::MatrixXd();
     if (weights.size() == 0 || (p.clamp[i] >= 0 && held.size() == 0))
       throw BadInput(
           fmt::format("Body '{}': a particle of the shell has {} neighbours within {:.3g} spacings, which do not determine its "
                       "curvature; make the spacing at most a third of its shortest side.",
-                      name, offsets.size(), 2 * smoothing_ratio));
+                      name, offsets.size(), 2 * smoothing[i]));
     if (p.clamp[i] >= 0) weights.bottomRows(held.rows()) = held;
     Eigen::Matrix<double, shell_unknowns<D>, 1> scale;
     for (int a = 0; a < D - 1; ++a) {
@@ -168,6 +204,14 @@ ShellLayer<D> make_shell_layer(const std::string& name, ShellParticles<D> partic
       const auto begin = layer.neighbour.begin() + layer.first[j], end = layer.neighbour.begin() + layer.first[j + 1];
       layer.mirror[n] = static_cast<std::uint32_t>(std::lower_bound(begin, end, i) - layer.neighbour.begin());
     }
+  layer.weight_sum.assign(count, ShellLayer<D>::Weights::Zero());
+  for (std::size_t i = 0; i < count; ++i)
+    for (auto n = layer.first[i]; n < layer.first[i + 1]; ++n) {
+      layer.weight_sum[i] += p.area[i] * layer.weight[n];
+      layer.mirror_weight.push_back(-p.area[layer.neighbour[n]] * layer.weight[layer.mirror[n]]);
+    }
+  if constexpr (D == 3)
+    for (std::size_t i = 0; i < count; ++i) layer.rest.push_back(shell_rest(layer, i));
   return layer;
 }
 

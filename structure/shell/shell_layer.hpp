@@ -47,35 +47,47 @@ Vector<D> shell_normal(const Slopes& slopes) {
 /// What a layer is made of. Neighbours are the particles within 2.2 spacings along the mid-surface.
 template <int D>
 struct ShellParticles {
-  std::vector<Vector<D>> position;                ///< X [m]
-  std::vector<Matrix<D>> frame;                   ///< columns: e_a, then the normal N
-  std::vector<double> area;                       ///< of the mid-surface, half of it on a held edge [m^(D-1)]
-  std::vector<bool> held;                         ///< on a clamped or hinged edge: its motion is prescribed
-  std::vector<std::int32_t> clamp;                ///< of its edge: index of Reference::clamps, their number without a name; -1: none
-  std::array<double, shell_slopes<D>> spacing{};  ///< along e_a [m]
-  std::array<int, shell_slopes<D>> size{};        ///< particles along e_a, the first fastest
-  std::array<bool, shell_slopes<D>> closed{};     ///< the first of them is beside the last
-  bool in_rows = true;                            ///< on a ball they are not, and the two above say nothing
+  std::vector<Vector<D>> position;                 ///< X [m]
+  std::vector<Matrix<D>> frame;                    ///< columns: e_a, then the normal N
+  std::vector<double> area;                        ///< of the mid-surface, half of it on a held edge [m^(D-1)]
+  std::vector<bool> held;                          ///< on a clamped or hinged edge: its motion is prescribed
+  std::vector<std::int32_t> clamp;                 ///< of its edge: index of Reference::clamps, their number without a name; -1: none
+  std::array<double, shell_slopes<D>> spacing{};   ///< along e_a [m]
+  std::array<int, shell_slopes<D>> size{};         ///< particles along e_a, the first fastest
+  std::array<bool, shell_slopes<D>> closed{};      ///< the first of them is beside the last
+  bool in_rows = true;                             ///< on a ball or plate they are not, and the two above say nothing
+  std::vector<std::vector<std::uint32_t>> beside;  ///< plate: which others a straight line in it leads to; empty: to all
 };
 
 /// The cells of a mid-surface.
 template <int D>
 ShellParticles<D> shell_particles(const MidSurface<D>& surface);
 
+/// What the energy compares with: metric x_,a.x_,b, bend n.x_,ab and x_,ac.x_,b + x_,bc.x_,a, halved, of x = X.
+struct ShellRest {
+  Eigen::Matrix<double, 2, 2, Eigen::DontAlign> metric, bend;
+  std::array<Eigen::Matrix<double, 2, 2, Eigen::DontAlign>, 2> gradient;
+};
+
 template <int D>
 struct ShellLayer {
+  using Weights = Eigen::Matrix<double, shell_unknowns<D>, 1, Eigen::DontAlign>;
+
   ShellParticles<D> particles;
   Material material;
   double thickness = 0;                                ///< t [m]
   std::array<double, shell_slopes<D>> cell_squared{};  ///< min(spacing, t)^2/12, see shell_force.hpp [m^2]
 
   // Pairs (i, j), those of particle i from first[i] on.
-  std::vector<std::uint32_t> first, neighbour, mirror;                                ///< mirror: where the pair (j, i) is
-  std::vector<Eigen::Matrix<double, shell_unknowns<D>, 1, Eigen::DontAlign>> weight;  ///< g^a_ij, k^ab_ij
+  std::vector<std::uint32_t> first, neighbour, mirror;  ///< mirror: where the pair (j, i) is
+  std::vector<Weights> weight;                          ///< g^a_ij, k^ab_ij
+  std::vector<Weights> mirror_weight;                   ///< -A_j times those of the pair (j, i)
+  std::vector<Weights> weight_sum;                      ///< A_i sum_j of those of particle i
 
   /// Of a particle of a clamp: sum_j k^ab_ij xi_c, row ab, column c, which the slopes R e_c of the clamp are to be multiplied with.
   std::vector<Eigen::Matrix<double, shell_unknowns<D> - shell_slopes<D>, shell_slopes<D>, Eigen::DontAlign>> clamp_slope;
   std::vector<ShellDerivatives<D>> reference;  ///< of x = X
+  std::vector<ShellRest> rest;                 ///< 3D
 
   std::size_t size() const { return particles.position.size(); }
   /// E' = E/(1 - nu^2), the modulus of a plate; in plane stress E [Pa].

@@ -123,6 +123,32 @@ void expect_thin(const Shape& shape, double volume, double area) {
   EXPECT_LT((found.max - bounds.max).cwiseAbs().maxCoeff(), is_mitred ? shape.thickness : spacing);
 }
 
+// Tilted, with an inner corner and a side that runs across the others. Seen to fail: with a rim that
+// looks inwards.
+TEST(Geometry, APlateIsASolidWithASurface) {
+  const std::vector<std::array<double, 2>> flat{{0, 0}, {1.3, 0}, {1.1, 0.6}, {0.5, 0.6}, {0.5, 1}, {0, 0.8}};
+  const Vector<3> first = Vector<3>(2, -1, 2) / 3, second = Vector<3>(2, 2, -1) / 3, origin(0.3, -0.2, 0.5);
+  std::vector<std::array<double, 3>> corners;
+  double area = 0, round = 0;
+  for (std::size_t i = 0; i < flat.size(); ++i) {
+    const auto &a = flat[i], &b = flat[(i + 1) % flat.size()];
+    const Vector<3> x = origin + a[0] * first + a[1] * second;
+    corners.push_back({x[0], x[1], x[2]});
+    area += 0.5 * (a[0] * b[1] - a[1] * b[0]), round += std::hypot(b[0] - a[0], b[1] - a[1]);
+  }
+  for (const bool reversed : {false, true}) {
+    if (reversed) std::reverse(corners.begin(), corners.end());
+    const Shape plate = plate_shape(corners, 0.2);
+    expect_thin<3>(plate, 0.2 * area, 2 * area + 0.2 * round);
+    const SurfacePoints<3> s = sample_surface<3>(plate, 0.13);
+    EXPECT_NEAR(total_area(s), 2 * area + 0.2 * round, 1e-12);
+    EXPECT_LT(closure(s).norm(), 1e-12);
+    EXPECT_NEAR(enclosed(s), 0.2 * area, 1e-12);
+    const Vector<3> normal = first.cross(second), x = origin + 0.3 * first + 0.4 * second + 0.1 * normal;
+    EXPECT_NEAR(thickness<3>(plate, x, normal), 0.2, 1e-12);
+  }
+}
+
 // Seen to fail: with the ends of arcs left out of the distance, with the inner face that looks outwards.
 TEST(Geometry, RingsLinesAndTubesAreSolidsWithASurface) {
   const double pi = std::numbers::pi;

@@ -209,6 +209,8 @@ void expect_stress_of_rates(Edge low) {
   model.evaluate();
   const auto start = model.derivatives;
   model.layer.reference = start;
+  for (std::size_t i = 0; i < model.layer.rest.size(); ++i)
+    if constexpr (D == 3) model.layer.rest[i] = shell_rest(model.layer, i);
   std::mt19937 random(11);
   std::uniform_real_distribution<double> some(-1, 1);
   constexpr double step = 1e-6, time = 0.7;

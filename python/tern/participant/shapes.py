@@ -23,6 +23,11 @@ def signed_distance(shape, x):
         from_center = (x - numpy.array(value["center"])).T
         across, along = _ring(value, from_center[first], from_center[second]), numpy.abs(from_center[axis]) - value["length"] / 2
         return numpy.where((across > 0) & (along > 0), numpy.hypot(across, along), numpy.maximum(across, along))
+    if kind == "plate":
+        corners, origin, axes = _plane(value)
+        u, v, w = ((x - origin) @ axes).T
+        across, off = _polygon(corners, numpy.column_stack([u, v])), numpy.abs(w) - value["thickness"] / 2
+        return numpy.where((across > 0) & (off > 0), numpy.hypot(across, off), numpy.maximum(across, off))
     parts = [signed_distance(part, x) for part in value]
     if kind == "union":
         return numpy.minimum.reduce(parts)
@@ -38,6 +43,19 @@ def _polygon(vertices, x):
         if a[1] != b[1]:
             inside ^= ((a[1] > x[:, 1]) != (b[1] > x[:, 1])) & (x[:, 0] < a[0] + along[0] * (x[:, 1] - a[1]) / along[1])
     return numpy.where(inside, -nearest, nearest)
+
+
+def _plane(plate):
+    """(corners in the plane, where its coordinates are 0, unit vectors in the plane and across it as columns)."""
+    corners = numpy.array(plate["vertices"], dtype=float)
+    from_first = corners - corners[0]
+    normal = numpy.cross(from_first, numpy.roll(from_first, -1, axis=0)).sum(axis=0)
+    normal /= numpy.linalg.norm(normal)
+    sides = numpy.roll(corners, -1, axis=0) - corners
+    along = max(sides, key=numpy.linalg.norm)
+    along = along / numpy.linalg.norm(along)
+    axes = numpy.column_stack([along, numpy.cross(normal, along), normal])
+    return (from_first @ axes)[:, :2], corners[0], axes
 
 
 def _axes(tube):
@@ -99,6 +117,10 @@ def bounds(shape):
         if kind == "tube":
             size[_axes(value)[0]] = value["length"] / 2
         return numpy.array(value["center"]) - size, numpy.array(value["center"]) + size
+    if kind == "plate":
+        corners, (_, _, axes) = numpy.array(value["vertices"], dtype=float), _plane(value)
+        half = value["thickness"] / 2 * numpy.abs(axes[:, 2])
+        return corners.min(axis=0) - half, corners.max(axis=0) + half
     if kind == "difference":
         return bounds(value[0])
     lows, highs = zip(*(bounds(part) for part in value))

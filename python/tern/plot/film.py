@@ -120,11 +120,14 @@ def _rendered(run, times, field, look):
         scenes.check(run, look.clip, box, "--clip")
     ranges = np.array(ranges)
     limits = list(zip(np.percentile(ranges[:, :, 0], 10, axis=0), np.percentile(ranges[:, :, 1], 90, axis=0)))
-    figure, axis, drawn = scenes.stage(run, *fields.read(run, times[0])[1:], limits, field, box, look, dpi=128)
+    figure, axis, changing = scenes.stage(run, *fields.read(run, times[0])[1:], limits, field, box, look, dpi=128, layout="constrained")
+    fields.title(axis, run, times[-1], None)
+    figure.canvas.draw()  # lays out the first picture, and with it all
+    figure.set_layout_engine("none")
 
     def draw(time):
         exact, fluid, structure = fields.read(run, time)
-        drawn.set_data(scenes.pixels(run, fluid, structure, limits, field, box, look)[0])
+        scenes.change(axis, changing, run, fluid, structure, limits, field, box, look)
         fields.title(axis, run, exact, None)
     return figure, draw
 

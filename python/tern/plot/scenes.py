@@ -10,9 +10,10 @@ from matplotlib.colors import Normalize
 from tern.errors import BAD_INPUT, Error
 from tern.plot import fields, render, style, walls
 
-MISES = ("von Mises stress of the structure [Pa]", "plasma", lambda side: side["von_mises"])
+MISES = ("von Mises stress of the structure [Pa]", "YlOrRd", lambda side: side["von_mises"])
 FIELDS = fields.FIELDS | {"pressure": (fields.PRESSURE, MISES)}
 SEEN_THROUGH = 0.4  # opacity of water that bodies may be in; a cut opens it anyway
+LABEL = (110, 14)  # room for the name of a gauge [pixels]
 HEADROOM = 0.25  # above what is in an open tank is shown, of the longest other side
 
 
@@ -23,6 +24,14 @@ class Look:
     camera: render.Camera = default(default_factory=render.Camera)
     clip: tuple | None = None
     slice: tuple | None = None
+
+
+@dataclass
+class Changing:
+    """What a film draws anew in each picture: the image of the scene, and the marks of the gauges."""
+
+    image: object
+    gauges: list
 
 
 def name_of(look):
@@ -77,6 +86,31 @@ def check(run, plane, box, option):
                                f"{'xyz'[axis]}; take a plane in between.")
 
 
+def in_layers(side, values, spacing):
+    """(position, value) of particles that fill their bodies: a shell thicker than its spacing is several layers.
+
+    Its normal at a particle is across the plane that fits the eight nearest ones best.
+    """
+    position, thickness = side["position"], side.get("shell_thickness")
+    if thickness is None or thickness.max() < 1.5 * spacing:
+        return position, values
+    places, kept = [], []
+    for body in np.unique(side["body"]):
+        own = side["body"] == body
+        place, count = position[own], max(1, round(float(thickness[own][0]) / spacing))
+        if count > 1:
+            normal = np.empty_like(place)
+            for number, x in enumerate(place):
+                squared = np.sum((place - x) ** 2, axis=1)
+                near = place[np.argpartition(squared, min(8, len(place) - 1))[:9]]
+                normal[number] = np.linalg.svd(near - near.mean(axis=0))[2][-1]
+        for layer in range(count):
+            height = ((layer + 0.5) / count - 0.5) * float(thickness[own][0])
+            places.append(place + height * normal if count > 1 else place)
+            kept.append(values[own])
+    return np.concatenate(places), np.concatenate(kept)
+
+
 def pixels(run, fluid, structure, limits, field, box, look):
     """A frame, rendered."""
     parts = []
@@ -84,9 +118,9 @@ def pixels(run, fluid, structure, limits, field, box, look):
         if side is None or len(side["position"]) == 0:
             continue
         known = values is not MISES[2] or "von_mises" in side
-        parts.append((side["position"], values(side) if known else np.zeros(len(side["position"])), run.spacing(process),
-                      colours if known else None, range_, SEEN_THROUGH if process == "fluid" and structure is not None and not look.clip
-                      else 1.0))
+        place, value = in_layers(side, values(side) if known else np.zeros(len(side["position"])), run.spacing(process))
+        is_hiding = process == "fluid" and structure is not None and not look.clip
+        parts.append((place, value, run.spacing(process), colours if known else None, range_, SEEN_THROUGH if is_hiding else 1.0))
     placed = walls.placed(run.settings.get("wall", []), fluid)
     return render.image(parts, placed, box, run.settings.get("gravity", []), look.camera, look.clip), [
         wall["name"] for wall, place in placed if place is None]
@@ -102,7 +136,8 @@ def triad(axis, gravity, look):
 
 
 def draw_gauges(axis, places, camera, box, gravity):
-    """Marks gauges at their places, in front of all else: points, rectangles, and for discs their middle."""
+    """Marks gauges at their places, in front of all else: points, rectangles, and for discs their middle. Returns what it has drawn."""
+    drawn, rows = [], []
     for place in places:
         if "from" in place:  # opposite corners of a rectangle
             low, high = np.array(place["from"]), np.array(place["to"])
@@ -111,9 +146,15 @@ def draw_gauges(axis, places, camera, box, gravity):
         else:
             points = [place["at"]]
         seen = render.projected(points, box, gravity, camera)
-        axis.plot(*seen.T, color="tab:red", linewidth=1.0, linestyle="--", marker="+", markersize=6, scalex=False, scaley=False)
-        axis.annotate(style.plain(place["name"]), seen.mean(axis=0), xytext=(3, 3), textcoords="offset points", color="tab:red", fontsize=7,
-                      annotation_clip=True)
+        drawn += axis.plot(*seen.T, color="tab:red", linewidth=1.0, linestyle="--", marker="+", markersize=6, scalex=False, scaley=False)
+        at = seen.mean(axis=0)
+        row = at[1]
+        while any(abs(row - other[1]) < LABEL[1] and abs(at[0] - other[0]) < LABEL[0] for other in rows):
+            row -= 1
+        rows.append((at[0], row))
+        drawn.append(axis.annotate(style.plain(place["name"]), (at[0], row), xytext=(3, 3), textcoords="offset points",
+                                   color="tab:red", fontsize=7, annotation_clip=True))
+    return drawn
 
 
 def below(box, look):
@@ -124,13 +165,13 @@ def below(box, look):
 
 
 def stage(run, fluid, structure, limits, field, box, look, **options):
-    """(figure, axis, image) of the first picture, with colour bars; a film puts the next pictures into the same image."""
+    """(figure, axis, what changes in a film) of the first picture, with colour bars."""
     whole, axis = plt.subplots(figsize=(10, 6.5), **options)
     shown, lost = pixels(run, fluid, structure, limits, field, box, look)
     drawn = axis.imshow(shown)
     axis.set_axis_off()
     triad(axis, run.settings.get("gravity", []), look)
-    draw_gauges(axis, fields.gauge_places(run, structure), look.camera, box, run.settings.get("gravity", []))
+    changing = Changing(drawn, draw_gauges(axis, fields.gauge_places(run, structure), look.camera, box, run.settings.get("gravity", [])))
     axis.text(0.99, -0.01, below(box, look), ha="right", va="top", transform=axis.transAxes, fontsize=9, color="0.3")
     if lost:
         axis.text(0.99, 0.99, style.plain(f"not drawn, the frames do not say where they are: {', '.join(lost)}"), ha="right", va="top",
@@ -140,7 +181,15 @@ def stage(run, fluid, structure, limits, field, box, look, **options):
     bars = {label: mappable for mappable, (label, _, _) in zip(mappables, FIELDS[field]) if mappable is not None}
     for label, mappable in bars.items():
         whole.colorbar(mappable, ax=axis, pad=0.02, label=label, shrink=0.75).formatter.set_powerlimits((-3, 4))
-    return whole, axis, drawn
+    return whole, axis, changing
+
+
+def change(axis, changing, run, fluid, structure, limits, field, box, look):
+    """The next picture of a film into the axis of stage(): the scene, and the gauges where they are now."""
+    changing.image.set_data(pixels(run, fluid, structure, limits, field, box, look)[0])
+    for mark in changing.gauges:
+        mark.remove()
+    changing.gauges = draw_gauges(axis, fields.gauge_places(run, structure), look.camera, box, run.settings.get("gravity", []))
 
 
 def figure(run, time, look=None):

@@ -5,7 +5,7 @@ import re
 
 from tern import paths
 
-SHAPES = {"box", "polygon", "ball", "ring", "line", "tube", "union", "difference"}
+SHAPES = {"box", "polygon", "ball", "ring", "line", "tube", "plate", "union", "difference"}
 HEADING = re.compile(r"^## `\[+([a-z.]+)\]+`")
 ROW = re.compile(r"^\| `(\w+)` \| ([^|]*) \| ([^|]*) \|")
 NUMERICAL = ("fluid.numerics.", "structure.numerics.", "coupling.")
