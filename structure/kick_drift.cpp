@@ -42,6 +42,20 @@ void kick(const Reference<D>& reference, const Workspace<D>& work, double dt, St
 }
 
 template <int D>
+void aim_clamps(const Reference<D>& reference, double end, double dt, State<D>& state, Workspace<D>& work) {
+  for (std::size_t c = 0; c < reference.clamps.size(); ++c) {
+    const Clamp& clamp = reference.clamps[c];
+    if (!clamp.motion) continue;
+    const auto place = placement<D>(*clamp.motion, end);
+    work.clamp_spin[c] = (place.angle - state.clamp_angle[c]) / dt;
+    for (const auto row : clamp.row) {
+      const Vector<D> x = reference.position_of(row), d = place(x) - x;
+      for (int a = 0; a < D; ++a) state.velocity[a][row] = (d[a] - state.displacement[a][row]) / dt;
+    }
+  }
+}
+
+template <int D>
 void drift(const Reference<D>& reference, const Workspace<D>& work, double dt, State<D>& state) {
   for_each_block(static_cast<std::ptrdiff_t>(reference.blocks.size()), [&](std::ptrdiff_t n) {
     const std::ptrdiff_t i = reference.blocks[n].row;
@@ -68,6 +82,8 @@ template double clamp_power<2>(const Reference<2>&, const State<2>&, const Works
 template double clamp_power<3>(const Reference<3>&, const State<3>&, const Workspace<3>&);
 template void kick<2>(const Reference<2>&, const Workspace<2>&, double, State<2>&);
 template void kick<3>(const Reference<3>&, const Workspace<3>&, double, State<3>&);
+template void aim_clamps<2>(const Reference<2>&, double, double, State<2>&, Workspace<2>&);
+template void aim_clamps<3>(const Reference<3>&, double, double, State<3>&, Workspace<3>&);
 template void drift<2>(const Reference<2>&, const Workspace<2>&, double, State<2>&);
 template void drift<3>(const Reference<3>&, const Workspace<3>&, double, State<3>&);
 

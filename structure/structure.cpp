@@ -101,24 +101,16 @@ struct Structure<D>::Parts {
     }
   }
 
-  /// Gives the particles of moving clamps the velocity that brings them to their place at the end of the window.
+  /// Whether a clamp moves in the window.
   void begin_clamp_motion() {
+    aim_clamps(reference, seconds(state.time) + seconds(duration), seconds(duration), state, work);
     bool moves = false;
-    const double end = seconds(state.time) + seconds(duration);
     for (std::size_t c = 0; c < reference.clamps.size(); ++c) {
-      const Clamp& clamp = reference.clamps[c];
-      if (!clamp.motion) continue;
-      const auto place_at_end = placement<D>(*clamp.motion, end);
-      work.clamp_spin[c] = (place_at_end.angle - state.clamp_angle[c]) / seconds(duration);
+      if (!reference.clamps[c].motion) continue;
       moves |= work.clamp_spin[c] != 0;
-      for (const auto row : clamp.row) {
-        const Vector<D> x = reference.position_of(row), d = place_at_end(x) - x;
-        for (int a = 0; a < D; ++a) {
-          state.velocity[a][row] = (d[a] - state.displacement[a][row]) / seconds(duration);
-          moves |= state.velocity[a][row] != 0;
-        }
-        ++work.evaluations.moving_clamps;
-      }
+      for (const auto row : reference.clamps[c].row)
+        for (int a = 0; a < D; ++a) moves |= state.velocity[a][row] != 0;
+      work.evaluations.moving_clamps += static_cast<long>(reference.clamps[c].row.size());
     }
     state.undisturbed &= !moves;
   }

@@ -20,12 +20,12 @@ void internal_forces(const Reference<D>& reference, double time_s, double dt, St
 }
 
 template <int D>
-void verlet(const Reference<D>& reference, double duration, int sub_steps, State<D>& state, Workspace<D>& work) {
+void verlet(const Reference<D>& reference, double begin, double duration, int sub_steps, State<D>& state, Workspace<D>& work) {
   const double dt = duration / sub_steps;
-  const double begin = seconds(state.time);
   for (int n = 0; n < sub_steps; ++n) {
     // The kick that ends a sub-step and the one that begins the next are the same force for half a step each.
     kick(reference, work, n == 0 ? 0.5 * dt : dt, state);
+    aim_clamps(reference, begin + (n + 1) * dt, dt, state, work);
     drift(reference, work, dt, state);
     state.clamp_work += 0.5 * dt * clamp_power(reference, state, work);  // by the forces at the begin of the drift
     internal_forces(reference, begin + (n + 1) * dt, dt, state, work);
@@ -39,17 +39,17 @@ namespace {
 /// One implicit step that stands for `sub_steps` explicit ones; failing that, two of half its length, and at last those. The load is one
 /// for the whole window: what moves faster than the windows is not resolved by them, however many steps they have.
 template <int D>
-void implicit_or_explicit(const Reference<D>& reference, double duration, int sub_steps, ImplicitStep<D>& implicit, State<D>& state,
-                          Workspace<D>& work) {
-  if (implicit.advance(reference, duration, state, work)) return;
+void implicit_or_explicit(const Reference<D>& reference, double begin, double duration, int sub_steps, ImplicitStep<D>& implicit,
+                          State<D>& state, Workspace<D>& work) {
+  if (implicit.advance(reference, begin, duration, state, work)) return;
   if (sub_steps > least_implicit_ratio) {
     const int half = (sub_steps + 1) / 2;
-    implicit_or_explicit(reference, 0.5 * duration, half, implicit, state, work);
-    implicit_or_explicit(reference, 0.5 * duration, half, implicit, state, work);
+    implicit_or_explicit(reference, begin, 0.5 * duration, half, implicit, state, work);
+    implicit_or_explicit(reference, begin + 0.5 * duration, 0.5 * duration, half, implicit, state, work);
     return;
   }
-  internal_forces(reference, seconds(state.time), 0, state, work);
-  verlet(reference, duration, sub_steps, state, work);
+  internal_forces(reference, begin, 0, state, work);
+  verlet(reference, begin, duration, sub_steps, state, work);
 }
 
 }  // namespace
@@ -58,17 +58,17 @@ template <int D>
 void advance_window(const Reference<D>& reference, Ticks duration, int sub_steps, ImplicitStep<D>* implicit, State<D>& state,
                     Workspace<D>& work) {
   if (implicit == nullptr) {
-    verlet(reference, seconds(duration), sub_steps, state, work);
+    verlet(reference, seconds(state.time), seconds(duration), sub_steps, state, work);
   } else {
-    implicit_or_explicit(reference, seconds(duration), sub_steps, *implicit, state, work);
+    implicit_or_explicit(reference, seconds(state.time), seconds(duration), sub_steps, *implicit, state, work);
   }
   state.time += duration;
 }
 
 template void internal_forces<2>(const Reference<2>&, double, double, State<2>&, Workspace<2>&);
 template void internal_forces<3>(const Reference<3>&, double, double, State<3>&, Workspace<3>&);
-template void verlet<2>(const Reference<2>&, double, int, State<2>&, Workspace<2>&);
-template void verlet<3>(const Reference<3>&, double, int, State<3>&, Workspace<3>&);
+template void verlet<2>(const Reference<2>&, double, double, int, State<2>&, Workspace<2>&);
+template void verlet<3>(const Reference<3>&, double, double, int, State<3>&, Workspace<3>&);
 template void advance_window<2>(const Reference<2>&, Ticks, int, ImplicitStep<2>*, State<2>&, Workspace<2>&);
 template void advance_window<3>(const Reference<3>&, Ticks, int, ImplicitStep<3>*, State<3>&, Workspace<3>&);
 

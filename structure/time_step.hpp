@@ -44,6 +44,10 @@ void internal_forces(const Reference<D>& reference, double time_s, double dt, St
 template <int D>
 void kick(const Reference<D>& reference, const Workspace<D>& work, double dt, State<D>& state);
 
+/// Gives moving clamps the velocity and the spin that bring them to their place at the time `end` within `dt` [s].
+template <int D>
+void aim_clamps(const Reference<D>& reference, double end, double dt, State<D>& state, Workspace<D>& work);
+
 /// d += dt v; clamps turn by dt work.clamp_spin.
 template <int D>
 void drift(const Reference<D>& reference, const Workspace<D>& work, double dt, State<D>& state);
@@ -62,10 +66,10 @@ double stable_sub_step(const Reference<D>& reference, double courant, const Stat
 template <int D>
 void check_bond_order(const Reference<D>& reference, const State<D>& state, const Workspace<D>& work);
 
-/// Advances displacement and velocity by `duration` [s] in `sub_steps` equal steps of velocity Verlet under
-/// work.external_force; the time in `state` is that of the begin throughout.
+/// Advances displacement and velocity by `duration` [s], from the time `begin` [s], in `sub_steps` equal steps of velocity Verlet under
+/// work.external_force; the time in `state` stays.
 template <int D>
-void verlet(const Reference<D>& reference, double duration, int sub_steps, State<D>& state, Workspace<D>& work);
+void verlet(const Reference<D>& reference, double begin, double duration, int sub_steps, State<D>& state, Workspace<D>& work);
 
 template <int D>
 class ImplicitStep;

@@ -203,7 +203,7 @@ Eigen::VectorXd ImplicitStep<D>::guess(int part, double dt, const Eigen::VectorX
 }
 
 template <int D>
-bool ImplicitStep<D>::advance(const Reference<D>& reference, double dt, State<D>& state, Workspace<D>& work) {
+bool ImplicitStep<D>::advance(const Reference<D>& reference, double begin, double dt, State<D>& state, Workspace<D>& work) {
   const auto& rows = tangent_.free_rows();
   const State<D> saved = state;
   const double g = 2 - std::sqrt(2.0), h = 0.5 * g * dt;
@@ -215,9 +215,12 @@ bool ImplicitStep<D>::advance(const Reference<D>& reference, double dt, State<D>
     done = evaluate_elastic_force(reference, state, work);
     ++memory_.counts.evaluations;
   }
-  const double power_n = clamp_power(reference, state, work);
   const Eigen::VectorXd f_n = gather<D>(rows, state.internal_force);
 
+  // Clamps stand in their places at both stages. At one velocity through the step they would be off by a g (1 - g) dt^2/2 at the first,
+  // and push with the stiffness of one spacing.
+  aim_clamps(reference, begin + g * dt, g * dt, state, work);
+  const double power_n = clamp_power(reference, state, work);
   drift_clamps(reference, work, g * dt, state);
   const Eigen::VectorXd straight = d_n + 2 * h * v_n;
   const double speed = v_n.size() > 0 ? v_n.cwiseAbs().maxCoeff() : 0;
@@ -231,6 +234,8 @@ bool ImplicitStep<D>::advance(const Reference<D>& reference, double dt, State<D>
     const double own = 1 / (g * (2 - g)), past = (1 - g) * (1 - g) * own;
     const Eigen::VectorXd d_hat = own * d_g - past * d_n, v_hat = own * v_g - past * v_n;
     const double power_g = clamp_power(reference, state, work);
+    aim_clamps(reference, begin + dt, (1 - g) * dt, state, work);
+    const double power_on = clamp_power(reference, state, work);
     drift_clamps(reference, work, (1 - g) * dt, state);
     const Eigen::VectorXd straight_on = d_g + (1 - g) * dt * v_g;
     scatter<D>(rows, guess(1, dt, straight_on), state.displacement);
@@ -244,7 +249,7 @@ bool ImplicitStep<D>::advance(const Reference<D>& reference, double dt, State<D>
       damp(reference, dt, state);
       // Work of the clamps by the trapezoidal rule over both parts of the step.
       const double power = clamp_power(reference, state, work);
-      state.clamp_work += 0.5 * dt * (g * (power_n + power_g) + (1 - g) * (power_g + power));
+      state.clamp_work += 0.5 * dt * (g * (power_n + power_g) + (1 - g) * (power_on + power));
       ++memory_.counts.steps;
       return true;
     }

@@ -23,7 +23,7 @@ class ImplicitStep {
 
   /// Advances the state by `dt` [s] under work.external_force, with the internal force of elasticity alone; clamped particles
   /// move with their velocity. Returns false, with the state as it was, when Newton's method does not converge.
-  bool advance(const Reference<D>& reference, double dt, State<D>& state, Workspace<D>& work);
+  bool advance(const Reference<D>& reference, double begin, double dt, State<D>& state, Workspace<D>& work);
 
   const ImplicitMemory<D>& memory() const { return memory_; }
 

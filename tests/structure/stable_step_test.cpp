@@ -45,7 +45,7 @@ double growth(const StructureCase& structure, double share) {
   };
   const double before = speed(), dt = share * stable_steps_at_rest(reference)[0];
   evaluate(reference, state, work);
-  for (int n = 0; n < 20 && speed() < 1e6 * before; ++n) verlet(reference, 20 * dt, 20, state, work);
+  for (int n = 0; n < 20 && speed() < 1e6 * before; ++n) verlet(reference, 0, 20 * dt, 20, state, work);
   return speed() / before;
 }
 
