@@ -101,7 +101,7 @@ void find_fluid_between(const Setup<D>& setup, const State<D>& state, Workspace<
   if (state.surface_velocity.empty() || setup.scheme.pair_pressures) return;
   for_pairs_before_faces(window.pairs, [&](const InterfacePair<D>& pair, std::size_t) {
     if (between.filled[pair.point] <= least_share * surface.area[pair.point]) return;
-    if (setup.is_light[setup.properties.body[pair.point]]) return;
+    if (!setup.learns && setup.is_light[setup.properties.body[pair.point]]) return;
     const Vector<D>& n = surface.normal[pair.point];
     between.seen[pair.particle] -= pair.b.dot(n);
     between.distance[pair.particle] -= pair.b.dot(n) * pair.offset.dot(n);

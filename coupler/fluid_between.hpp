@@ -16,7 +16,7 @@
 // four or five spacings, which gain most from window to window, feel half of it, and with a mass that is too large they would grow.
 //
 // No lump has more between it and the particles than half of the mass with which it answers. More is a small difference of large forces.
-// Light bodies (Setup::is_light) have nothing between.
+// Bodies so light that all their windows are repeated (Setup::is_light without Setup::learns) have nothing between.
 
 #include "coupler/state.hpp"
 #include "coupler/workspace.hpp"
