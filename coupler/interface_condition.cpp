@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "coupler/fluid_between.hpp"
-
 namespace tern::coupler {
 namespace {
+
+/// Of the half space before a point. At the end of the kernel, where w~ may be negative, particles and point feel nothing of each other.
+constexpr double least_share = 1e-3;
 
 /// Mass per area behind a point that a pressure moves within the window [kg/m^2].
 template <int D>
@@ -52,9 +53,7 @@ void set_robin_condition(const Setup<D>& setup, Workspace<D>& window) {
   window.condition.reference_pressure.assign(points, 0);
   response = {};  // the fluid takes the surface as a wall that moves as given
   if (!setup.iterates) return;
-  answer_with_fluid_between(window);
-  const SurfaceAnswer& told = window.between.told;
-  response = {told.lumps.lump, told.lumps.share, told.mass};
+  response = {window.answer.lumps.lump, window.answer.lumps.share, window.answer.mass};
   for (std::size_t k = 0; k < points; ++k) {
     // A pressure p loads the point with s p A, where the fluid takes it for p A: s is some per cent off 1 where particles are on no
     // lattice, and less at a free surface. So its load is that of the pressure L/(s A), and it answers p s times as fast: half of that by
@@ -67,8 +66,8 @@ void set_robin_condition(const Setup<D>& setup, Workspace<D>& window) {
     for (std::size_t c = k * per_point; c < (k + 1) * per_point; ++c) response.share[c] *= std::sqrt(quickness);
     // What the assumed load carries, less what is known of the answer; contacts are not the pressure's. A pressure in excess of this moves
     // the surface on from where it was predicted.
-    const double carried = -carried_by_trial(window, k).dot(surface.normal[k]) / (share * surface.area[k]);
-    window.condition.reference_pressure[k] = carried - window.between.carried[k];  // of it the particles'
+    const Vector<D> carried = window.assumed_load.force[k] - window.load.force[k] - window.assumed_contact.force[k];
+    window.condition.reference_pressure[k] = -carried.dot(surface.normal[k]) / (share * surface.area[k]);
   }
 }
 

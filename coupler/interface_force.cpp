@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "coupler/fluid_between.hpp"
 #include "coupler/interface_condition.hpp"
 #include "coupler/schemes/scheme.hpp"
 #include "sph/contact.hpp"
@@ -18,7 +17,7 @@ void add_pressure(const Setup<D>& setup, const InterfacePressure<D>& pressure, W
     for (int c = 0; c < D; ++c) g[c] = setup.gravity[c](window.begin);
     return g;
   }();
-  // Pressure of every particle, carried to the surface by weight and inertia of the fluid between. Behind a wall it goes on as before
+  // Pressure of every particle, carried to the surface by the weight of the fluid between. Behind a wall it goes on as before
   // it: an image carries what its particle does.
   std::vector<double>& carried = window.carried;
   carried.clear();
@@ -26,7 +25,6 @@ void add_pressure(const Setup<D>& setup, const InterfacePressure<D>& pressure, W
     const Vector<D> d = window.surface.position[pair.point] - window.particles.position[pair.particle];
     carried.push_back(pressure.pressure[pair.particle] + setup.density * gravity.dot(d));
   }
-  carry_by_inertia(setup, window, carried);
   if (setup.scheme.pair_pressures)
     setup.scheme.pair_pressures({setup.kernel, pairs.all_pairs(), window.surface, window.particles}, carried);
   std::size_t m = 0;

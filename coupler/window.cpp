@@ -9,7 +9,6 @@
 #include "coupler/acceleration/agreement.hpp"
 #include "coupler/acceleration/coupling_iteration.hpp"
 #include "coupler/acceleration/flat.hpp"
-#include "coupler/fluid_between.hpp"
 #include "coupler/interface_condition.hpp"
 #include "coupler/interface_force.hpp"
 #include "coupler/schemes/scheme.hpp"
@@ -122,13 +121,11 @@ const InterfaceCondition<D>& Coupler<D>::first_exchange(double begin, double dur
   window_.assumed_contact = state_.contact;
   window_.assumed_contact.force.resize(surface.position.size(), Vector<D>::Zero());
   find_answer(setup_, surface, state_, window_);
-  find_fluid_between(setup_, state_, window_);
   begin_iterations(setup_, window_, state_);
   window_.velocity_at_end = surface.velocity;
 
   window_.condition.surface_velocity.clear();
   window_.condition.repeats = setup_.iterates && setup_.coupling.max_iterations > 1;
-  carry_trial_by_inertia(setup_, state_, window_);
   set_condition(setup_, window_, state_.evaluations);
   return window_.condition;
 }
@@ -169,7 +166,6 @@ bool Coupler<D>::accepts(const std::vector<Vector<D>>& velocity) {
 template <int D>
 const InterfaceCondition<D>& Coupler<D>::repeat_exchange(std::vector<Vector<D>> surface_velocity) {
   window_.surface.velocity = window_.condition.surface_velocity = std::move(surface_velocity);
-  carry_trial_by_inertia(setup_, state_, window_);
   set_condition(setup_, window_, state_.evaluations);
   return window_.condition;
 }

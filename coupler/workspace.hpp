@@ -11,22 +11,6 @@
 
 namespace tern::coupler {
 
-/// The fluid between faces and particles (fluid_between.hpp).
-template <int D>
-struct FluidBetween {
-  std::vector<double> filled;        ///< of each point, sum of B_ik [m^(D-1)]
-  std::vector<double> mass;          ///< of each point, what is between it and the particles; 0: it does not count [kg/m^(3-D)]
-  std::vector<double> acceleration;  ///< of each point along its normal, of which the fluid is told [m/s^2]
-  std::vector<double> carried;       ///< by which the pressure of the trial is larger on each point than at the particles [Pa]
-  std::vector<double> seen;          ///< of each particle, sum of B_ik [m^(D-1)]
-  std::vector<double> distance;      ///< of each particle from the faces that it sees, h_i [m]
-  std::vector<Vector<D>> lead;       ///< rho h_i a_i of each particle [Pa]
-  std::vector<double> pressure;      ///< of the particles on each point, carried to it by its weight alone [Pa]
-  SurfaceAnswer answer, told;        ///< of the surface with the fluid between, and of which the fluid is told
-  std::vector<Vector<D>> beyond;     ///< by which the fluid takes each point for faster than by `answer` [m/s]; empty: by nothing
-  std::vector<double> part, kept;    ///< of each lump and of each particle, scratch [-]
-};
-
 template <int D>
 struct Workspace {
   explicit Workspace(const Setup<D>& setup) : pairs(setup.smoothing_length, setup.spacing) {}
@@ -39,7 +23,6 @@ struct Workspace {
   SurfaceAnswer answer;                    ///< how the surface is taken to answer the fluid
   std::vector<double> share;               ///< load of each point under a uniform pressure p, over p A
   std::vector<double> seen_share;          ///< the same of the pressures on it in the equation of the fluid
-  FluidBetween<D> between;                 ///< faces and particles
   SurfaceLoad<D> assumed_load;             ///< under which the structure has made the present iteration
   SurfaceLoad<D> assumed_contact;          ///< the contacts in it
   InterfaceCondition<D> condition;         ///< what the fluid is told before its pressure solve
@@ -54,16 +37,6 @@ struct Workspace {
   WindowAudit audit;
   WindowAudit answered_audit;  ///< with the answered load
 };
-
-/// Part of the half space before a point below which nothing is before it: at the end of the kernel, where w~ may be negative, particles
-/// and point feel nothing of each other.
-inline constexpr double least_share = 1e-3;
-
-/// What of the assumed load on point k the pressure carries: all but what is known of the answer and the contacts.
-template <int D>
-Vector<D> carried_by_trial(const Workspace<D>& window, std::size_t k) {
-  return window.assumed_load.force[k] - window.load.force[k] - window.assumed_contact.force[k];
-}
 
 /// Puts +f on a surface point and -f on an interface particle.
 template <int D>

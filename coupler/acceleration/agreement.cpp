@@ -27,9 +27,7 @@ Disagreement disagreement(const Setup<D>& setup, const State<D>& state, const Wo
     if (window.share[k] == 0) continue;  // dry
     Sums& sum = sums[setup.properties.body[k]];
     const Vector<D>& n = surface.normal[k];
-    const std::vector<Vector<D>>& beyond = window.between.beyond;
-    const double a = surface.area[k];
-    const double told = (surface.velocity[k] + answered.velocity(k) + (beyond.empty() ? Vector<D>::Zero() : beyond[k])).dot(n);
+    const double a = surface.area[k], told = (surface.velocity[k] + answered.velocity(k)).dot(n);
     const double before = state.surface_velocity.empty() ? 0 : state.surface_velocity[k].dot(n);
     sum.size += a * std::pow(told - velocity[k].dot(n), 2);
     sum.change += a * std::pow(told - before, 2);

@@ -69,7 +69,6 @@ TEST(ConvexCorner, LeavesTheLiftOfALatticeExact) {
   Scene scene;
   for (const auto& [scheme, name, meaning] : interface_schemes) {
     scene.c.coupling.scheme = scheme;
-    scene.c.coupling.algorithm = CouplingAlgorithm::explicit_staggering;  // it does not yield to the sudden pressure
     Coupler<2> coupler(scene.c, scene.structure.surface_properties());
     coupler.first_exchange(0, window, scene.surface, scene.particles);
     coupler.last_exchange(pressure_field<2>(scene.particles, [](const Vector<2>& x) { return rho * g * (width - x[1]); }));

@@ -71,6 +71,8 @@ TEST(RobinMass, IsNotGivenToAnExplicitCoupling) {
   for (double pressure : load.reference_pressure) EXPECT_EQ(pressure, 0);
 }
 
+constexpr double mass_behind = 20;
+
 /// Load of each point under a uniform pressure p, over p A.
 std::vector<double> shares(const InterfaceParticles<2>& particles, const Surface<2>& surface,
                            InterfaceScheme scheme = InterfaceScheme::riemann) {
@@ -85,7 +87,7 @@ TEST(RobinReferencePressure, IsWhatTheLastLoadCarriedLessTheNewDissipativePart) 
   c.coupling.riemann_limiter = 3;
   auto surface = flat_plate<2>(12 * dx, 4 * dx, 0.5 * dx);
   auto particles = fluid_layers<2>(12 * dx, 4, dx);
-  Coupler<2> coupler(c, properties(surface.position.size()));
+  Coupler<2> coupler(c, properties(surface.position.size(), mass_behind));
   for (double p : coupler.first_exchange(0, 1e-3, surface, particles).reference_pressure) EXPECT_EQ(p, 0) << "nothing carried yet";
   coupler.last_exchange(pressure_field<2>(particles, [](const Vector<2>&) { return 1000.0; }));
   const auto carried = coupler.surface_load();
@@ -115,7 +117,7 @@ TEST(RobinReferencePressure, IsTheLastLoadOfEveryScheme) {
     c.coupling.scheme = scheme;
     const auto surface = flat_plate<2>(12 * dx, 4 * dx, 0.5 * dx);
     const auto particles = fluid_layers<2>(12 * dx, 4, dx);
-    Coupler<2> coupler(c, properties(surface.position.size()));
+    Coupler<2> coupler(c, properties(surface.position.size(), mass_behind));
     coupler.first_exchange(0, 1e-3, surface, particles);
     coupler.last_exchange(pressure_field<2>(particles, [](const Vector<2>& x) { return 1000 - 2e4 * x[1]; }));
     const auto carried = coupler.surface_load();
@@ -152,7 +154,7 @@ TEST(RobinReferencePressure, LeavesABodyAloneThatCarriesAUniformPressure) {
     disordered_corner(surface, particles);
     Case c = scene(2, dx);
     c.coupling.scheme = scheme;
-    Coupler<2> coupler(c, properties(surface.position.size()));
+    Coupler<2> coupler(c, properties(surface.position.size(), mass_behind));
     coupler.first_exchange(0, 1e-3, surface, particles);
     coupler.last_exchange(pressure_field<2>(particles, [](const Vector<2>&) { return 1000.0; }));
     const auto carried = coupler.surface_load();
@@ -188,7 +190,7 @@ TEST(RobinReferencePressure, LeavesNothingWhereBothSidesAgree) {
   for (double differences : {0.0, 0.03, 0.3}) {
     std::uniform_real_distribution<double> uniform(1000 * (1 - differences), 1000 * (1 + differences));
     const auto pressure = pressure_field<2>(particles, [&](const Vector<2>&) { return uniform(random); });
-    Coupler<2> coupler(scene(2, dx), properties(surface.position.size()));
+    Coupler<2> coupler(scene(2, dx), properties(surface.position.size(), mass_behind));
     coupler.first_exchange(0, 1e-3, surface, particles);
     coupler.last_exchange(pressure);
     const auto carried = coupler.surface_load();

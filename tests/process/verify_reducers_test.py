@@ -77,12 +77,6 @@ class ReducerTest(unittest.TestCase):
         self.both(wave(2.5), wave(2.4), kind="zero_crossing", about=0.3, number=2, band=[0.299, 0.301])
         self.assertIn("three zero crossings", self.judge(lambda t: t - 1, kind="period", band=[0, 9])["why"])
 
-    def test_a_ripple_on_a_swing_is_no_swing(self):
-        def rippled(f):
-            return lambda t: math.cos(2 * math.pi * f * t) + 0.3 * math.sin(2 * math.pi * 45 * t)
-        value = self.both(rippled(2.5), rippled(2.4), kind="frequency", band=[2.45, 2.55])
-        self.assertAlmostEqual(value, 2.5, 1)
-
     def test_monotone_decay_is_told_from_growth(self):
         self.both(lambda t: math.exp(-t), lambda t: math.exp(-t) + 0.02 * math.sin(20 * t), kind="non_monotone",
                   direction="decreasing", at_most=1e-12)

@@ -89,22 +89,7 @@ def _zero_crossings(series, quantity):
         if last is not None and (side > 0) != (last[1] > 0):
             times.append(last[0] + (t - last[0]) * last[1] / (last[1] - side))
         last = (t, side)
-    return _without_ripples(times)
-
-
-def _without_ripples(times):
-    """A ripple on a swing passes the middle several times where the swing does so once. Crossings nearer to each other than a quarter of
-    the longest distance are one bunch: an odd number of them is one crossing at their mean time, an even number is none."""
-    if len(times) < 3:
-        return times
-    near = max(after - before for before, after in zip(times, times[1:])) / 4.0
-    bunches = [[times[0]]]
-    for t in times[1:]:
-        if t - bunches[-1][-1] < near:
-            bunches[-1].append(t)
-        else:
-            bunches.append([t])
-    return [sum(bunch) / len(bunch) for bunch in bunches if len(bunch) % 2 == 1]
+    return times
 
 
 def period(series, quantity):
