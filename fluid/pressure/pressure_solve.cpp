@@ -99,7 +99,7 @@ void solve_pressure_poisson(const Constants<D>& constants, const Domain<D>& doma
   parallel_for(n, [&](std::ptrdiff_t i) { system.solution[i] = state.particle_class[i].pressure_unknown() ? state.pressure[i] : 0; });
 
   double tolerance = constants.numerics.pressure_tolerance;
-  if (at_structure.empty())
+  if (!domain.ranks().any(!at_structure.empty()))
     tolerance = std::max(tolerance, std::min(answered_tolerance, answered_tolerance_by_that_of_pressure * tolerance));
   solve(domain, window, position, at_structure, tolerance, system.source, system.solution, state, system);
   parallel_for(n, [&](std::ptrdiff_t i) { state.pressure[i] = system.solution[i]; });
