@@ -67,6 +67,18 @@ State<D> disordered(const Case& scene, int windows) {
   return fluid.state();
 }
 
+/// A window of all ranks takes no more than two iterations more than that of one. At the tolerance of the case, where a run needs them.
+template <int D>
+void expect_as_many_iterations(const Case& scene, const State<D>& start) {
+  Fluid<D> one(scene), many(scene, Ranks::all());
+  one.set_state(start);
+  many.set_whole_state(start);
+  const double duration = one.propose_step().seconds;
+  step(one, duration);
+  step(many, duration);
+  EXPECT_LE(many.last_solve().iterations, one.last_solve().iterations + 2);
+}
+
 template <int D>
 void expect_the_same_window(const Case& scene, const State<D>& start) {
   Fluid<D> one(scene), many(scene, Ranks::all());
@@ -76,7 +88,6 @@ void expect_the_same_window(const Case& scene, const State<D>& start) {
   EXPECT_NEAR(many.propose_step().seconds, duration, 1e-12 * duration);
   step(one, duration);
   step(many, duration);
-  EXPECT_LE(many.last_solve().iterations, one.last_solve().iterations + 2);
   EXPECT_NEAR(many.energies().kinetic, one.energies().kinetic, 1e-9 * one.energies().kinetic);
   EXPECT_NEAR(many.volume_drift().share, one.volume_drift().share, 1e-12);
   EXPECT_NEAR(many.volume_drift().inside, one.volume_drift().inside, 1e-12);
@@ -102,6 +113,7 @@ void expect_the_same_window(const Case& scene, const State<D>& start) {
 
 template <int D>
 void expect_the_window_of_one_rank(Case scene) {
+  expect_as_many_iterations<D>(scene, disordered<D>(scene, 30));
   scene.fluid->numerics.pressure_tolerance = 1e-15;
   expect_the_same_window<D>(scene, disordered<D>(scene, 30));
 }
@@ -113,6 +125,7 @@ TEST(OneWindow, IsThatOfOneRankAroundABlock) { expect_the_window_of_one_rank<2>(
 // On a lattice the distance of many pairs is the support.
 TEST(OneWindow, IsThatOfOneRankFromALattice) {
   for (Case scene : {dam_break(20, 40), dam_break_on_block(2, 0.2 / 20)}) {
+    expect_as_many_iterations<2>(scene, Fluid<2>(scene).state());
     scene.fluid->numerics.pressure_tolerance = 1e-15;
     expect_the_same_window<2>(scene, Fluid<2>(scene).state());
   }
@@ -145,7 +158,6 @@ TEST(OneWindow, TakesAsManyIterationsAtTheUsualTolerance) {
   const double duration = one.propose_step().seconds;
   step(one, duration);
   step(many, duration);
-  EXPECT_LE(many.last_solve().iterations, one.last_solve().iterations + 2);
 }
 
 /// Sum over the neighbours of a number made of their labels: as good as the set of labels.
