@@ -60,7 +60,10 @@ void prepare_out_dir(const std::string& out, const std::string& role, bool force
 
 /// `has_launcher`: the first cause of all processes is said by the launcher.
 int end(const Cause& cause, bool has_launcher) {
-  cause.is_of_peer&& has_launcher ? log_unsaid(cause.sentence) : log_error(cause.sentence);
+  if (cause.is_of_peer && has_launcher)
+    log_unsaid(cause.sentence);
+  else
+    log_error(cause.sentence);
   return static_cast<int>(cause.code);
 }
 

@@ -7,24 +7,12 @@
 #include <cmath>
 #include <limits>
 
+#include "scene/plane_polygon.hpp"
+
 namespace tern {
 namespace {
 
 constexpr double round_off = 1e-6;  // in spacings: sides given in decimal are whole multiples only to round-off
-
-double polygon_distance(const std::vector<std::array<double, 2>>& vertices, double x, double y) {
-  double nearest = std::numeric_limits<double>::max();
-  bool inside = false;
-  for (std::size_t i = 0, j = vertices.size() - 1; i < vertices.size(); j = i++) {
-    const auto& a = vertices[j];
-    const auto& b = vertices[i];
-    const double ex = b[0] - a[0], ey = b[1] - a[1];
-    const double s = std::clamp(((x - a[0]) * ex + (y - a[1]) * ey) / (ex * ex + ey * ey), 0.0, 1.0);
-    nearest = std::min(nearest, std::hypot(x - a[0] - s * ex, y - a[1] - s * ey));
-    if ((a[1] > y) != (b[1] > y) && x < a[0] + ex * (y - a[1]) / ey) inside = !inside;
-  }
-  return inside ? -nearest : nearest;
-}
 
 /// Of a product: `across` and `along` are the signed distances to two sets whose boundaries are at right angles.
 double distance_to_product(double across, double along) {

@@ -548,10 +548,10 @@ std::vector<SurfaceCell<3>> cells_of_plate(const MidSurface<3>& surface) {
       Vector<2> s;
       for (int n = 0; n < 2; ++n)
         s[n] = surface.low[n] + (index[n] + (surface.edges[n][0] == EdgeKind::free ? 0.5 : 0)) * surface.spacing(n);
-      bool is_kept = signed_distance(surface.outline, s) <= round_off * spacing;
+      bool is_kept = polygon_distance(surface.outline, s[0], s[1]) <= round_off * spacing;
       for (std::size_t i = 0; i < surface.sides.size() && is_kept; ++i)
         if (surface.sides[i] != EdgeKind::free)
-          is_kept = distance_to_side(surface.outline[i], surface.outline[(i + 1) % surface.sides.size()], s) > 0.5 * spacing;
+          is_kept = distance_to_side(surface.outline[i], surface.outline[(i + 1) % surface.sides.size()], s[0], s[1]) > 0.5 * spacing;
       if (!is_kept) continue;
       places.push_back(s);
       kinds.push_back(EdgeKind::free);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 
 namespace tern {
@@ -66,22 +65,6 @@ Outline cut(const Outline& outline, const Vector<2>& point, const Vector<2>& nor
   return kept;
 }
 
-double distance_to_side(const Vector<2>& a, const Vector<2>& b, const Vector<2>& x) {
-  const Vector<2> along = b - a;
-  return (x - a - std::clamp((x - a).dot(along) / along.squaredNorm(), 0.0, 1.0) * along).norm();
-}
-
-double signed_distance(const Outline& outline, const Vector<2>& x) {
-  double nearest = std::numeric_limits<double>::max();
-  bool inside = false;
-  for (std::size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++) {
-    const Vector<2>&a = outline[j], &b = outline[i];
-    nearest = std::min(nearest, distance_to_side(a, b, x));
-    if ((a[1] > x[1]) != (b[1] > x[1]) && x[0] < a[0] + (b[0] - a[0]) * (x[1] - a[1]) / (b[1] - a[1])) inside = !inside;
-  }
-  return inside ? -nearest : nearest;
-}
-
 // A cell begins as the whole outline, and the middle line to each point cuts off what is nearer to that one, the nearest points first.
 // A point farther away than twice the farthest corner of the cell cuts off nothing.
 std::vector<double> cell_areas(const Outline& outline, const std::vector<Vector<2>>& points, double spacing) {
@@ -116,12 +99,13 @@ std::vector<std::vector<std::uint32_t>> points_beside(const Outline& outline, co
   std::vector<std::vector<std::uint32_t>> beside(points.size());
   constexpr int parts = 8;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const bool is_deep = signed_distance(outline, points[i]) < -reach;
+    const auto distance = [&](const Vector<2>& x) { return polygon_distance(outline, x[0], x[1]); };
+    const bool is_deep = distance(points[i]) < -reach;
     for (const std::uint32_t j : cells.near(i, reach)) {
       bool is_inside = true;
       for (int k = 1; k < parts && is_inside && !is_deep; ++k) {
         const double share = static_cast<double>(i < j ? k : parts - k) / parts;  // the same places from both ends
-        is_inside = signed_distance(outline, points[i] + share * (points[j] - points[i])) <= 1e-6 * reach;
+        is_inside = distance(points[i] + share * (points[j] - points[i])) <= 1e-6 * reach;
       }
       if (is_inside) beside[i].push_back(j);
     }

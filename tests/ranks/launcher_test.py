@@ -102,17 +102,21 @@ class RanksTest(unittest.TestCase):
             time.sleep(0.1)
         self.fail("the run did not begin")
 
+    def assert_the_same_results(self, one, other):
+        """The same bytes of gauges and energies, and the same frames."""
+        for name in ("gauges.csv", "energy.csv"):
+            self.assertEqual((self.directory / one / name).read_bytes(), (self.directory / other / name).read_bytes())
+        expected, found = self.frames(one), self.frames(other)
+        self.assertEqual(expected.keys(), found.keys())
+        for path, values in expected.items():
+            self.assertTrue(numpy.array_equal(values, found[path]), path)
+
 
 class Results(RanksTest):
     def test_one_rank_is_the_fluid_without_ranks(self):
         self.assertEqual(self.run_case("alone", "--until", "0.02", *COARSE)[0], 0)
         self.assertEqual(self.run_case("one", "--until", "0.02", "--ranks", "1", *COARSE), (0, ""))
-        for name in ("gauges.csv", "energy.csv"):
-            self.assertEqual((self.directory / "alone" / name).read_bytes(), (self.directory / "one" / name).read_bytes())
-        alone, one = self.frames("alone"), self.frames("one")
-        self.assertEqual(alone.keys(), one.keys())
-        for path, values in alone.items():
-            self.assertTrue(numpy.array_equal(values, one[path]), path)
+        self.assert_the_same_results("alone", "one")
 
     def test_three_ranks_have_the_files_of_one(self):
         for count in (1, 3):
@@ -135,12 +139,7 @@ class Coupled(RanksTest):
     def test_one_rank_is_the_run_without_ranks(self):
         self.assertEqual(self.run_case("alone", "--until", "0.02", case="submerged_block")[0], 0)
         self.assertEqual(self.run_case("one", "--until", "0.02", "--ranks", "1", case="submerged_block")[0], 0)
-        for name in ("gauges.csv", "energy.csv"):
-            self.assertEqual((self.directory / "alone" / name).read_bytes(), (self.directory / "one" / name).read_bytes())
-        alone, one = self.frames("alone"), self.frames("one")
-        self.assertEqual(alone.keys(), one.keys())
-        for path, values in alone.items():
-            self.assertTrue(numpy.array_equal(values, one[path]), path)
+        self.assert_the_same_results("alone", "one")
 
     def test_three_ranks_load_the_block_as_one_does(self):
         for count in (1, 3):
@@ -184,12 +183,7 @@ class Continued(RanksTest):
         self.assertEqual(self.run_case("whole", *self.UNTIL, "--ranks", "2", *OVERSUBSCRIBED, case="submerged_block")[0], 0)
         self.interrupted("part", "--ranks", "2", *OVERSUBSCRIBED)
         self.assertEqual(self.go_on("part"), 0)
-        for name in ("gauges.csv", "energy.csv"):
-            self.assertEqual((self.directory / "whole" / name).read_bytes(), (self.directory / "part" / name).read_bytes())
-        whole, part = self.frames("whole"), self.frames("part")
-        self.assertEqual(whole.keys(), part.keys())
-        for path, values in whole.items():
-            self.assertTrue(numpy.array_equal(values, part[path]), path)
+        self.assert_the_same_results("whole", "part")
 
     def test_more_ranks_or_fewer_go_on_as_well(self):
         self.assertEqual(self.run_case("whole", "--until", "0.35", *self.SHORT_WINDOWS, case="submerged_block")[0], 0)

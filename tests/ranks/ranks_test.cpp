@@ -67,27 +67,32 @@ State<D> disordered(const Case& scene, int windows) {
   return fluid.state();
 }
 
-/// A window of all ranks takes no more than two iterations more than that of one. At the tolerance of the case, where a run needs them.
+/// One rank and all of them after one window from one state.
+template <int D>
+struct Window {
+  Fluid<D> one, many;
+
+  Window(const Case& scene, const State<D>& start) : one(scene), many(scene, Ranks::all()) {
+    one.set_state(start);
+    many.set_whole_state(start);
+    const double duration = one.propose_step().seconds;
+    EXPECT_NEAR(many.propose_step().seconds, duration, 1e-12 * duration);
+    step(one, duration);
+    step(many, duration);
+  }
+};
+
+/// All ranks take no more than two iterations more than one. At the tolerance of the case, where a run needs them.
 template <int D>
 void expect_as_many_iterations(const Case& scene, const State<D>& start) {
-  Fluid<D> one(scene), many(scene, Ranks::all());
-  one.set_state(start);
-  many.set_whole_state(start);
-  const double duration = one.propose_step().seconds;
-  step(one, duration);
-  step(many, duration);
-  EXPECT_LE(many.last_solve().iterations, one.last_solve().iterations + 2);
+  const Window<D> window(scene, start);
+  EXPECT_LE(window.many.last_solve().iterations, window.one.last_solve().iterations + 2);
 }
 
 template <int D>
 void expect_the_same_window(const Case& scene, const State<D>& start) {
-  Fluid<D> one(scene), many(scene, Ranks::all());
-  one.set_state(start);
-  many.set_whole_state(start);
-  const double duration = one.propose_step().seconds;
-  EXPECT_NEAR(many.propose_step().seconds, duration, 1e-12 * duration);
-  step(one, duration);
-  step(many, duration);
+  const Window<D> window(scene, start);
+  const Fluid<D>&one = window.one, &many = window.many;
   EXPECT_NEAR(many.energies().kinetic, one.energies().kinetic, 1e-9 * one.energies().kinetic);
   EXPECT_NEAR(many.volume_drift().share, one.volume_drift().share, 1e-12);
   EXPECT_NEAR(many.volume_drift().inside, one.volume_drift().inside, 1e-12);
@@ -113,9 +118,10 @@ void expect_the_same_window(const Case& scene, const State<D>& start) {
 
 template <int D>
 void expect_the_window_of_one_rank(Case scene) {
-  expect_as_many_iterations<D>(scene, disordered<D>(scene, 30));
+  const State<D> start = disordered<D>(scene, 30);
+  expect_as_many_iterations<D>(scene, start);
   scene.fluid->numerics.pressure_tolerance = 1e-15;
-  expect_the_same_window<D>(scene, disordered<D>(scene, 30));
+  expect_the_same_window<D>(scene, start);
 }
 
 TEST(OneWindow, IsThatOfOneRank) { expect_the_window_of_one_rank<2>(dam_break(20, 40)); }
