@@ -80,8 +80,8 @@ def _count(text):
 
 def _thread_count(text):
     value = int(text)
-    if not 1 <= value <= 1024:
-        raise argparse.ArgumentTypeError(f"{text} is not a number of threads from 1 to 1024")
+    if not 1 <= value <= 256:  # most_threads of run/command_line.cpp
+        raise argparse.ArgumentTypeError(f"{text} is not a number of threads from 1 to 256")
     return value
 
 
@@ -95,7 +95,7 @@ def _run_options(parser):
 
 
 def _ranks_options(parser):
-    parser.add_argument("--ranks", metavar="N", type=int,
+    parser.add_argument("--ranks", metavar="N", type=_count,
                         help="run the fluid in N processes (docs/SCALE.md); another N has other last digits")
     parser.add_argument("--oversubscribe", action="store_true", help="with --ranks: even where there are fewer cores")
 

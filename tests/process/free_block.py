@@ -9,7 +9,7 @@ from tern.participant import Surface, cut_box, run_structure
 class FreeBlock:
     def __init__(self, case, options):
         body, (low, high) = case.only_body(), case.body_box()
-        self.position, self.normal, self.area, thickness, wet = cut_box(low, high, body["spacing"], [])
+        self.position, self.normal, self.area, thickness, wet = cut_box(low, high, case.face_length(body), [])
         self.section_mass, self.least_mass = body["density"] * thickness / wet, body["density"] * body["spacing"]
         self.mass = body["density"] * np.prod(np.array(high) - np.array(low))
         self.state = (np.zeros(2), np.zeros(2))  # displacement, velocity

@@ -9,11 +9,12 @@ import os
 import signal
 import time
 import unittest
+import unittest.mock
 from pathlib import Path
 
 from fake_build import FakeBuild, is_alive, wait_until
 from tern.errors import Error
-from tern.launch import first_cause, resumption
+from tern.launch import first_cause, resumption, run
 from tern.launch.processes import Process
 
 
@@ -101,6 +102,16 @@ class LauncherTest(unittest.TestCase):
         self.assertEqual(code, 2)
         self.assertEqual(errors, "tern: case.toml:3:1: unknown key 'densty', did you mean density?\n")
         self.assertFalse((self.fake.path / "runs").exists())
+
+    def test_ranks_that_cannot_be_are_refused_before_a_build(self):
+        # Seen to fail: with check_count() after build.ensure().
+        with unittest.mock.patch.object(run.build, "ensure", side_effect=AssertionError("a build of some minutes")):
+            for count, sentence in ((-2, "has to be 1 or more"), (100000, "this machine has")):
+                with self.assertRaisesRegex(Error, f"--ranks {count}: {sentence}"):
+                    run._run_once(run.Request(case="piston", ranks=count), None)
+        code, _, errors = self.fake.run("--ranks", "two")
+        self.assertEqual(code, 2)
+        self.assertIn("two is not a whole number greater than 0", errors)
 
     def test_the_first_failure_is_the_cause_and_its_echoes_are_not(self):
         # Seen to fail: without the echo rule (the coupler then wins, because its process ends first).

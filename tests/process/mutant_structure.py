@@ -23,7 +23,7 @@ class Cantilever:
         body, (low, high) = case.only_body(), case.body_box()
         clamps = [(np.array(c["box"]["min"]), np.array(c["box"]["max"])) for c in body["clamp"]]
         low[1] = max([low[1]] + [top[1] for _, top in clamps])
-        self.position, self.normal, self.area, thickness, wet = cut_box(low, high, body["spacing"], clamps)
+        self.position, self.normal, self.area, thickness, wet = cut_box(low, high, case.face_length(body), clamps)
         self.mode = (((self.position[:, 1] - low[1]) / (high[1] - low[1]))**2)[:, None]
         self.density, self.spacing, self.section_mass = body["density"], body["spacing"], body["density"] * thickness / wet
         self.mass = body["density"] * np.prod(high - low) / 5  # of the square of the mode
@@ -112,8 +112,9 @@ def send_wrongly(run, **body):
         position = np.array(message.position).reshape(-1, 2)
         if MUTANT == "account of the end":
             energies = SOLVER["it"].energies()
-            message.account.CopyFrom(run.account([*(energies[name] for name in ("kinetic", "strain", "potential")),
-                                                  *message.account.energy[3:]], SOLVER["it"].gauge))
+            energies = {name: energies[name] for name in ("kinetic", "strain", "potential")}
+            rest = {str(n): value for n, value in enumerate(message.account.energy[3:])}
+            message.account.CopyFrom(run.account(energies | rest, SOLVER["it"].gauge))
         if MUTANT in SHAPES:
             message.position[:] = SHAPES[MUTANT](position).ravel()
         if MUTANT == "normals inward":

@@ -120,6 +120,30 @@ class ClosedFormTest(ParticipantTest):
         self.assertEqual(plot.returncode, 0, plot.stderr)
 
 
+class FacesTest(ParticipantTest):
+    # Archimedes: 196.2 N/m. Seen to fail: with faces of a spacing of the body, which is that of the fluid.
+    def test_a_body_at_rest_in_still_water_feels_no_noise(self):
+        self.out = self.path / "still"
+        code, _, errors = self.finish(self.start("--structure", "prescribed_motion.py", "--quiet",
+                                                 case=ROOT / "tests" / "process" / "cases" / "still_box"))
+        self.assertEqual((code, errors), (0, ""))
+        for component, mean in (("water.Fx_N_per_m", 0), ("water.Fy_N_per_m", 196.2)):
+            t, force = self.curve(component)
+            self.assertAlmostEqual(force[t > 0.2].mean(), mean, delta=3)
+            self.assertLess(force[t > 0.2].std(), 6)
+
+    # Seen to fail: without _say_long_faces().
+    def test_faces_too_long_for_the_fluid_are_said(self):
+        script = self.path / "coarse.py"
+        motion = (PARTICIPANTS / "prescribed_motion.py").read_text()
+        script.write_text(motion.replace("case.face_length(case.only_body())", "case.only_body()['spacing']"))
+        self.out = self.path / "coarse"
+        code, _, errors = self.finish(self.start("--structure", f"/usr/bin/python3 {script}", "--quiet", "--until", "0.01",
+                                                 case=ROOT / "tests" / "process" / "cases" / "still_box"))
+        self.assertEqual(code, 0, errors)
+        self.assertRegex(errors, r"warning: its largest face is 0.01 m long, more than half a spacing of the fluid, 0.005 m")
+
+
 class EndOfARunTest(ParticipantTest):
     def start_piston(self):
         process = self.start("--structure", SPRING, "--fluid", column(2000), "--set", "end_time=1000", case=PISTON)
@@ -153,7 +177,10 @@ class EndOfARunTest(ParticipantTest):
 
     # Seen to fail: without abort() in run_participant(); without finite().
     def test_a_solver_that_fails_ends_the_run_with_its_reason(self):
-        for fault, code, sentence in (("raise ValueError('no convergence')", 3, "ValueError: no convergence"),
+        for fault, code, sentence in (("raise ValueError('no convergence')", 3, r"ValueError: no convergence \(broken.py, line \d+\)"),
+                                      ("self.area = self.area[1:]", 2,
+                                       r"surface\(\) gives velocity of shape \(59, 2\), but it has to be \(60, 2\)"),
+                                      ("self.energies = lambda: {'strain': float('nan')}", 3, "energy strain is nan at step 3"),
                                       ("self.state = (float('nan'), 0.0)", 3, r"position of the surface\[1\] is nan at step 3"),
                                       ("raise OSError('disk full')", 5, "disk full")):
             script = self.path / "broken.py"

@@ -18,18 +18,22 @@ KILLED = re.compile(r"process rank (\d+) .*exited on\s+signal (\d+)")
 ALONE_IN_A_NETWORK = ["unshare", "--map-root-user", "--net", "sh", "-c", 'ip link set lo up && exec "$@"', "sh"]
 
 
-def check(count, oversubscribe, roles, foreign):
-    """Raises Error with the first thing of a run that several ranks cannot do. `foreign`: the roles that have a solver of their own."""
+def check_count(count, oversubscribe):
+    """Raises Error where that many ranks cannot run on this machine."""
     if count < 1:
         raise Error(BAD_INPUT, f"--ranks {count}: has to be 1 or more.")
-    if "fluid" not in roles:
-        raise Error(BAD_INPUT, f"Not with --ranks: {' and '.join(roles)} alone. It is the fluid that runs in many processes.")
-    if "fluid" in foreign:
-        raise Error(BAD_INPUT, "Not with --ranks: --fluid. It is tern's own fluid that runs in many processes.")
     cores = len(os.sched_getaffinity(0))
     if count > cores and not oversubscribe:
         raise Error(BAD_INPUT, f"--ranks {count}: this machine has {cores} cores for it, and ranks that share one wait for each other; "
                                "give fewer, or --oversubscribe.")
+
+
+def check(roles, foreign):
+    """Raises Error with the first thing of a run that several ranks cannot do. `foreign`: the roles that have a solver of their own."""
+    if "fluid" not in roles:
+        raise Error(BAD_INPUT, f"Not with --ranks: {' and '.join(roles)} alone. It is the fluid that runs in many processes.")
+    if "fluid" in foreign:
+        raise Error(BAD_INPUT, "Not with --ranks: --fluid. It is tern's own fluid that runs in many processes.")
 
 
 def command(words, count, oversubscribe, endpoint=None):

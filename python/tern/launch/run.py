@@ -271,6 +271,8 @@ def resumed(out, request):
 def _run_once(request, work):
     path = cases.find(request.case)
     many = request.ranks is not None
+    if many:
+        ranks.check_count(request.ranks, request.oversubscribe)  # before a build of some minutes
     directory = build.ensure("ranks" if many and request.build == "release" else request.build)
     case = cases.read(directory, path, request.case_options)
     roles = roles_of(case, request.only)
@@ -279,7 +281,7 @@ def _run_once(request, work):
     for command in commands.values():
         packages.ensure_for(command)
     if many:
-        ranks.check(request.ranks, request.oversubscribe, roles, commands)
+        ranks.check(roles, commands)
     before = None
     if request.resume:
         out = Path(request.resume).resolve()

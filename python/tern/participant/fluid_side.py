@@ -57,7 +57,7 @@ def _obey(run, make_solver):
     saves = hasattr(solver, "save") and hasattr(solver, "restore")
 
     def account():
-        return run.account(solver.energies(), solver.gauge)
+        return run.account(dict(zip(("kinetic", "potential"), solver.energies())), solver.gauge)
 
     def write_frame():
         nonlocal written

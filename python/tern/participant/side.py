@@ -6,6 +6,7 @@ import argparse
 import contextlib
 import ctypes
 import json
+import math
 import os
 import resource
 import signal
@@ -42,7 +43,8 @@ def finite(name, values, step):
     bad = ~numpy.isfinite(array)
     if bad.any():
         index = int(numpy.argmax(bad))
-        raise NumericalFailure(f"{name}[{index}] is {array[index]} at step {step}; the computation has diverged: "
+        place = f"{name}[{index}]" if array.size > 1 else name
+        raise NumericalFailure(f"{place} is {array[index]} at step {step}; the computation has diverged: "
                                "a smaller step may help; the frames before show where it began.")
     return array.tolist()
 
@@ -79,6 +81,13 @@ class Case:
         if len(bodies) != 1:
             raise bad_input(f"{self.path} has {len(bodies)} elastic bodies; this solver takes exactly one.")
         return bodies[0]
+
+    def face_length(self, body):
+        """Longest side of a face of a body's surface [m], as tern-structure cuts them (scene/case_file.hpp): its spacing, or a whole
+        part of it that is at most half of the fluid's. To the particles longer ones are no even face: the load of still water jumps."""
+        spacing, fluid = body["spacing"], self.settings.get("fluid")
+        longest = 0.5 * fluid["spacing"] if fluid else spacing
+        return spacing / max(1, math.ceil(spacing / longest * (1 - 1e-9)))
 
     def body_box(self):
         """Corners (min, max) of the one elastic body, which has to be a box."""
@@ -161,6 +170,12 @@ class Run:
         with contextlib.suppress(OSError):
             self._log.write(f"{time.strftime('%Y-%m-%d %H:%M:%S', time.localtime(now))}.{int(now % 1 * 1000):03d} {level} {sentence}\n")
 
+    def warn(self, sentence):
+        """A line in the log and on standard error."""
+        self.log(sentence, "warning")
+        with contextlib.suppress(OSError):
+            print(f"{self.program}: warning: {sentence}", file=sys.stderr)
+
     @contextlib.contextmanager
     def timed(self, activity):
         begin = time.perf_counter()
@@ -230,9 +245,9 @@ class Run:
             raise RunEnded(INTERRUPTED, "The run was interrupted; results up to here are kept.")
 
     def account(self, energies, gauge):
-        """wire.Account: `energies` in the order of the columns of energy.csv; `gauge(gauge)` gives the values of one gauge of
+        """wire.Account: `energies` by name in the order of the columns of energy.csv; `gauge(gauge)` gives the values of one gauge of
         this side, or None where it has none."""
-        account = wire.Account(energy=finite("energy", energies, self.channel.step))
+        account = wire.Account(energy=[finite(f"energy {name}", value, self.channel.step)[0] for name, value in energies.items()])
         for entry, count in self.case.gauges(self.role):
             values = gauge(entry)
             account.gauge.extend([0.0] * count if values is None else finite(f"gauge {entry['name']}", values, self.channel.step))
@@ -316,7 +331,15 @@ def _cause_of(error, program):
         return PEER_LOST, f"The coupler process cannot be reached any more: {error}."
     if isinstance(error, OSError):
         return INPUT_OUTPUT, f"{program} was refused by the system: {error}."
-    return NUMERICAL_FAILURE, f"{program} met an unexpected fault of its own: {type(error).__name__}: {error}."
+    place = _last_place_outside(Path(__file__).parent, error)
+    return NUMERICAL_FAILURE, f"{program} met an unexpected fault of its own: {type(error).__name__}: {str(error).rstrip(' .')}{place}."
+
+
+def _last_place_outside(library, error):
+    """" (file.py, line n)" of the last call that is a solver's own; its whole way is in the log."""
+    calls = [call for call in traceback.extract_tb(error.__traceback__) if Path(call.filename).parent != library]
+    own = [call for call in calls if Path(call.filename).is_file() and "-packages" not in call.filename]
+    return f" ({Path(own[-1].filename).name}, line {own[-1].lineno})" if own else ""
 
 
 def run_participant(role, obey, add_options=None):

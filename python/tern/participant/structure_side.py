@@ -27,6 +27,7 @@ from tern.participant.schema import wire
 from tern.participant.side import TICKS_PER_SECOND, bad_input, finite, run_participant
 
 _SURFACE = ("position", "velocity", "normal", "area")
+SLACK = 0.05  # of faces that are cut evenly, and of a spacing that is stretched a little to fill the boxes of the fluid
 LEFT = 0.2  # of a motion that windows do not resolve, from one to the next: see followed_velocity()
 
 
@@ -42,7 +43,8 @@ class Surface:
 
 def cut_box(low, high, spacing, clamps=()):
     """(position, normal, area, thickness, wet faces) of the faces of a box in 2D, cut evenly into pieces of about `spacing`, but
-    for what lies in the boxes `clamps`. Wet faces: 1 where the opposite face is clamped, else 2."""
+    for what lies in the boxes `clamps`. Wet faces: 1 where the opposite face is clamped, else 2. Beside a fluid `spacing` is
+    case.face_length(body)."""
     def held(x):
         return any(((a <= x) & (x <= b)).all() for a, b in clamps)
 
@@ -82,6 +84,8 @@ class _Coupled:
     def __init__(self, solver, explicit):
         self.solver, self._explicit = solver, explicit
         self._begin, self._state = solver.surface(), solver.state
+        self._shape = numpy.shape(self._begin.position)
+        self._check(self._begin)
         self._own_velocity = self._begin.velocity
         self.load = numpy.zeros_like(self._begin.position)
         self.interface_work = 0.0
@@ -123,11 +127,31 @@ class _Coupled:
     def _advance(self, load):
         self.solver.state = self._state
         self.solver.advance(*self._window, load)
-        return self.solver.surface()
+        end = self.solver.surface()
+        self._check(end)
+        return end
+
+    def _check(self, surface):
+        """Every array of a Surface has one row per point, and the points stay the same all along."""
+        for name in _SURFACE:
+            found, wanted = numpy.shape(getattr(surface, name)), self._shape[:1] if name == "area" else self._shape
+            if found != wanted:
+                raise bad_input(f"surface() gives {name} of shape {found}, but it has to be {wanted}: a row for each of the "
+                                f"{self._shape[0]} points that it had at the start.")
 
     def _followed(self, end):
         mean = (end.position - self._begin.position) / self._window[1]
         return followed_velocity(mean, self._begin.velocity, self._own_velocity)
+
+
+def _say_long_faces(run, surface):
+    """Warns of faces that are longer than the particles of the fluid take for even (Case.face_length())."""
+    case = run.case
+    longest = max(surface.area) ** (1 / (case.dimension - 1))
+    wanted = 0.5 * case.settings["fluid"]["spacing"]
+    if longest > wanted * (1 + SLACK):
+        run.warn(f"its largest face is {longest:.3g} m long, more than half a spacing of the fluid, {wanted:.3g} m: to the particles "
+                 "that is no even face, and its load is noisy; cut_box() with case.face_length(body) makes shorter ones.")
 
 
 def _has_loads(settings):
@@ -150,7 +174,7 @@ def _obey(run, make_solver):
 
     def account():
         energies = solver.energies() | {"interface_work": coupled.interface_work}
-        return run.account([energies.get(column, 0.0) for column in columns], solver.gauge)
+        return run.account({column: energies.get(column, 0.0) for column in columns}, solver.gauge)
 
     def write_frame():
         nonlocal written
@@ -166,6 +190,7 @@ def _obey(run, make_solver):
     def keep():
         return coupled.save() | {"frames": frames.mark(), "written": written}
 
+    _say_long_faces(run, solver.surface())
     if not run.resumes:
         write_frame()
     properties = wire.SurfaceProperties(**{name: list(values) for name, values in solver.properties().items()})

@@ -123,7 +123,7 @@ class GetfemStructure:
         lame = (e * nu / ((1 + nu) * (1 - 2 * nu)), e / (2 * (1 + nu)))
         self.size = min(high - low) / options.across
         self.solid = Solid(low, high, boxes, density, lame, self.size)
-        self.position, self.normal, self.area, thickness, wet = cut_box(low, high, body["spacing"], boxes)
+        self.position, self.normal, self.area, thickness, wet = cut_box(low, high, case.face_length(body), boxes)
         along = 0.5 * self.area[:, None] * np.column_stack([-self.normal[:, 1], self.normal[:, 0]])
         self.middle, self.first, self.second = (self.solid.carried(self.position + shift) for shift in (0 * along, -along, along))
         self.ends = self.position - along, self.position + along

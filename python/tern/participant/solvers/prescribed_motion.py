@@ -16,7 +16,7 @@ from tern.participant import Surface, bad_input, cut_box, run_structure
 class PrescribedMotion:
     def __init__(self, case, options):
         low, high = case.body_box()
-        self.position, self.normal, self.area, _, _ = cut_box(low, high, case.only_body()["spacing"])
+        self.position, self.normal, self.area, _, _ = cut_box(low, high, case.face_length(case.only_body()))
         try:
             self.components = [compile_expression(text) for text in (options.x, options.y)]
             self.state = (self.displacement(0.0), np.zeros(2))

@@ -17,7 +17,7 @@ class RigidSpring:
         body, (low, high) = case.only_body(), case.body_box()
         self.clamps = [(np.array(c["box"]["min"]), np.array(c["box"]["max"])) for c in body["clamp"]]
         low[1] = max([low[1]] + [top[1] for _, top in self.clamps])  # what a clamp holds is the ground, not the body
-        self.position, self.normal, self.area, thickness, wet = cut_box(low, high, body["spacing"], self.clamps)
+        self.position, self.normal, self.area, thickness, wet = cut_box(low, high, case.face_length(body), self.clamps)
         self.section_mass, self.density, self.spacing = body["density"] * thickness / wet, body["density"], body["spacing"]
         self.gravity, width = case.gravity[1], high[0] - low[0]
         self.mass, self.stiffness = body["density"] * width * (high[1] - low[1]), options.stiffness * width
