@@ -8,6 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.patches import Circle, Rectangle
+from matplotlib.ticker import MaxNLocator
 
 from tern.plot import style, walls
 from tern.results.frames import nearest
@@ -42,17 +43,27 @@ def _discs(axis, position, values, spacing, colours, limits):
     return discs
 
 
-def _outline(axis, position):
-    """Joins every interface point with its two nearest neighbours: the surface, in whatever order its points come."""
+def joined(position):
+    """Pairs of interface points between which the surface goes, in whatever order the points come: every point with the two of its near
+    ones that are near and on opposite sides. The nearest of all may be on the other face of a thin body."""
     if len(position) < 3:
-        return
+        return np.zeros((0, 2), dtype=int)
     distance = np.linalg.norm(position[:, None, :] - position[None, :, :], axis=2)
     np.fill_diagonal(distance, np.inf)
-    nearest = np.argsort(distance, axis=1)[:, :2]
-    reach = 2.5 * distance.min(axis=1)  # bodies have points of their own spacing
-    lines = [(position[one], position[two]) for one in range(len(position)) for two in nearest[one]
-             if distance[one, two] < reach[one]]
-    axis.add_collection(LineCollection(lines, colors="black", linewidths=1.0))
+    near = np.argsort(distance, axis=1)[:, :min(6, len(position) - 1)]
+    far = np.take_along_axis(distance, near, axis=1)
+    towards = (position[near] - position[:, None, :]) / np.maximum(far, 1e-300)[:, :, None]
+    cosine = np.einsum("nad,nbd->nab", towards, towards)
+    cost = (far[:, :, None] + far[:, None, :]) * (1 + 2 * (1 + cosine))  # a way straight on is worth five times as long as one back
+    out = far > 2.5 * far[:, 1:2]  # bodies have points of their own spacing; the second nearest is on the same face
+    cost[out[:, :, None] | out[:, None, :] | np.eye(near.shape[1], dtype=bool)] = np.inf
+    both = np.stack(np.unravel_index(cost.reshape(len(near), -1).argmin(axis=1), cost.shape[1:]), axis=1)
+    found = np.take_along_axis(near, both, axis=1)
+    return np.stack([np.repeat(np.arange(len(position)), 2), found.ravel()], axis=1)
+
+
+def _outline(axis, position):
+    axis.add_collection(LineCollection(position[joined(position)], colors="black", linewidths=1.0))
 
 
 class Cut:
@@ -156,6 +167,9 @@ def _draw(axis, run, fluid, structure, limits, field, placed, cut, view):
         set_limits(*range_)
     axis.set_aspect("equal")
     axis.grid(False)
+    sides = [high - low for low, high in view]
+    for side, ticks in zip(sides, (axis.xaxis, axis.yaxis)):  # along the shorter one the numbers would run into each other
+        ticks.set_major_locator(MaxNLocator(int(np.clip(8 * side / max(sides), 3, 8))))
     return drawn
 
 
