@@ -237,6 +237,9 @@ void clamp_bent(const StructureBody& body, const Shape& clamp, MidSurface<D>& su
       else
         surface.high[n] = std::min(surface.high[n], from - held);
     }
+  if (found > 1)
+    throw BadInput(
+        fmt::format("The shell '{}' is held by a clamp that holds {} of its ends at once; write a clamp for each.", body.name, found));
   if (found != 1 || !is_clean)
     throw BadInput(
         fmt::format("The shell '{}' is held by a clamp that does not hold one end of it from its edge to a line across; correct its shape, "
@@ -356,16 +359,21 @@ SurfacePlace<D> MidSurface<D>::at(const std::array<double, D - 1>& s) const {
 }
 
 template <int D>
-double MidSurface<D>::height(const Vector<D>& x) const {
-  if (kind == Kind::flat || kind == Kind::plate) return std::abs((x - origin).dot(axes.col(D - 1)));
-  if (kind == Kind::ball) return std::abs((x - origin).norm() - radius);
-  if (kind == Kind::round) return std::abs(std::hypot((x - origin).dot(axes.col(D - 2)), (x - origin).dot(axes.col(D - 1))) - radius);
-  double least = std::numeric_limits<double>::max();
+Vector<D> MidSurface<D>::foot(const Vector<D>& x) const {
+  if (kind == Kind::flat || kind == Kind::plate) return x - (x - origin).dot(axes.col(D - 1)) * axes.col(D - 1);
+  if (kind == Kind::ball || kind == Kind::round) {
+    Vector<D> out = x - origin;  // from the centre, of a tube from its axis
+    if (D == 3 && kind == Kind::round) out -= out.dot(axes.col(0)) * axes.col(0);
+    const double distance = out.norm();
+    return x + (distance > 0 ? Vector<D>((radius / distance - 1) * out) : Vector<D>(radius * axes.col(D - 1)));
+  }
+  Vector<D> nearest = corners.front();
   for (std::size_t i = 1; i < corners.size(); ++i) {
     const Vector<D> along = corners[i] - corners[i - 1], from = x - corners[i - 1];
-    least = std::min(least, (from - std::clamp(from.dot(along) / along.squaredNorm(), 0.0, 1.0) * along).norm());
+    const Vector<D> place = corners[i - 1] + std::clamp(from.dot(along) / along.squaredNorm(), 0.0, 1.0) * along;
+    if ((x - place).squaredNorm() < (x - nearest).squaredNorm()) nearest = place;
   }
-  return least;
+  return nearest;
 }
 
 namespace {

@@ -46,8 +46,10 @@ struct MidSurface {
 
   /// Not of a ball.
   SurfacePlace<D> at(const std::array<double, D - 1>& s) const;
+  /// The place on it that is nearest to x.
+  Vector<D> foot(const Vector<D>& x) const;
   /// Distance of x from it [m].
-  double height(const Vector<D>& x) const;
+  double height(const Vector<D>& x) const { return (x - foot(x)).norm(); }
 
   double length(int n) const { return high[n] - low[n]; }
   int held_ends(int n) const { return (edges[n][0] != EdgeKind::free) + (edges[n][1] != EdgeKind::free); }

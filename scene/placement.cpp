@@ -193,6 +193,28 @@ class PlacementCheck {
     for (const StructureBody& body : structure()) say_where_fluid_begins_on(body.shape, fmt::format("the elastic body '{}'", body.name));
   }
 
+  /// A sentence where all faces of a box that lie on a layer of the one fluid body come between two when it is moved by half a
+  /// spacing.
+  std::string or_move(const Shape& shape) const {
+    constexpr double on_it = 0.1;
+    if (fluid().size() != 1 || shape.kind != Shape::Kind::box) return "";
+    const double dx = scene_.fluid->spacing;
+    const auto water = bounding_box<D>(fluid()[0].shape), box = bounding_box<D>(shape);
+    std::vector<std::string> moves;
+    for (int d = 0; d < D; ++d) {
+      int on = 0, between = 0;
+      for (const double face : {box.min[d], box.max[d]}) {
+        if (face <= water.min[d] || face >= water.max[d]) continue;
+        const double layers = (face - water.min[d]) / dx, beside = std::abs(layers - std::round(layers));
+        on += beside > 0.5 - on_it;
+        between += beside < on_it;
+      }
+      if (on > 0 && between > 0) return "";
+      if (on > 0) moves.push_back(fmt::format("{:.4g} m along {}", 0.5 * dx, "xyz"[d]));
+    }
+    return moves.empty() ? "" : fmt::format(" Here it is enough to move it by {}.", fmt::join(moves, " and "));
+  }
+
   /// Particles stand half a spacing from a face when it lies between two layers of them. Where a face lies on a layer, its particles begin
   /// on the face, and the pressure there is wrong at first. A curved face has a tenth of the layer beside it as near as that.
   void say_where_fluid_begins_on(const Shape& shape, const std::string& label) {
@@ -211,8 +233,8 @@ class PlacementCheck {
     scene_.warnings.push_back(fmt::format(
         "{}: {} of the {} particles of the fluid beside {} begin on its faces (within {:g} dx; half a spacing is right), and the "
         "pressure there is wrong at first. Put its faces between the layers of particles, which are {:.4g} m apart from the "
-        "corner of the fluid's box on, or choose a spacing of which its sides and their distances from that corner are whole multiples.",
-        where_fluid(0), on, beside, label, on_it, dx));
+        "corner of the fluid's box on, or choose a spacing of which its sides and their distances from that corner are whole multiples.{}",
+        where_fluid(0), on, beside, label, on_it, dx, or_move(shape)));
   }
 
   [[noreturn]] void fail_overlap(const std::string& where, const std::string& one, const std::string& other, const Vector<D>& x) const {

@@ -58,7 +58,10 @@ MotionTable::MotionTable(const std::string& text, const std::string& file, int d
   std::vector<std::string_view> row;
   std::size_t number = 0;
   const auto fail = [&](const std::string& sentence) { throw BadInput(fmt::format("{}:{}: {}", file, number, sentence)); };
-  for (std::string_view rest = text_; !rest.empty();) {
+  constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";  // spreadsheets begin a table with it
+  std::string_view rest = text_;
+  if (rest.starts_with(byte_order_mark)) rest.remove_prefix(byte_order_mark.size());
+  while (!rest.empty()) {
     const std::string_view line = rest.substr(0, rest.find('\n'));
     rest.remove_prefix(std::min(rest.size(), line.size() + 1));
     ++number;

@@ -3,6 +3,7 @@
 #include "scene/settings.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -48,6 +49,14 @@ Setting* element(Setting& list, const std::string& part) {
   return nullptr;
 }
 
+// ", or a name: bar, lid" of the elements of a list that have one.
+std::string or_a_name_of(const Setting& list) {
+  std::vector<std::string> names;
+  for (const Setting& item : list.items)
+    if (const Setting* name = item.type == Setting::Type::table ? item.find("name") : nullptr) names.push_back(name->text);
+  return names.empty() ? "" : fmt::format(", or a name: {}", fmt::join(names, ", "));
+}
+
 }  // namespace
 
 const Setting* Setting::find(const std::string& key) const {
@@ -82,7 +91,9 @@ std::string to_json(const Setting& setting) { return json_of(setting).dump(-1, '
 
 std::string to_text(const Setting& setting) {
   std::string text;
-  if ((setting.type == Setting::Type::number || setting.type == Setting::Type::integer)) {
+  if (setting.type == Setting::Type::number && setting.number == std::round(setting.number) && std::abs(setting.number) < 1e6) {
+    text = fmt::format("{:.1f}", setting.number);  // where a whole number is wanted it says why 2.0 is none
+  } else if (setting.type == Setting::Type::number || setting.type == Setting::Type::integer) {
     text = fmt::format("{}", setting.number);
   } else {
     text = to_json(setting);
@@ -109,9 +120,11 @@ void apply_override(Setting& settings, const std::string& key, const std::string
         begin = dot + 1;
         continue;
       }
-      if (place->items.size() != 1) {
-        throw BadInput(fmt::format("{}: none of the {} elements is called '{}'; use a position from 0 to {} or a name.", where,
-                                   place->items.size(), part, static_cast<long>(place->items.size()) - 1));
+      // Of a list with one element the name may be left out: then the part is one of its keys, or the last one, which may be new.
+      const bool is_key = place->items.size() == 1 && (dot == std::string::npos || place->items.front().find(part));
+      if (!is_key) {
+        throw BadInput(fmt::format("{}: none of the {} elements is called '{}'; use a position from 0 to {}{}.", where, place->items.size(),
+                                   part, static_cast<long>(place->items.size()) - 1, or_a_name_of(*place)));
       }
       place = &place->items.front();
     }

@@ -62,6 +62,44 @@ struct Jump {
   double time, distance;  ///< [s], [m]
 };
 
+/// Change of the velocity of any corner of the shape from just before `begin` to just after `end` [m/s].
+template <int D>
+double change_of_velocity(const RigidMotion& motion, const Shape& shape, double begin, double end) {
+  const double h = end - begin;
+  const Placement<D> first = placement<D>(motion, begin - h), second = placement<D>(motion, begin), third = placement<D>(motion, end),
+                     fourth = placement<D>(motion, end + h);
+  const Bounds<D> bounds = bounding_box<D>(shape);
+  double largest = 0;
+  for (int corner = 0; corner < (1 << D); ++corner) {
+    Vector<D> x = bounds.min;
+    for (int d = 0; d < D; ++d)
+      if (corner & (1 << d)) x[d] = bounds.max[d];
+    largest = std::max(largest, (fourth(x) - third(x) - second(x) + first(x)).norm() / h);
+  }
+  return largest;
+}
+
+// Of a smooth motion the velocity changes half as much in half the time; after so many halvings next to nothing is left of it. A blow stays
+// what it is. distance: the change of velocity [m/s].
+template <int D>
+std::optional<Jump> first_blow(const RigidMotion& motion, const Shape& shape, double end_time) {
+  constexpr int halvings = 10;
+  constexpr double left = 0.05;  // of the largest change on the way
+  for (int k = 2; k < instants - 2; ++k) {
+    double begin = end_time * k / instants, end = end_time * (k + 1) / instants;
+    double change = change_of_velocity<D>(motion, shape, begin, end), rest = change;
+    for (int n = 0; n < halvings && rest > left * change && rest * (end - begin) > 4 * noise<D>(shape); ++n) {
+      const double middle = 0.5 * (begin + end);
+      const double first = change_of_velocity<D>(motion, shape, begin, middle), second = change_of_velocity<D>(motion, shape, middle, end);
+      rest = std::max(first, second);
+      change = std::max(change, rest);  // it may swing as fast as the intervals follow each other
+      (first > second ? end : begin) = middle;
+    }
+    if (rest > left * change && rest * (end - begin) > 4 * noise<D>(shape)) return Jump{end, rest};
+  }
+  return std::nullopt;
+}
+
 // A continuous motion comes half as far, about, in the faster half of an interval; after so many halvings next to nothing is left of it.
 // A jump stays what it is.
 template <int D>
@@ -95,9 +133,16 @@ double speed_at_start(const RigidMotion& motion, const Shape& shape, double end_
 
 template <int D>
 void look_at_smoothness(Case& scene, const std::optional<RigidMotion>& motion, const Shape& shape, bool starts_with_it,
-                        const Setting& table, const std::string& mover) {
+                        const Setting& table, const std::string& mover, bool holds) {
   if (!motion) return;
-  if (const auto jump = first_jump<D>(*motion, shape, scene.end_time))
+  const auto jump_of_place = first_jump<D>(*motion, shape, scene.end_time);
+  // An obstacle may be out of the water by then: a gate that is up stops as it likes.
+  if (const auto blow = holds && !jump_of_place ? first_blow<D>(*motion, shape, scene.end_time) : std::nullopt)
+    scene.warnings.push_back(fmt::format(
+        "{}: the velocity of the {} jumps by {:.3g} m/s at t = {:.6g} s: the forces there are those of a blow, and depend on the "
+        "length of the step. Let the parts of its motion meet with the same slope.",
+        table.where, mover, blow->distance, blow->time));
+  if (const auto& jump = jump_of_place)
     scene.warnings.push_back(
         fmt::format("{}: the {} jumps by {:.3g} m at t = {:.6g} s: its speed is infinite there, and fluid may get through it. Let the "
                     "parts of its motion meet.",
@@ -120,7 +165,7 @@ void check_motions(Case& scene, const Setting& settings) {
     const WallCase& wall = scene.walls[i];
     const Setting& table = settings.at("wall").items[i];
     check_motion<D>(wall.motion, table, "wall '" + wall.name + "'", scene.end_time);
-    look_at_smoothness<D>(scene, wall.motion, wall.shape, flows, table, "wall '" + wall.name + "'");
+    look_at_smoothness<D>(scene, wall.motion, wall.shape, flows, table, "wall '" + wall.name + "'", wall.container);
   }
   if (!scene.structure) return;
   for (std::size_t i = 0; i < scene.structure->clamps.size(); ++i) {
@@ -129,7 +174,7 @@ void check_motions(Case& scene, const Setting& settings) {
     check_motion<D>(clamp.motion, table, "clamp '" + clamp.name + "'", scene.end_time);
     bool moves = false;
     for (const StructureBody& body : scene.structure->bodies) moves |= body.name == clamp.body && !is_zero(body.velocity);
-    look_at_smoothness<D>(scene, clamp.motion, clamp.region, moves, table, "clamp '" + clamp.name + "'");
+    look_at_smoothness<D>(scene, clamp.motion, clamp.region, moves, table, "clamp '" + clamp.name + "'", true);
   }
 }
 

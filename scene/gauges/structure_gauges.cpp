@@ -54,10 +54,12 @@ void check_displacement(const GaugeCase& gauge, const Case& scene, const std::st
                                  place_text(gauge.point("at"), scene), body.name));
   }
   const auto check_place = [&]<int D>(const MidSurface<D>& surface) {
-    const double height = surface.height(gauge.place<D>("at"));
-    if (std::abs(height) > 1e-3 * surface.thickness)
-      fail_at(where, fmt::format("the gauge '{}' at {} is not on the mid-surface of the shell '{}', but {:.6g} m beside it; move it there.",
-                                 gauge.name, place_text(gauge.point("at"), scene), body.name, std::abs(height)));
+    const Vector<D> at = gauge.place<D>("at"), foot = surface.foot(at);
+    if ((at - foot).norm() > 1e-3 * surface.thickness)
+      fail_at(where, fmt::format("the gauge '{}' at {} is not on the mid-surface of the shell '{}', but {:.6g} m beside it; move it to "
+                                 "[{:.7g}].",
+                                 gauge.name, place_text(gauge.point("at"), scene), body.name, (at - foot).norm(),
+                                 fmt::join(foot.data(), foot.data() + D, ", ")));
   };
   scene.dimension == 2 ? check_place(mid_surface<2>(body)) : check_place(mid_surface<3>(body));
 }

@@ -2,6 +2,7 @@
 
 #include "scene/case_file.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -166,6 +167,11 @@ TEST_F(CaseFile, TakesOverridesFromTheCommandLineAndValidatesThem) {
   expect_refused(small_case, {"--set fluid.spacng: unknown key", "'spacing'?"}, {{{"fluid.spacng", "1"}}, ""});
   expect_refused(small_case, {"--set fluid.density", "from 1e-09 to 1e+09"}, {{{"fluid.density", "-1"}}, ""});
   expect_refused(small_case, {"--set title.x", "not a table"}, {{{"title.x", "1"}}, ""});
+  expect_refused(small_case, {"dimension is 2.0, but has to be a whole number"}, {{{"dimension", "2.0"}}, ""});  // seen to fail: "is 2"
+  // Seen to fail: with a new table made of what names no element.
+  for (const char* name : {"lid", "1"})
+    expect_refused(small_case, {fmt::format("none of the 1 elements is called '{}'; use a position from 0 to 0, or a name: plate.", name)},
+                   {{{fmt::format("structure.body.{}.spacing", name), "0.01"}}, ""});
   expect_refused(small_case, {"--preset fast", "standard", "paper"}, {{}, "fast"});
 }
 
