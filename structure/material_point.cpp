@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
 
 #include "base/error.hpp"
 #include "scene/geometry.hpp"
@@ -16,20 +17,24 @@
 namespace tern::structure {
 namespace {
 
-/// x(xi) of the nearest particle; linear in the displacements only where z = 0. Before a run `at` is held to the mid-surface within 1e-3 of
-/// the thickness; on a round one the parabola x(xi) departs from it by some more.
+/// x(xi) of the nearest particle, linear in the displacements where z = 0. Before a run `at` is held to the mid-surface within 1e-3 of the
+/// thickness; the parabola x(xi) departs from it by some more. A corner that turns by an angle between two particles stands beside the
+/// straight line from one to the other by a quarter of angle times spacing at most, and a path may turn by pi/5 within a spacing.
 template <int D>
 MaterialPoint point_of_shell(const ShellBody<D>& shell, const Body& body, const Vector<D>& at) {
   const auto& x = shell.layer.particles.position;
   const auto nearest = std::min_element(
       x.begin(), x.end(), [&](const Vector<D>& a, const Vector<D>& b) { return (a - at).squaredNorm() < (b - at).squaredNorm(); });
-  const ShellPoint<D> point = shell_point<D>(shell.layer, nearest - x.begin(), at - *nearest);
+  constexpr double most_beside = 0.25 * 0.2 * std::numbers::pi;  // of the spacing
+  ShellPoint<D> point = shell_point<D>(shell.layer, nearest - x.begin(), at - *nearest);
   const auto is_beside = [&](int a) { return std::abs(point.xi[a]) <= shell.layer.particles.spacing[a] * (1 + 1e-9); };
-  if (std::abs(point.z) > 0.01 * shell.layer.thickness || !is_beside(0) || !is_beside(D - 2))
+  if (std::abs(point.z) > std::max(0.01 * shell.layer.thickness, most_beside * shell.layer.particles.spacing[0]) || !is_beside(0) ||
+      !is_beside(D - 2))
     throw BadInput(
         fmt::format("A gauge point lies {:.3g} m beside the mid-surface of the shell '{}', {:.3g} m from its nearest particle, but has to "
                     "lie on it; correct the gauge's `at`.",
                     std::abs(point.z), body.name, (at - *nearest).norm()));
+  point.z = 0;
   // The load of a unit force, spread over an undeformed shell, is the row of the point.
   ShellWork<D> rest;
   rest.x = x;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "base/error.hpp"
 #include "fixtures/structure_scenes.hpp"
@@ -480,6 +481,28 @@ TEST(ShellBody, ClampsEndWhatIsBentWhereTheyEnd) {
   pinned.clamps = {box({0.58, 0.06, 0}, {0.59, 0.07, 0})};  // in its middle
   pinned.hinges.clear();
   EXPECT_THROW(mid_surface<2>(pinned), BadInput);
+}
+
+// Half a circle of straight pieces, with a corner in the middle between two particles. Seen to fail: with 0.01 of the thickness for how far
+// the parabola of a particle may be beside it.
+TEST(ShellBody, APointOnACornerOfALineIsFound) {
+  Case c = shell_plate();
+  StructureBody& body = c.structure->bodies[0];
+  body.shape.kind = Shape::Kind::line;
+  body.shape.thickness = 0.002;
+  body.shape.vertices.clear();
+  for (int k = 0; k <= 10; ++k)
+    body.shape.vertices.push_back({0.05 * std::cos(0.1 * k * std::numbers::pi), 0.05 * std::sin(0.1 * k * std::numbers::pi)});
+  body.clamps.clear();
+  for (const double spacing : {0.004, 0.0042, 0.0044, 0.0046, 0.0048, 0.005}) {
+    body.spacing = spacing;
+    Structure<2> structure(c);
+    for (std::size_t k = 1; k < 10; ++k) {
+      const auto& corner = body.shape.vertices[k];
+      const MaterialPoint point = structure.material_point("plate", {corner[0], corner[1], 0});
+      EXPECT_NEAR(std::accumulate(point.weight.begin(), point.weight.end(), 0.0), 1, 1e-12) << spacing << ' ' << k;
+    }
+  }
 }
 
 // Of a body that is free all round, one held at one edge, and one held at two edges that meet.
