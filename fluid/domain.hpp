@@ -95,6 +95,8 @@ class Domain {
   const Halo& particles() const { return particles_; }
   /// Most particles of a rank over their mean.
   double imbalance() const { return imbalance_; }
+  /// Where the totals of a window say so.
+  void set_imbalance(double imbalance) { imbalance_ = imbalance; }
 
   /// Of a state that all ranks know: keeps the own part, by the shares of as many ranks, or of parts that are cut anew. What counts over
   /// the run goes on at the first rank.
@@ -103,7 +105,7 @@ class Domain {
   Shares shares(const State<D>& own) const;
   /// Sends particles to their owners, of parts that are cut anew where these have become too unequal.
   void migrate(State<D>& state, Prediction<D>& prediction);
-  /// Finds the ghosts, with their positions and what is known of them at the begin of a window, and puts them in rows of their own.
+  /// Finds the ghosts, with their positions, velocities and pressures at the begin of a window, and puts them in rows of their own.
   void find_ghosts(State<D>& state, Prediction<D>& prediction, RowOrder<D>& rows);
   void forget_ghosts(State<D>& state);
   /// Marks that ranks have set on ghosts go to the owners, then all marks to the ghosts.

@@ -159,7 +159,7 @@ void find_enclosed_regions_of_ranks(const Domain<D>& domain, const Neighbours<D>
   }
   std::vector<std::uint32_t> labels;
   for (std::size_t k = 0; k + 1 < first.size(); ++k) labels.push_back(least[queue[first[k]]]);
-  labels = domain.ranks().gather_on_all(labels);
+  domain.ranks().gather_on_all(labels);
   std::sort(labels.begin(), labels.end());
   labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
   std::vector<std::int64_t> size(labels.size(), 0);

@@ -34,7 +34,7 @@ void Multigrid<D>::build(const Domain<D>& domain, EdgeMatrix& matrix, const std:
                          double gradient_scale, const YieldingSurface<D>& yielding, const std::vector<int>& at_structure) {
   matrix_ = &matrix;
   domain_ = &domain;
-  if (!domain.alone()) domain.particles().update(matrix.constant_of_all(position.size()));
+  if (!domain.alone()) matrix.with_ghosts(position.size(), [&](auto&... values) { domain.particles().update(values...); });
   if (levels_.empty()) levels_.resize(1);
   build_finest(matrix, position, particle_class, beside_body, spacing, gradient_scale);
   std::size_t level = 0;
@@ -95,8 +95,7 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
   Vector<D> low = Vector<D>::Constant(1e300), high = Vector<D>::Constant(-1e300);
   for (int i = 0; i < n; ++i)
     if (particle_class[i].pressure_unknown()) low = low.cwiseMin(position[i]), high = high.cwiseMax(position[i]);
-  domain_->ranks().least(std::span(low.data(), D));
-  domain_->ranks().most(std::span(high.data(), D));
+  domain_->ranks().extremes(std::span(low.data(), D), std::span(high.data(), D));
   if (low[0] > high[0]) low = high = Vector<D>::Zero();
   Vector<D> origin, inverse_width;
   std::array<int, D> cells;
@@ -286,13 +285,13 @@ void Multigrid<D>::find_owners(const Vector<D>& origin, const Vector<D>& inverse
     take[owner].push_back(static_cast<int>(node));
     wanted[owner].push_back(at);
   }
-  ranks.deal(wanted, asked);
+  ranks.deal(wanted, asked, Subject::nodes);
   for (std::size_t r = 0; r < asked.size(); ++r)
     for (std::array<int, D> at : asked[r]) {
       for (int c = 0; c < D; ++c) at[c] -= level.first[c];
       give[r].push_back(node_at(level, at));
     }
-  nodes_.reset(ranks, give, take);
+  nodes_.reset(ranks, Subject::nodes, give, take);
 }
 
 template <int D>

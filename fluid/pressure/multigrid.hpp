@@ -47,8 +47,9 @@ class Multigrid {
              const std::vector<ParticleClass>& particle_class, const std::vector<int>& beside_body, double spacing, double gradient_scale,
              const YieldingSurface<D>& yielding, const std::vector<int>& at_structure);
 
-  /// z = B r, symmetric positive definite: one V(1,1) cycle from zero. 0 where r and the matrix have no unknown.
-  void apply(const std::vector<double>& r, std::vector<double>& z);
+  /// z = B r, symmetric positive definite: one V(1,1) cycle from zero. 0 where r and the matrix have no unknown. `largest`: of |r_i|, of
+  /// all ranks.
+  void apply(double largest, const std::vector<double>& r, std::vector<double>& z);
 
   /// Parts of the fluid that the coarsest grid does not connect: waters on the two sides of a wall, or far apart. Their number, and the
   /// part of each particle (0 where its pressure is not an unknown).

@@ -86,9 +86,8 @@ void Multigrid<D>::cycle(std::size_t l) {
 }
 
 template <int D>
-void Multigrid<D>::apply(const std::vector<double>& r, std::vector<double>& z) {
-  const std::ptrdiff_t n = matrix_->rows();
-  double largest = domain_->ranks().most(ordered_max(n, 0.0, [&](std::ptrdiff_t i) { return std::abs(r[i]); }));
+void Multigrid<D>::apply(double largest, const std::vector<double>& r, std::vector<double>& z) {
+  const std::ptrdiff_t n = matrix_->rows(), all = static_cast<std::ptrdiff_t>(r_.size());
   if (!(largest > 0)) largest = 1;
   const double inverse_largest = 1 / largest;
   const auto& diagonal = matrix_->diagonal();
@@ -100,9 +99,10 @@ void Multigrid<D>::apply(const std::vector<double>& r, std::vector<double>& z) {
     r_[i] = static_cast<float>(r[i] * inverse_largest);
     z_[i] = jacobi_weight * r_[i] / diagonal[i];
   });
-  domain_->particles().update(r_, z_);
+  domain_->particles().update(r_);
+  for (std::ptrdiff_t i = n; i < all; ++i) z_[i] = jacobi_weight * r_[i] / diagonal[i];
   multiply();
-  domain_->particles().update(az_);
+  for (std::ptrdiff_t i = n; i < all; ++i) az_[i] = r_[i];  // the residual of a ghost comes to the nodes from its owner
 
   Level& finest = levels_[0];
   const std::ptrdiff_t cells = static_cast<std::ptrdiff_t>(cell_node_.size());
@@ -123,6 +123,7 @@ void Multigrid<D>::apply(const std::vector<double>& r, std::vector<double>& z) {
     finest.b[node] = sum;
   });
   for (const auto& [node, corner, cell] : further_cells_) finest.b[node] += cell_sum_[cell][corner];
+  nodes_.collect(finest.b, [](float& own, float other) { own += other; });
   cycle(0);
   parallel_for(cells, n, [&](std::ptrdiff_t cell) {
     for (int entry = cell_start_[cell]; entry < cell_start_[cell + 1]; ++entry) {
@@ -135,7 +136,7 @@ void Multigrid<D>::apply(const std::vector<double>& r, std::vector<double>& z) {
   parallel_for(n, [&](std::ptrdiff_t i) { z[i] = largest * (double(z_[i]) + double(jacobi_weight) * (r_[i] - az_[i]) / diagonal[i]); });
 }
 
-template void Multigrid<2>::apply(const std::vector<double>&, std::vector<double>&);
-template void Multigrid<3>::apply(const std::vector<double>&, std::vector<double>&);
+template void Multigrid<2>::apply(double, const std::vector<double>&, std::vector<double>&);
+template void Multigrid<3>::apply(double, const std::vector<double>&, std::vector<double>&);
 
 }  // namespace tern::fluid

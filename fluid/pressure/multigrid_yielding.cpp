@@ -72,9 +72,7 @@ void Multigrid<D>::build_yielding(const YieldingSurface<D>& yielding, const std:
       std::vector<int> count;
       for (std::size_t m = 0; m < rows; ++m) count.push_back(beside.begin[m + 1] - beside.begin[m]);
       const Ranks& ranks = domain_->ranks();
-      count = ranks.gather_on_all(count);
-      beside.node = ranks.gather_on_all(beside.node);
-      beside.weight = ranks.gather_on_all(beside.weight);
+      ranks.gather_on_all(count, beside.node, beside.weight);
       beside.begin.assign(1, 0);
       for (const int of_row : count) beside.begin.push_back(beside.begin.back() + of_row);
     }
@@ -125,8 +123,7 @@ void Multigrid<D>::gather_rows_of_all(const YieldingSurface<D>& yielding) {
   const Ranks& ranks = domain_->ranks();
   std::vector<double> bound;
   for (std::size_t m = 0; m < at_structure_->size(); ++m) bound.push_back(yielding.bound_of_lumps(m));
-  rows_of_all_.bound = ranks.gather_on_all(bound);
-  const auto before = static_cast<int>(first_interface_particle(ranks, bound.size()));
+  const auto before = static_cast<int>(first_interface_particle(ranks, interface_counts(ranks, bound.size())));
   // Lump by lump on each rank: the order of the ranks is made one of the lumps.
   std::vector<int> lump, row;
   std::vector<Vector<D>> vector;
@@ -136,9 +133,8 @@ void Multigrid<D>::gather_rows_of_all(const YieldingSurface<D>& yielding) {
       row.push_back(before + m);
       vector.push_back(c);
     });
-  lump = ranks.gather_on_all(lump);
-  row = ranks.gather_on_all(row);
-  vector = ranks.gather_on_all(vector);
+  ranks.gather_on_all(bound, lump, row, vector);
+  rows_of_all_.bound = bound;
   rows_of_all_.first.assign(yielding.lumps() + 1, 0);
   for (const int a : lump) ++rows_of_all_.first[a + 1];
   std::partial_sum(rows_of_all_.first.begin(), rows_of_all_.first.end(), rows_of_all_.first.begin());
