@@ -65,9 +65,8 @@ void Multigrid<D>::cycle(std::size_t l) {
     return;
   }
   std::fill(level.x.begin(), level.x.end(), 0.0f);
-  const bool shared = l == 0 && !domain_->alone();
   smooth(level, true);
-  if (shared) nodes_.update(level.x);
+  if (level.divided) level.copies.update(level.x);
   compute_residual(level);
   Level& coarse = levels_[l + 1];
   std::fill(coarse.b.begin(), coarse.b.end(), 0.0f);
@@ -75,14 +74,17 @@ void Multigrid<D>::cycle(std::size_t l) {
     for (int corner = 0; corner < corners; ++corner)
       if (level.parent[node][corner] >= 0 && level.own(node))
         coarse.b[level.parent[node][corner]] += level.parent_weight[node][corner] * level.residual[node];
-  if (shared) domain_->ranks().sum(std::span(coarse.b));
+  if (coarse.divided)
+    coarse.copies.collect(coarse.b, [](float& own, float other) { own += other; });
+  else if (level.divided)
+    domain_->ranks().sum(std::span(coarse.b));
   cycle(l + 1);
   for (std::size_t node = 0; node < level.nodes(); ++node)
     for (int corner = 0; corner < corners; ++corner)
       if (level.parent[node][corner] >= 0) level.x[node] += level.parent_weight[node][corner] * coarse.x[level.parent[node][corner]];
   add_difference(level, level.x, level.b);  // so that the last smoothing starts from the residual with R
   smooth(level, false);
-  if (shared) nodes_.update(level.x);
+  if (level.divided) level.copies.update(level.x);
 }
 
 template <int D>
@@ -123,7 +125,7 @@ void Multigrid<D>::apply(double largest, const std::vector<double>& r, std::vect
     finest.b[node] = sum;
   });
   for (const auto& [node, corner, cell] : further_cells_) finest.b[node] += cell_sum_[cell][corner];
-  nodes_.collect(finest.b, [](float& own, float other) { own += other; });
+  if (finest.divided) finest.copies.collect(finest.b, [](float& own, float other) { own += other; });
   cycle(0);
   parallel_for(cells, n, [&](std::ptrdiff_t cell) {
     for (int entry = cell_start_[cell]; entry < cell_start_[cell + 1]; ++entry) {
