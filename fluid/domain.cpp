@@ -149,9 +149,11 @@ void Domain<D>::share_out(State<D>& state, const Shares& shares) {
   if (known) {
     state.potential = shares.potential[own];
     partition_.read_cuts(shares);
+    ++cuts_;
     return;
   }
   partition_.cut(ranks_, state.position);
+  ++cuts_;
   Prediction<D> none;
   for (auto* values : {&none.position, &none.velocity, &none.gravity}) values->resize(state.size());
   move(state, none, state.position);
@@ -172,6 +174,7 @@ void Domain<D>::migrate(State<D>& state, Prediction<D>& prediction) {
   if (alone()) return;
   if (++windows_since_cut_ >= least_windows && imbalance_ > tolerated_imbalance) {
     partition_.cut(ranks_, prediction.position);
+    ++cuts_;
     windows_since_cut_ = 0;
   }
   move(state, prediction, prediction.position);

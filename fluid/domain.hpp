@@ -90,6 +90,13 @@ class Domain {
   const Ranks& ranks() const { return ranks_; }
   bool alone() const { return ranks_.alone(); }
   int owner(const Vector<D>& x) const { return partition_.owner(x); }
+  /// Calls visit(rank) for the ranks whose part is nearer than `reach` to x in all directions, in their order.
+  template <class Visit>
+  void for_owners_around(const Vector<D>& x, double reach, Visit&& visit) const {
+    partition_.for_owners_around(x, reach, visit);
+  }
+  /// How often space has been cut.
+  std::int64_t cuts() const { return cuts_; }
   std::size_t ghosts() const { return ghosts_; }
   /// Of arrays with own particles and ghosts.
   const Halo& particles() const { return particles_; }
@@ -125,6 +132,7 @@ class Domain {
   std::size_t ghosts_ = 0;
   double imbalance_ = 1;
   int windows_since_cut_ = 0;
+  std::int64_t cuts_ = 0;
 };
 
 }  // namespace tern::fluid

@@ -17,6 +17,7 @@
 #include "base/timing.hpp"
 #include "fluid/boundary/interface_of_ranks.hpp"
 #include "fluid/boundary/interface_particles.hpp"
+#include "fluid/boundary/patches_of_ranks.hpp"
 #include "fluid/boundary/wall_contact.hpp"
 #include "fluid/correction_matrix.hpp"
 #include "fluid/fluid.hpp"
@@ -66,7 +67,8 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   state_.evaluations.structure_surface += static_cast<long>(surface.position.size());
   set_surface(constants, surface, boundary_);
   see_boundary(constants, reference_.period, prediction_.position, boundary_, neighbours_);
-  sum_over_hidden_side(constants, domain_.ranks(), prediction_.position, prediction_.gravity, boundary_);
+  share_patches(domain_, constants, reference_.period, boundary_);
+  sum_over_hidden_side(constants, prediction_.position, prediction_.gravity, boundary_);
 
   correct_moments(neighbours_, boundary_, state_.particle_class, correction_);  // M, C, C^F
   classify_particles(constants, neighbours_, boundary_, correction_, state_);   // free surface, spray

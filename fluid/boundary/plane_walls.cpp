@@ -12,6 +12,8 @@ namespace {
 constexpr double blended = 0.5;   ///< spacings over which the share of a plane goes from 1 to 0
 constexpr int dry_patches = 4;    ///< over as many as well
 constexpr int whole_patch = 256;  ///< unit of dry patches in whole numbers, whose sums do not depend on their order
+/// Of a difference of such sums, of up to 2^31, between corners of the grid: what lies elsewhere must not decide what a particle sees.
+constexpr double rounding = 1e-5;
 
 /// A place among the walls: the plane wall that is all there is within the support, with the share that it has, or whether there is
 /// nothing at all, or planes alone.
@@ -158,7 +160,8 @@ void leave_dry_planes(const std::vector<Vector<D>>& position, Boundary<D>& bound
     for (std::size_t i = 0; i < rows.plane.size(); ++i) {
       if (rows.plane[i] < 0) continue;
       const bool listed = !rows.before_plane(static_cast<std::ptrdiff_t>(i));
-      rows.plane_share[i] *= std::clamp(1 - dry_around(rows.plane[i], position[i]) / (whole_patch * dry_patches), 0.0, 1.0);
+      if (const double dry_here = dry_around(rows.plane[i], position[i]); dry_here > rounding)
+        rows.plane_share[i] *= std::clamp(1 - dry_here / (whole_patch * dry_patches), 0.0, 1.0);
       if (rows.plane_share[i] < 1 && !listed) {
         rows.begin[i] = static_cast<int>(rows.face.size());
         list_patches(planes[rows.plane[i]], support, position[i], rows.face);

@@ -29,10 +29,11 @@ inline void fill_row(const Constants<3>& constants, double scale, double step, d
 }
 
 /// What all threads of all ranks have filled, as the part of the first thread.
-void add_up_over_ranks(const Ranks& ranks, std::vector<std::vector<std::int64_t>>& filled) {
+void add_up_over_ranks(const Halo& patches, std::vector<std::vector<std::int64_t>>& filled) {
   for (std::size_t thread = 1; thread < filled.size(); ++thread)
     for (std::size_t k = 0; k < filled[thread].size(); ++k) filled[0][k] += std::exchange(filled[thread][k], 0);
-  ranks.sum(std::span(filled[0]));
+  patches.collect(filled[0], [](std::int64_t& own, std::int64_t other) { own += other; });
+  patches.update(filled[0]);
 }
 
 /// A point just in front of a face, so that the face's own half space counts as hidden.
@@ -57,7 +58,7 @@ double hidden_density(const Constants<D>& constants, const Faces<D>& faces, cons
 }
 
 template <int D>
-void leave_out_dry_walls(const Constants<D>& constants, const Ranks& ranks, const std::vector<Vector<D>>& position, const Faces<D>& walls,
+void leave_out_dry_walls(const Constants<D>& constants, const Halo& patches, const std::vector<Vector<D>>& position, const Faces<D>& walls,
                          const Faces<D>& whole_walls, const FaceFinder<D>& wall_finder, std::vector<double>& space,
                          const Faces<D>& structure, const FaceFinder<D>& structure_finder, const std::vector<PlaneWall>& planes,
                          FaceRows& wall_rows) {
@@ -87,9 +88,9 @@ void leave_out_dry_walls(const Constants<D>& constants, const Ranks& ranks, cons
         filled[walls.original[k]] += std::llrint(scale * constants.kernel.value((walls.position[k] - position[i]).norm()));
       }
     }
-    if (!ranks.alone()) {
+    if (!patches.alone()) {
 #pragma omp master
-      add_up_over_ranks(ranks, wall_rows.filled);
+      add_up_over_ranks(patches, wall_rows.filled);
 #pragma omp barrier
     }
 #pragma omp for schedule(static)
@@ -110,10 +111,10 @@ void leave_out_dry_walls(const Constants<D>& constants, const Ranks& ranks, cons
   for (std::ptrdiff_t k = 0; k < count; ++k) wall_rows.wet[k] = wall_rows.wet[walls.original[k]];  // an image comes after its original
 }
 
-#define TERN_INSTANTIATE(D)                                                                                                                \
-  template double hidden_density<D>(const Constants<D>&, const Faces<D>&, const FaceFinder<D>&, const Vector<D>&, std::vector<int>&);      \
-  template void leave_out_dry_walls<D>(const Constants<D>&, const Ranks&, const std::vector<Vector<D>>&, const Faces<D>&, const Faces<D>&, \
-                                       const FaceFinder<D>&, std::vector<double>&, const Faces<D>&, const FaceFinder<D>&,                  \
+#define TERN_INSTANTIATE(D)                                                                                                               \
+  template double hidden_density<D>(const Constants<D>&, const Faces<D>&, const FaceFinder<D>&, const Vector<D>&, std::vector<int>&);     \
+  template void leave_out_dry_walls<D>(const Constants<D>&, const Halo&, const std::vector<Vector<D>>&, const Faces<D>&, const Faces<D>&, \
+                                       const FaceFinder<D>&, std::vector<double>&, const Faces<D>&, const FaceFinder<D>&,                 \
                                        const std::vector<PlaneWall>&, FaceRows&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)
