@@ -5,6 +5,7 @@
 
 #include "fluid/boundary/boundary.hpp"
 #include "fluid/boundary/line_of_sight.hpp"
+#include "fluid/boundary/patch_runs.hpp"
 
 namespace tern::fluid {
 namespace {
@@ -121,15 +122,23 @@ void leave_dry_planes(const std::vector<Vector<D>>& position, Boundary<D>& bound
     std::vector<std::size_t>& first_corner = boundary.first_corner;
     first_corner.clear();
     corners = 0;
-    for (const PlaneWall& plane : planes) {
+    thread_local std::vector<GridPart> parts;
+    if (boundary.patches.alone())
+      whole_parts(planes, parts);
+    else
+      parts_near(planes, support, position, rows.plane.size(), parts);
+    for (std::size_t p = 0; p < planes.size(); ++p) {
+      const PlaneWall& plane = planes[p];
+      const auto& [from, to] = parts[p];
       first_corner.push_back(corners);
       const int width = plane.count[0] + 1;
       int* const at = dry.data() + corners;
-      std::fill(at, at + width, 0);
-      for (int b = 1; b <= plane.count[1]; ++b) {
+      std::fill(at + static_cast<std::ptrdiff_t>(from[1]) * width + from[0], at + static_cast<std::ptrdiff_t>(from[1]) * width + to[0] + 1,
+                0);
+      for (int b = from[1] + 1; b <= to[1]; ++b) {
         int of_row = 0;
-        at[b * width] = 0;
-        for (int a = 1; a < width; ++a) {
+        at[b * width + from[0]] = 0;
+        for (int a = from[0] + 1; a <= to[0]; ++a) {
           const double wet = rows.wet[plane.first + (b - 1) * plane.count[0] + a - 1];
           of_row += static_cast<int>(whole_patch * (1 - wet));
           at[b * width + a] = at[(b - 1) * width + a] + of_row;
