@@ -27,8 +27,8 @@ using Add = std::function<void(const std::vector<double>& x, std::vector<double>
 using Precondition = std::function<void(double largest, const std::vector<double>& r, std::vector<double>& z)>;
 
 /// `ghosts`: of the rows of other ranks, which come behind the own ones in p. A is the matrix and what `add` adds to its product. Starts
-/// from p, which is 0 where there is no unknown; its ghosts are up to date, before and after. Ends without convergence after `limit` iterations or when A or
-/// B turns out not to be positive definite (which rounding can cause near singularity).
+/// from p, which is 0 where there is no unknown; its ghosts are up to date, before and after. Ends without convergence after `limit`
+/// iterations or when A or B turns out not to be positive definite (which rounding can cause near singularity).
 SolveResult conjugate_gradient(const Ranks& ranks, const Halo& ghosts, const EdgeMatrix& matrix, const Add& add,
                                const Precondition& precondition, const std::vector<double>& b, double tolerance, int limit,
                                std::vector<double>& p, ConjugateGradientWork& work);

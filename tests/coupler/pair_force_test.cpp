@@ -144,8 +144,7 @@ TEST(PairForces, CancelInAnyState) {
     }
 }
 
-// The particles are shared out among threads; pairs past corners come behind all others. Seen to fail: with ranges of threads that begin one
-// particle late; with pairs past corners of the first thread alone.
+// The particles are shared out among threads; pairs past corners come behind all others.
 TEST(Pairs, AreTheSameForAnyNumberOfThreads) {
   Surface<3> surface = flat_plate<3>(12 * dx, 2 * dx, 0.6 * dx);
   for (std::size_t k = 0; k < surface.position.size(); ++k)  // a step, with faces round its edge

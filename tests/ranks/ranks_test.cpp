@@ -4,6 +4,9 @@
 // Seen red: with ghosts that keep the velocity they begin with, and without the patches that other ranks fill (OneWindow); with marks
 // that do not go to the owners (Marks); with pairs counted from a corner of each rank (ManyWindows.OfAWave); with enclosed regions of each
 // rank alone, and with what is pushed into them known to the owners of the particles alone (OneWindow.IsThatOfOneRankInEnclosures).
+// With rows, or with residuals, of divided grids that do not go to the owners of their nodes (OneWindow.IsThatOfOneRankOnDividedGrids; the
+// ranks then disagree and MPI ends them); with pressures that conjugate gradients leave as they were on ghosts (OneWindow.IsThatOfOneRank);
+// with patches that only ranks within half a spacing add up (OneWindow.IsThatOfOneRank).
 
 #include <gtest/gtest.h>
 
