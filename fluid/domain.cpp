@@ -149,9 +149,11 @@ void Domain<D>::share_out(State<D>& state, const Shares& shares) {
   if (known) {
     state.potential = shares.potential[own];
     partition_.read_cuts(shares);
+    ++cuts_;
     return;
   }
   partition_.cut(ranks_, state.position);
+  ++cuts_;
   Prediction<D> none;
   for (auto* values : {&none.position, &none.velocity, &none.gravity}) values->resize(state.size());
   move(state, none, state.position);
@@ -170,10 +172,9 @@ Shares Domain<D>::shares(const State<D>& own) const {
 template <int D>
 void Domain<D>::migrate(State<D>& state, Prediction<D>& prediction) {
   if (alone()) return;
-  const auto count = static_cast<double>(state.size());
-  imbalance_ = ranks_.most(count) * ranks_.count() / ranks_.sum(count);
   if (++windows_since_cut_ >= least_windows && imbalance_ > tolerated_imbalance) {
     partition_.cut(ranks_, prediction.position);
+    ++cuts_;
     windows_since_cut_ = 0;
   }
   move(state, prediction, prediction.position);
@@ -195,7 +196,7 @@ void Domain<D>::move(State<D>& state, Prediction<D>& prediction, const std::vect
       if (!leaves[i]) values[kept++] = values[i];
     values.resize(kept);
   });
-  ranks_.deal(to, from);
+  ranks_.deal(to, from, Subject::particles);
   for (const auto& records : from)
     for (const std::byte *record = records.data(), *end = record + records.size(); record < end;)
       for_each_moving_field(state, prediction, [&](auto& values) { take(record, values); });
@@ -206,13 +207,17 @@ void Domain<D>::find_ghosts(State<D>& state, Prediction<D>& prediction, RowOrder
   if (alone()) return;
   const std::size_t n = state.size();
   std::vector<std::vector<int>> give(static_cast<std::size_t>(ranks_.count())), take_places(give.size());
-  std::vector<std::vector<Vector<D>>> positions(give.size()), others;
+  struct Copy {
+    Vector<D> position, velocity;
+    double pressure;
+  };
+  std::vector<std::vector<Copy>> copies(give.size()), others;
   const auto offer = [&](std::size_t i, const Vector<D>& image) {
     partition_.for_owners_around(image, reach_, [&](int rank) {
       // Ranks see the images of what they have by themselves.
       if (rank == ranks_.own() || (!give[rank].empty() && give[rank].back() == static_cast<int>(i))) return;
       give[rank].push_back(static_cast<int>(i));
-      positions[rank].push_back(prediction.position[i]);
+      copies[rank].push_back({prediction.position[i], state.velocity[i], state.pressure[i]});
     });
   };
   Vector<D> low, high;
@@ -222,9 +227,10 @@ void Domain<D>::find_ghosts(State<D>& state, Prediction<D>& prediction, RowOrder
     offer(i, x);
     if (period_.any()) for_images(period_, x, low, high, reach_, [&](const Vector<D>& shift) { offer(i, x + shift); });
   }
-  ranks_.deal(positions, others);
+  ranks_.deal(copies, others, Subject::particles);
   std::vector<Vector<D>> unsorted;
-  for (const auto& some : others) unsorted.insert(unsorted.end(), some.begin(), some.end());
+  for (const auto& some : others)
+    for (const Copy& copy : some) unsorted.push_back(copy.position);
   ghosts_ = unsorted.size();
   Vector<D> lowest = Vector<D>::Constant(1e300), highest = -lowest;
   for (const auto& x : unsorted) lowest = lowest.cwiseMin(x), highest = highest.cwiseMax(x);
@@ -238,15 +244,19 @@ void Domain<D>::find_ghosts(State<D>& state, Prediction<D>& prediction, RowOrder
     slot[rows.ghosts.order[k]] = static_cast<int>(n + k);
     prediction.position[n + k] = unsorted[rows.ghosts.order[k]];
   }
-  std::size_t next = 0;
-  for (std::size_t r = 0; r < others.size(); ++r)
-    for (std::size_t k = 0; k < others[r].size(); ++k) take_places[r].push_back(slot[next++]);
-  particles_.reset(ranks_, give, take_places);
   prediction.velocity.resize(n + ghosts_);
   state.velocity.resize(n + ghosts_);
   state.pressure.resize(n + ghosts_);
   state.particle_class.resize(n + ghosts_);
-  particles_.update(state.velocity);
+  std::size_t next = 0;
+  for (std::size_t r = 0; r < others.size(); ++r)
+    for (const Copy& copy : others[r]) {
+      const int place = slot[next++];
+      take_places[r].push_back(place);
+      state.velocity[place] = copy.velocity;
+      state.pressure[place] = copy.pressure;
+    }
+  particles_.reset(ranks_, Subject::particles, give, take_places);
 }
 
 template <int D>

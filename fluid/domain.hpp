@@ -90,11 +90,20 @@ class Domain {
   const Ranks& ranks() const { return ranks_; }
   bool alone() const { return ranks_.alone(); }
   int owner(const Vector<D>& x) const { return partition_.owner(x); }
+  /// Calls visit(rank) for the ranks whose part is nearer than `reach` to x in all directions, in their order.
+  template <class Visit>
+  void for_owners_around(const Vector<D>& x, double reach, Visit&& visit) const {
+    partition_.for_owners_around(x, reach, visit);
+  }
+  /// How often space has been cut.
+  std::int64_t cuts() const { return cuts_; }
   std::size_t ghosts() const { return ghosts_; }
   /// Of arrays with own particles and ghosts.
   const Halo& particles() const { return particles_; }
   /// Most particles of a rank over their mean.
   double imbalance() const { return imbalance_; }
+  /// Where the totals of a window say so.
+  void set_imbalance(double imbalance) { imbalance_ = imbalance; }
 
   /// Of a state that all ranks know: keeps the own part, by the shares of as many ranks, or of parts that are cut anew. What counts over
   /// the run goes on at the first rank.
@@ -103,7 +112,7 @@ class Domain {
   Shares shares(const State<D>& own) const;
   /// Sends particles to their owners, of parts that are cut anew where these have become too unequal.
   void migrate(State<D>& state, Prediction<D>& prediction);
-  /// Finds the ghosts, with their positions and what is known of them at the begin of a window, and puts them in rows of their own.
+  /// Finds the ghosts, with their positions, velocities and pressures at the begin of a window, and puts them in rows of their own.
   void find_ghosts(State<D>& state, Prediction<D>& prediction, RowOrder<D>& rows);
   void forget_ghosts(State<D>& state);
   /// Marks that ranks have set on ghosts go to the owners, then all marks to the ghosts.
@@ -123,6 +132,7 @@ class Domain {
   std::size_t ghosts_ = 0;
   double imbalance_ = 1;
   int windows_since_cut_ = 0;
+  std::int64_t cuts_ = 0;
 };
 
 }  // namespace tern::fluid

@@ -28,7 +28,14 @@ template <int D>
 void Fluid<D>::set_whole_state(State<D> state, const Shares& shares) {
   domain_.share_out(state, shares);
   state_ = std::move(state);
-  if (!domain_.alone()) totals_ = add_up(domain_.ranks(), totals_here());
+  if (!domain_.alone()) set_totals();
+}
+
+template <int D>
+void Fluid<D>::set_totals() {
+  totals_ = add_up(domain_.ranks(), totals_here());
+  if (totals_.particles > 0)
+    domain_.set_imbalance(static_cast<double>(totals_.most_particles) * domain_.ranks().count() / static_cast<double>(totals_.particles));
 }
 
 template <int D>
@@ -58,7 +65,8 @@ Totals<D> Fluid<D>::totals_here() const {
           state_.removed,
           state_.leaked,
           state_.evaluations,
-          domain_.ghosts()};
+          domain_.ghosts(),
+          traffic_};
 }
 
 template <int D>

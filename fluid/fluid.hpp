@@ -82,6 +82,15 @@ class Fluid {
   const Domain<D>& domain() const { return domain_; }
   /// Copies of particles over particles.
   double ghost_share() const { return totals_.particles > 0 ? double(totals_.ghosts) / double(totals_.particles) : 0; }
+  /// What a rank says in a window, in the mean of the ranks and of the windows of this process: visit(name, number).
+  template <class Visit>
+  void for_each_traffic(Visit&& visit) const {
+    Traffic::for_each_field(
+        [&](const char* name, std::int64_t sum) {
+          visit(name, windows_ > 0 ? double(sum) / (double(windows_) * domain_.ranks().count()) : 0);
+        },
+        totals_.traffic);
+  }
   const Walls<D>& walls() const { return boundary_.walls; }
   const Neighbours<D>& neighbours() const { return neighbours_; }
   const Corrections<D>& correction() const { return correction_; }
@@ -123,6 +132,7 @@ class Fluid {
  private:
   friend class WholeState<D>;
   Totals<D> totals_here() const;
+  void set_totals();
   Filling filling() const;  ///< by the neighbours of this window
   /// div u* of the particles `only`, or with nullptr of all.
   void compute_divergence(const std::vector<int>* only);
@@ -152,12 +162,15 @@ class Fluid {
   PressureSystem<D> system_;
   std::vector<int> at_structure_;                               ///< particles that see the structure
   std::ptrdiff_t first_at_structure_ = 0;                       ///< number of the first of them among those of all ranks
+  bool any_at_structure_ = false;                               ///< of all ranks
   BesideStructure beside_structure_;                            ///< these and their neighbours
   std::vector<Vector<D>> images_;                               ///< of one particle in its walls
   bool pressure_prepared_ = false, velocity_complete_ = false;  ///< by the functions of this name, in this window
 
   StepTiming timing_;
-  Totals<D> totals_;  ///< where there are several ranks
+  Totals<D> totals_;                    ///< where there are several ranks
+  Traffic traffic_, traffic_at_begin_;  ///< in the windows of this process; up to the begin of this one
+  std::int64_t windows_ = 0;            ///< of this process
 };
 
 /// For as long as it lives the state of the fluid, on the first rank, is that of all ranks. All ranks gather it with whole_state().

@@ -10,12 +10,14 @@
 // for conservative forces. With the pressure solved at r^n + dt u^n instead, a wave of frequency omega loses
 // omega^2 dt / 2 of its amplitude per unit of time.
 
+#include <algorithm>
 #include <utility>
 
 #include "base/error.hpp"
 #include "base/timing.hpp"
 #include "fluid/boundary/interface_of_ranks.hpp"
 #include "fluid/boundary/interface_particles.hpp"
+#include "fluid/boundary/patches_of_ranks.hpp"
 #include "fluid/boundary/wall_contact.hpp"
 #include "fluid/correction_matrix.hpp"
 #include "fluid/fluid.hpp"
@@ -42,6 +44,7 @@ namespace tern::fluid {
 template <int D>
 void Fluid<D>::begin_window(Ticks begin, Ticks duration) {
   ScopedTimer timer(timing_.neighbours);
+  traffic_at_begin_ = Ranks::traffic();
   window_ = {seconds(begin), seconds(duration)};
   state_.time = begin;
   prediction_.bulk_speed = largest_bulk_speed();
@@ -64,7 +67,8 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   state_.evaluations.structure_surface += static_cast<long>(surface.position.size());
   set_surface(constants, surface, boundary_);
   see_boundary(constants, reference_.period, prediction_.position, boundary_, neighbours_);
-  sum_over_hidden_side(constants, domain_.ranks(), prediction_.position, prediction_.gravity, boundary_);
+  share_patches(domain_, constants, reference_.period, boundary_);
+  sum_over_hidden_side(constants, prediction_.position, prediction_.gravity, boundary_);
 
   correct_moments(neighbours_, boundary_, state_.particle_class, correction_);  // M, C, C^F
   classify_particles(constants, neighbours_, boundary_, correction_, state_);   // free surface, spray
@@ -87,10 +91,17 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   InterfaceParticles<D> own =
       interface_particles(constants, state_, prediction_, boundary_, reports_divergence_ ? &divergence_ : nullptr, images_, at_structure_);
   beside_structure_.list.clear();
+  any_at_structure_ = false;
   if (boundary_.surface.size() == 0) return {};
   list_beside_structure(domain_, prediction_.position.size(), neighbours_, at_structure_, beside_structure_);
-  first_at_structure_ = first_interface_particle(domain_.ranks(), at_structure_.size());
-  return gather(domain_.ranks(), std::move(own));
+  if (domain_.alone()) {
+    any_at_structure_ = !at_structure_.empty();
+    return own;
+  }
+  const std::vector<std::int64_t> counts = interface_counts(domain_.ranks(), at_structure_.size());
+  first_at_structure_ = first_interface_particle(domain_.ranks(), counts);
+  any_at_structure_ = std::any_of(counts.begin(), counts.end(), [](std::int64_t count) { return count > 0; });
+  return gather(domain_.ranks(), counts, std::move(own));
 }
 
 template <int D>
@@ -136,7 +147,7 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
       prepare_pressure_solve(constants, domain_, neighbours_, state_.particle_class, prediction_.position, at_structure_, system_);
       if (system_.sealed.any()) account_for_enclosed_fluid(reference_, window_, boundary_, system_.source, system_.sealed, state_);
     }
-    solve_pressure_poisson(constants, domain_, window_, prediction_.position, at_structure_, state_, system_);
+    solve_pressure_poisson(constants, domain_, window_, prediction_.position, at_structure_, any_at_structure_, state_, system_);
   }
   if (first) drive_out_what_is_left();
   ScopedTimer timer(timing_.correction);
@@ -171,11 +182,9 @@ void Fluid<D>::drive_out_what_is_left() {
     ScopedTimer timer(timing_.pressure_solve);
     solve_for_correction(reference_.constants, domain_, window_, prediction_.position, at_structure_, state_, system_);
     add_correction(system_, state_);
-    domain_.particles().update(state_.pressure);
   }
   find_left(system_.still_left);
   keep_best_share(domain_.ranks(), system_, state_);
-  domain_.particles().update(state_.pressure);
 }
 
 template <int D>
@@ -206,9 +215,13 @@ void Fluid<D>::end_window(const InterfaceForce<D>& force) {
   }
   state_.leaked += count_leaks(constants.spacing, boundary_.seen_walls(), boundary_.wall_rows, prediction_.position, state_.position);
   state_.leaked += count_leaks(constants.spacing, boundary_.surface, boundary_.surface_rows, prediction_.position, state_.position);
-  remove_escaped(reference_, domain_.ranks(), window_, state_);
+  remove_escaped(reference_, state_);
   state_.time += to_ticks(window_.duration);
-  if (!domain_.alone()) totals_ = add_up(domain_.ranks(), totals_here());
+  Traffic::for_each_field([](const char*, auto& sum, auto now, auto begin) { sum += now - begin; }, traffic_, Ranks::traffic(),
+                          traffic_at_begin_);
+  ++windows_;
+  if (!domain_.alone()) set_totals();
+  check_that_some_are_left(window_, particles());
 }
 
 template <int D>

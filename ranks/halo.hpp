@@ -11,9 +11,12 @@ namespace tern {
 class Halo {
  public:
   Halo() = default;
+  /// There are no other ranks, or none are known.
+  bool alone() const { return ranks_.alone(); }
   /// give[r]: places of the own values that rank r holds copies of; take[r]: places of the copies of its values, in its order.
-  void reset(const Ranks& ranks, const std::vector<std::vector<int>>& give, const std::vector<std::vector<int>>& take) {
+  void reset(const Ranks& ranks, Subject subject, const std::vector<std::vector<int>>& give, const std::vector<std::vector<int>>& take) {
     ranks_ = ranks;
+    subject_ = subject;
     peers_.clear();
     for (std::size_t r = 0; r < give.size(); ++r)
       if (!give[r].empty() || !take[r].empty()) peers_.push_back({static_cast<int>(r), give[r], take[r]});
@@ -81,17 +84,18 @@ class Halo {
     }
   }
   void speak() const {
-    if (peers_.empty()) return;
+    if (ranks_.alone()) return;
     give_.clear();
     take_.clear();
     for (std::size_t p = 0; p < peers_.size(); ++p) {
       if (!outgoing_[p].empty()) give_.push_back({peers_[p].rank, outgoing_[p].data(), outgoing_[p].size()});
       if (!incoming_[p].empty()) take_.push_back({peers_[p].rank, incoming_[p].data(), incoming_[p].size()});
     }
-    ranks_.exchange(give_, take_);
+    ranks_.exchange(give_, take_, subject_);
   }
 
   Ranks ranks_;
+  Subject subject_ = Subject::other;
   std::vector<Peer> peers_;
   // Kept so that a step allocates nothing.
   mutable std::vector<std::vector<std::byte>> outgoing_, incoming_;

@@ -1,6 +1,23 @@
 #include "coupler/schemes/interface_pairs.hpp"
 
+#include <algorithm>
+
+#include <omp.h>
+
 namespace tern::coupler {
+namespace {
+
+constexpr std::ptrdiff_t worth_threads = 512;  ///< particles
+
+/// work(thread, first, last) for equal ranges of [0, n), in their order.
+template <class Work>
+void for_ranges(std::ptrdiff_t n, int threads, Work&& work) {
+  if (threads == 1) return work(0, std::ptrdiff_t{0}, n);
+#pragma omp parallel for num_threads(threads) schedule(static, 1)
+  for (int thread = 0; thread < threads; ++thread) work(thread, n * thread / threads, n * (thread + 1) / threads);
+}
+
+}  // namespace
 
 template <int D>
 void InterfacePairs<D>::find(const InterfaceParticles<D>& particles, const Surface<D>& surface) {
@@ -14,30 +31,39 @@ void InterfacePairs<D>::find(const InterfaceParticles<D>& particles, const Surfa
   finder_.fill(faces_, kernel_.support());
   covered_.assign(surface.position.size(), 0);
   for (std::uint32_t k : particles.covered) covered_[k] = 1;
-  CornerView<D> corners(faces_, finder_, covered_, kernel_, corner_scratch_);
-  borne_share_.assign(surface.position.size(), 0);  // not asked for yet
+  look(particles);
+  find_borne_shares();
+
   const auto pair = [&](int i, int k, const Vector<D>& offset) {
-    if (borne_share_[k] == 0) borne_share_[k] = corners.borne_share(k);
     const double weight = borne_share_[k] * kernel_.surface_weight(offset.norm());
     return InterfacePair<D>{i, k, Vector<D>(-2 * particles.volume[i] * surface.area[k] * weight * surface.normal[k]), offset};
   };
-  first_.clear();
-  past_corners_.clear();
-  for (int i = 0; i < static_cast<int>(particles.id.size()); ++i) {
-    const Vector<D>& x = particles.position[i];
-    first_.push_back(pairs_.size());
-    seen_.clear();
-    finder_.see(faces_, x, seen_);
-    for (int k : seen_) pairs_.push_back(pair(i, k, x - surface.position[k]));
-    if (seen_.empty()) continue;
-    corners.look(x, seen_.data(), static_cast<int>(seen_.size()));
-    back_facing_ = corners.back_facing();  // borne_share() looks elsewhere
-    for (int k : back_facing_) past_corners_.push_back(pair(i, k, x - surface.position[k]));
+  // Where the pairs of each thread's particles begin, those they see and, behind all of these, those past corners.
+  const auto n = static_cast<std::ptrdiff_t>(particles.id.size());
+  const int threads = static_cast<int>(found_.size());
+  std::vector<std::size_t> begin, begin_past;
+  for (const Found& found : found_) {
+    begin.push_back(particle_pairs_);
+    particle_pairs_ += found.seen.size();
   }
-  particle_pairs_ = pairs_.size();
-  back_facing_pairs_ = past_corners_.size();
-  first_.push_back(particle_pairs_);
-  pairs_.insert(pairs_.end(), past_corners_.begin(), past_corners_.end());
+  for (const Found& found : found_) {
+    begin_past.push_back(particle_pairs_ + back_facing_pairs_);
+    back_facing_pairs_ += found.back_facing.size();
+  }
+  pairs_.resize(particle_pairs_ + back_facing_pairs_);
+  first_.resize(particles.id.size() + 1);
+  first_.back() = particle_pairs_;
+  for_ranges(n, threads, [&](int thread, std::ptrdiff_t first, std::ptrdiff_t last) {
+    const Found& found = found_[thread];
+    std::size_t seen = 0, past = 0;
+    for (std::ptrdiff_t i = first; i < last; ++i) {
+      const Vector<D>& x = particles.position[i];
+      const auto add = [&](std::size_t to, int k) { pairs_[to] = pair(static_cast<int>(i), k, x - surface.position[k]); };
+      first_[i] = begin[thread] + seen;
+      for (int m = 0; m < found.seen_count[i - first]; ++m, ++seen) add(begin[thread] + seen, found.seen[seen]);
+      for (int m = 0; m < found.back_facing_count[i - first]; ++m, ++past) add(begin_past[thread] + past, found.back_facing[past]);
+    }
+  });
   // A face that the particle does not see, such as one that lies on the wall, is none before its image either.
   for (std::size_t m = 0; m < particles.image_of.size(); ++m) {
     const std::uint32_t i = particles.image_of[m];
@@ -48,6 +74,46 @@ void InterfacePairs<D>::find(const InterfaceParticles<D>& particles, const Surfa
         pairs_.push_back(pair(static_cast<int>(i), k, offset));
     }
   }
+}
+
+/// Which points every particle sees, and which are past a corner of what it sees.
+template <int D>
+void InterfacePairs<D>::look(const InterfaceParticles<D>& particles) {
+  const auto n = static_cast<std::ptrdiff_t>(particles.id.size());
+  found_.resize(n < worth_threads ? 1 : static_cast<std::size_t>(omp_get_max_threads()));
+  for_ranges(n, static_cast<int>(found_.size()), [&](int thread, std::ptrdiff_t first, std::ptrdiff_t last) {
+    Found& found = found_[thread];
+    for (auto* list : {&found.seen, &found.back_facing, &found.seen_count, &found.back_facing_count}) list->clear();
+    CornerView<D> corners(faces_, finder_, covered_, kernel_, found.corners);
+    for (std::ptrdiff_t i = first; i < last; ++i) {
+      const std::size_t before = found.seen.size();
+      finder_.see(faces_, particles.position[i], found.seen);
+      const int count = static_cast<int>(found.seen.size() - before);
+      found.seen_count.push_back(count);
+      found.back_facing_count.push_back(0);
+      if (count == 0) continue;
+      corners.look(particles.position[i], found.seen.data() + before, count);
+      found.back_facing.insert(found.back_facing.end(), corners.back_facing().begin(), corners.back_facing().end());
+      found.back_facing_count.back() = static_cast<int>(corners.back_facing().size());
+    }
+  });
+}
+
+/// Of the points that have pairs; 0 of the others.
+template <int D>
+void InterfacePairs<D>::find_borne_shares() {
+  asked_.assign(faces_.size(), 0);
+  for (const Found& found : found_) {
+    for (const int k : found.seen) asked_[k] = 1;
+    for (const int k : found.back_facing) asked_[k] = 1;
+  }
+  borne_share_.assign(faces_.size(), 0);
+  for_ranges(static_cast<std::ptrdiff_t>(faces_.size()), static_cast<int>(found_.size()),
+             [&](int thread, std::ptrdiff_t first, std::ptrdiff_t last) {
+               CornerView<D> corners(faces_, finder_, covered_, kernel_, found_[thread].corners);
+               for (std::ptrdiff_t k = first; k < last; ++k)
+                 if (asked_[k]) borne_share_[k] = corners.borne_share(static_cast<int>(k));
+             });
 }
 
 template <int D>

@@ -29,7 +29,7 @@ class InterfacePairs {
  public:
   InterfacePairs(double smoothing_length, double fluid_spacing) : kernel_(Kernel<D>(smoothing_length), fluid_spacing) {}
 
-  /// Finds all pairs of the window, particle by particle.
+  /// Finds all pairs of the window, particle by particle. The same bits for any number of threads.
   void find(const InterfaceParticles<D>& particles, const Surface<D>& surface);
 
   /// Of the particles themselves.
@@ -45,16 +45,23 @@ class InterfacePairs {
   std::span<const InterfacePair<D>> all_pairs() const { return pairs_; }
 
  private:
+  /// What one thread finds, of its particles one after the other.
+  struct Found {
+    std::vector<int> seen, back_facing;              ///< points
+    std::vector<int> seen_count, back_facing_count;  ///< per particle
+    CornerScratch corners;
+  };
+  void look(const InterfaceParticles<D>& particles);
+  void find_borne_shares();
+
   FaceKernel<D> kernel_;
   FaceFinder<D> finder_;
   Faces<D> faces_;
-  std::vector<int> seen_, back_facing_;
+  std::vector<Found> found_;  ///< by thread
   std::vector<InterfacePair<D>> pairs_;
   std::size_t particle_pairs_ = 0, back_facing_pairs_ = 0;
-  std::vector<InterfacePair<D>> past_corners_;  ///< pairs of back-facing faces, as they are found
-  std::vector<std::uint8_t> covered_;           ///< per surface point
+  std::vector<std::uint8_t> covered_, asked_;  ///< per surface point; asked_: some particle has a pair with it
   std::vector<double> borne_share_;
-  CornerScratch corner_scratch_;
   std::vector<std::size_t> first_;  ///< pair of each particle, then the number of them all
 };
 

@@ -10,6 +10,7 @@
 #include "fluid/reference.hpp"
 #include "fluid/workspace.hpp"
 #include "proto/interface.hpp"
+#include "ranks/halo.hpp"
 #include "ranks/ranks.hpp"
 #include "sph/faces.hpp"
 
@@ -24,6 +25,8 @@ struct Boundary {
   std::vector<double> space_before_walls;   ///< per patch, negative: not known (wetness.hpp)
   ClippedWalls<D> clipped_walls;            ///< as the structure leaves them
   FaceRows wall_rows;                       ///< by particle
+  Halo patches;                             ///< of the walls, where there are several ranks (patches_of_ranks.hpp)
+  std::int64_t cuts_of_patches = -1;        ///< of space, as of which these are
   Faces<D> surface;                         ///< of the structure
   FaceFinder<D> surface_finder;             ///< of it
   std::vector<std::uint8_t> covered_faces;  ///< of the surface: they stand at a wall
@@ -53,8 +56,8 @@ void see_boundary(const Constants<D>& constants, const Period<D>& period, const 
 
 /// Wet shares and sums over the hidden side, of the faces that each particle sees. `gravity`: at each particle [m/s^2].
 template <int D>
-void sum_over_hidden_side(const Constants<D>& constants, const Ranks& ranks, const std::vector<Vector<D>>& position,
-                          const std::vector<Vector<D>>& gravity, Boundary<D>& boundary);
+void sum_over_hidden_side(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
+                          Boundary<D>& boundary);
 
 /// The surface of the same window under another load: changes the flux that the particles `at_structure` see.
 template <int D>

@@ -6,12 +6,14 @@
 
 namespace tern::fluid {
 
+/// How many interface particles each rank has.
+std::vector<std::int64_t> interface_counts(const Ranks& ranks, std::size_t own);
 /// Number of the first interface particle of this rank among those of all, which come in the order of the ranks.
-std::ptrdiff_t first_interface_particle(const Ranks& ranks, std::size_t own);
+std::ptrdiff_t first_interface_particle(const Ranks& ranks, const std::vector<std::int64_t>& counts);
 
 /// On the first rank those of all ranks; on the others nothing.
 template <int D>
-InterfaceParticles<D> gather(const Ranks& ranks, InterfaceParticles<D> own);
+InterfaceParticles<D> gather(const Ranks& ranks, const std::vector<std::int64_t>& counts, InterfaceParticles<D> own);
 template <int D>
 InterfacePressure<D> gather(const Ranks& ranks, InterfacePressure<D> own);
 

@@ -5,6 +5,7 @@
 
 #include "fluid/boundary/boundary.hpp"
 #include "fluid/boundary/line_of_sight.hpp"
+#include "fluid/boundary/patch_runs.hpp"
 
 namespace tern::fluid {
 namespace {
@@ -12,6 +13,8 @@ namespace {
 constexpr double blended = 0.5;   ///< spacings over which the share of a plane goes from 1 to 0
 constexpr int dry_patches = 4;    ///< over as many as well
 constexpr int whole_patch = 256;  ///< unit of dry patches in whole numbers, whose sums do not depend on their order
+/// Of a difference of such sums, of up to 2^31, between corners of the grid: what lies elsewhere must not decide what a particle sees.
+constexpr double rounding = 1e-5;
 
 /// A place among the walls: the plane wall that is all there is within the support, with the share that it has, or whether there is
 /// nothing at all, or planes alone.
@@ -119,15 +122,23 @@ void leave_dry_planes(const std::vector<Vector<D>>& position, Boundary<D>& bound
     std::vector<std::size_t>& first_corner = boundary.first_corner;
     first_corner.clear();
     corners = 0;
-    for (const PlaneWall& plane : planes) {
+    thread_local std::vector<GridPart> parts;
+    if (boundary.patches.alone())
+      whole_parts(planes, parts);
+    else
+      parts_near(planes, support, position, rows.plane.size(), parts);
+    for (std::size_t p = 0; p < planes.size(); ++p) {
+      const PlaneWall& plane = planes[p];
+      const auto& [from, to] = parts[p];
       first_corner.push_back(corners);
       const int width = plane.count[0] + 1;
       int* const at = dry.data() + corners;
-      std::fill(at, at + width, 0);
-      for (int b = 1; b <= plane.count[1]; ++b) {
+      std::fill(at + static_cast<std::ptrdiff_t>(from[1]) * width + from[0], at + static_cast<std::ptrdiff_t>(from[1]) * width + to[0] + 1,
+                0);
+      for (int b = from[1] + 1; b <= to[1]; ++b) {
         int of_row = 0;
-        at[b * width] = 0;
-        for (int a = 1; a < width; ++a) {
+        at[b * width + from[0]] = 0;
+        for (int a = from[0] + 1; a <= to[0]; ++a) {
           const double wet = rows.wet[plane.first + (b - 1) * plane.count[0] + a - 1];
           of_row += static_cast<int>(whole_patch * (1 - wet));
           at[b * width + a] = at[(b - 1) * width + a] + of_row;
@@ -158,7 +169,8 @@ void leave_dry_planes(const std::vector<Vector<D>>& position, Boundary<D>& bound
     for (std::size_t i = 0; i < rows.plane.size(); ++i) {
       if (rows.plane[i] < 0) continue;
       const bool listed = !rows.before_plane(static_cast<std::ptrdiff_t>(i));
-      rows.plane_share[i] *= std::clamp(1 - dry_around(rows.plane[i], position[i]) / (whole_patch * dry_patches), 0.0, 1.0);
+      if (const double dry_here = dry_around(rows.plane[i], position[i]); dry_here > rounding)
+        rows.plane_share[i] *= std::clamp(1 - dry_here / (whole_patch * dry_patches), 0.0, 1.0);
       if (rows.plane_share[i] < 1 && !listed) {
         rows.begin[i] = static_cast<int>(rows.face.size());
         list_patches(planes[rows.plane[i]], support, position[i], rows.face);

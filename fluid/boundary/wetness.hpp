@@ -5,7 +5,7 @@
 
 #include "fluid/boundary/plane_walls.hpp"
 #include "fluid/reference.hpp"
-#include "ranks/ranks.hpp"
+#include "ranks/halo.hpp"
 #include "sph/faces.hpp"
 
 namespace tern::fluid {
@@ -15,12 +15,12 @@ template <int D>
 double hidden_density(const Constants<D>& constants, const Faces<D>& faces, const FaceFinder<D>& finder, const Vector<D>& x,
                       std::vector<int>& seen);
 
-/// A wall mirrors the fluid in front of it; where there is none, above the water or beside a jet, nothing is behind it
-/// either. Sets `wall_rows.wet` to the share of each wall patch that is wet, from the filled share of the `space` in front of
-/// it, less what the structure takes of that. `space`: part of sum V w that walls leave open in front of each of their
-/// patches, negative where it is not yet known. `whole_walls`: as they are without a structure.
+/// A wall mirrors the fluid in front of it; where there is none, above the water or beside a jet, nothing is behind it either. Sets
+/// `wall_rows.wet` to the share of each wall patch that is wet, from the filled share of the `space` in front of it, less what the
+/// structure takes of that. `patches`: that other ranks fill as well. `space`: part of sum V w that walls leave open in front of each of
+/// their patches, negative where it is not yet known. `whole_walls`: as they are without a structure.
 template <int D>
-void leave_out_dry_walls(const Constants<D>& constants, const Ranks& ranks, const std::vector<Vector<D>>& position, const Faces<D>& walls,
+void leave_out_dry_walls(const Constants<D>& constants, const Halo& patches, const std::vector<Vector<D>>& position, const Faces<D>& walls,
                          const Faces<D>& whole_walls, const FaceFinder<D>& wall_finder, std::vector<double>& space,
                          const Faces<D>& structure, const FaceFinder<D>& structure_finder, const std::vector<PlaneWall>& planes,
                          FaceRows& wall_rows);

@@ -69,20 +69,21 @@ Totals<D> add_up(const Ranks& ranks, const Totals<D>& own) {
     for (int c = 0; c < D; ++c) visit(all.momentum[c]);
     for (int c = 0; c < 3; ++c) visit(all.angular_momentum[c]);
     visit(all.particles), visit(all.spray_particles), visit(all.removed), visit(all.leaked), visit(all.ghosts);
+    Traffic::for_each_field([&](const char*, auto& count) { visit(count); }, all.traffic);
     Evaluations::for_each_field([&](const char*, auto& count) { visit(count); }, all.evaluations);
   };
   // Every rank moves all walls and has the whole surface of the structure.
   if (!ranks.first()) all.evaluations.moving_walls = all.evaluations.structure_surface = 0;
   for_each_sum([&](auto& value) { sums.push_back(static_cast<double>(value)); });
-  ranks.sum(std::span(sums));
+  std::vector<double> most{own.largest_speed, own.largest_bulk_speed, static_cast<double>(own.particles)};
+  if (all.extent)
+    for (int c = 0; c < D; ++c) most.push_back(-own.extent->low[c]), most.push_back(own.extent->high[c]);
+  ranks.sum_and_most(sums, most);
   std::size_t next = 0;
   for_each_sum([&](auto& value) { value = static_cast<std::remove_reference_t<decltype(value)>>(sums[next++]); });
-  double speeds[] = {own.largest_speed, own.largest_bulk_speed};
-  ranks.most(std::span<double>(speeds));
-  all.largest_speed = speeds[0], all.largest_bulk_speed = speeds[1];
+  all.largest_speed = most[0], all.largest_bulk_speed = most[1], all.most_particles = static_cast<std::size_t>(most[2]);
   if (all.extent) {
-    ranks.least(std::span(all.extent->low.data(), D));
-    ranks.most(std::span(all.extent->high.data(), D));
+    for (int c = 0; c < D; ++c) all.extent->low[c] = -most[3 + 2 * c], all.extent->high[c] = most[4 + 2 * c];
     all.extent->largest_speed = all.largest_speed;
   }
   return all;

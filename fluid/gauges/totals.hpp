@@ -68,7 +68,9 @@ struct Totals {
   std::optional<FluidExtent<D>> extent;
   std::size_t particles = 0, spray_particles = 0, removed = 0, leaked = 0;
   Evaluations evaluations;
-  std::size_t ghosts = 0;  ///< domain.hpp
+  std::size_t ghosts = 0;          ///< domain.hpp
+  Traffic traffic;                 ///< in the windows so far of this process
+  std::size_t most_particles = 0;  ///< of a rank
 };
 
 /// Of all ranks, from those of each.

@@ -25,7 +25,7 @@ std::size_t count_leaks(double spacing, const Faces<D>& faces, const FaceRows& r
 }
 
 template <int D>
-void remove_escaped(const Reference<D>& reference, const Ranks& ranks, const Window& window, State<D>& state) {
+void remove_escaped(const Reference<D>& reference, State<D>& state) {
   const auto outside = [&](const Vector<D>& x) {
     return (x.array() < reference.domain_min.array()).any() || (x.array() > reference.domain_max.array()).any();
   };
@@ -35,7 +35,7 @@ void remove_escaped(const Reference<D>& reference, const Ranks& ranks, const Win
         if (reference.period.any()) x += reference.period.into(x);
         return outside(x);
       });
-  if (!ranks.any(escaped > 0)) return;
+  if (escaped == 0) return;
   state.removed += escaped;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < state.size(); ++i) {
@@ -43,15 +43,18 @@ void remove_escaped(const Reference<D>& reference, const Ranks& ranks, const Win
     if (kept != i) for_each_particle_field(state, [&](const char*, const char*, auto& values) { values[kept] = values[i]; });
     ++kept;
   }
-  if (!ranks.any(kept > 0))
-    throw EndOfModel(
-        fmt::format("All fluid has left the domain by t = {:.6g} s; enlarge [domain] or close the walls.", window.begin + window.duration));
   for_each_particle_field(state, [&](const char*, const char*, auto& values) { values.resize(kept); });
+}
+
+void check_that_some_are_left(const Window& window, std::size_t particles) {
+  if (particles > 0) return;
+  throw EndOfModel(
+      fmt::format("All fluid has left the domain by t = {:.6g} s; enlarge [domain] or close the walls.", window.begin + window.duration));
 }
 
 template std::size_t count_leaks<2>(double, const Faces<2>&, const FaceRows&, const std::vector<Vector<2>>&, const std::vector<Vector<2>>&);
 template std::size_t count_leaks<3>(double, const Faces<3>&, const FaceRows&, const std::vector<Vector<3>>&, const std::vector<Vector<3>>&);
-template void remove_escaped<2>(const Reference<2>&, const Ranks&, const Window&, State<2>&);
-template void remove_escaped<3>(const Reference<3>&, const Ranks&, const Window&, State<3>&);
+template void remove_escaped<2>(const Reference<2>&, State<2>&);
+template void remove_escaped<3>(const Reference<3>&, State<3>&);
 
 }  // namespace tern::fluid

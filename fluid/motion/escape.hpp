@@ -16,6 +16,9 @@ std::size_t count_leaks(double spacing, const Faces<D>& faces, const FaceRows& r
 
 /// Removes the particles outside the domain. Throws NumericalFailure when none is left.
 template <int D>
-void remove_escaped(const Reference<D>& reference, const Ranks& ranks, const Window& window, State<D>& state);
+void remove_escaped(const Reference<D>& reference, State<D>& state);
+
+/// Throws EndOfModel where nothing is left. `particles`: of all ranks.
+void check_that_some_are_left(const Window& window, std::size_t particles);
 
 }  // namespace tern::fluid

@@ -53,8 +53,7 @@ void sort_in_rows(const Ranks& ranks, double spacing, double support, State<D>& 
   // Pairs are found in single precision, counted from this corner: with the same one on all ranks they are the same pairs everywhere.
   Vector<D> low = n > 0 ? box.low : Vector<D>(Vector<D>::Constant(1e300));
   Vector<D> high = n > 0 ? box.high : Vector<D>(Vector<D>::Constant(-1e300));
-  ranks.least(std::span(low.data(), D));
-  ranks.most(std::span(high.data(), D));
+  ranks.extremes(std::span(low.data(), D), std::span(high.data(), D));
   if (low[0] > high[0]) low = high = somewhere;
   const double width = row_width(D) * spacing;
   rows.grid.reset(low, high, support, width);

@@ -6,33 +6,43 @@
 
 namespace tern::fluid {
 
-SolveResult conjugate_gradient(const Ranks& ranks, const Halo& ghosts, const EdgeMatrix& matrix, const Apply& add,
-                               const Apply& precondition, const std::vector<double>& b, double tolerance, int limit, std::vector<double>& p,
-                               ConjugateGradientWork& work) {
-  const std::ptrdiff_t n = matrix.rows();
+SolveResult conjugate_gradient(const Ranks& ranks, const Halo& ghosts, const EdgeMatrix& matrix, const Add& add,
+                               const Precondition& precondition, const std::vector<double>& b, double tolerance, int limit,
+                               std::vector<double>& p, ConjugateGradientWork& work) {
+  const std::ptrdiff_t n = matrix.rows(), all = static_cast<std::ptrdiff_t>(p.size());
   for (auto* v : {&work.residual, &work.preconditioned, &work.direction, &work.product}) v->assign(p.size(), 0);
   auto& [r, z, d, q] = work;
-  const auto dot = [&](const std::vector<double>& x, const std::vector<double>& y) {
-    return ranks.sum(ordered_dot(std::span(x).first(n), std::span(y).first(n)));
+  const auto own_dot = [&](const std::vector<double>& x, const std::vector<double>& y) {
+    return ordered_dot(std::span(x).first(n), std::span(y).first(n));
+  };
+  double largest = 0;  // of |r|
+  // Sums over all ranks that can travel together do.
+  const auto measure_residual = [&](std::span<double> sums) {
+    sums[0] = own_dot(r, r);
+    largest = ordered_max(n, 0.0, [&](std::ptrdiff_t i) { return std::abs(r[i]); });
+    ranks.sum_and_most(sums, std::span(&largest, 1));
+    return std::sqrt(sums[0]);
   };
 
   SolveResult result;
-  const double norm_b = std::sqrt(dot(b, b));
-  if (norm_b == 0) {
-    std::fill(p.begin(), p.end(), 0.0);
-    result.converged = true;
-    return result;
-  }
-  ghosts.update(p);
   matrix.multiply(p, q);
   add(p, q);
   parallel_for(n, [&](std::ptrdiff_t i) { r[i] = b[i] - q[i]; });
-  result.residual = std::sqrt(dot(r, r)) / norm_b;
+  double of_r_and_b[] = {0, own_dot(b, b)};
+  result.residual = measure_residual(of_r_and_b);
+  const double norm_b = std::sqrt(of_r_and_b[1]);
+  if (norm_b == 0) {
+    std::fill(p.begin(), p.end(), 0.0);
+    result.residual = 0;
+    result.converged = true;
+    return result;
+  }
+  result.residual /= norm_b;
   double rho = 0;
   while (result.residual > tolerance) {
     if (result.iterations == limit || !std::isfinite(result.residual)) return result;
-    precondition(r, z);
-    const double rho_next = dot(r, z);
+    precondition(largest, r, z);
+    const double rho_next = ranks.sum(own_dot(r, z));
     if (!(rho_next > 0)) return result;
     const double beta = result.iterations == 0 ? 0 : rho_next / rho;
     rho = rho_next;
@@ -40,14 +50,16 @@ SolveResult conjugate_gradient(const Ranks& ranks, const Halo& ghosts, const Edg
     ghosts.update(d);
     matrix.multiply(d, q);
     add(d, q);
-    const double curvature = dot(d, q);
+    const double curvature = ranks.sum(own_dot(d, q));
     if (!(curvature > 0)) return result;
     const double alpha = rho / curvature;
     parallel_for(n, [&](std::ptrdiff_t i) {
       p[i] += alpha * d[i];
       r[i] -= alpha * q[i];
     });
-    result.residual = std::sqrt(dot(r, r)) / norm_b;
+    for (std::ptrdiff_t i = n; i < all; ++i) p[i] += alpha * d[i];
+    double of_r = 0;
+    result.residual = measure_residual(std::span(&of_r, 1)) / norm_b;
     ++result.iterations;
   }
   result.converged = true;

@@ -21,14 +21,16 @@ struct ConjugateGradientWork {
   std::vector<double> residual, preconditioned, direction, product;
 };
 
-/// z = B r; B symmetric positive definite.
-using Apply = std::function<void(const std::vector<double>& r, std::vector<double>& z)>;
+/// y += (A - matrix) x
+using Add = std::function<void(const std::vector<double>& x, std::vector<double>& y)>;
+/// z = B r; B symmetric positive definite. `largest`: of |r_i|, of all ranks.
+using Precondition = std::function<void(double largest, const std::vector<double>& r, std::vector<double>& z)>;
 
-/// `ghosts`: of the rows of other ranks, which come behind the own ones in p. A is the matrix and what `add` adds to its product,
-/// y += (A - matrix) x. Starts from p, which is 0 where there is no unknown. Ends without convergence after `limit` iterations or when A or
-/// B turns out not to be positive definite (which rounding can cause near singularity).
-SolveResult conjugate_gradient(const Ranks& ranks, const Halo& ghosts, const EdgeMatrix& matrix, const Apply& add,
-                               const Apply& precondition, const std::vector<double>& b, double tolerance, int limit, std::vector<double>& p,
-                               ConjugateGradientWork& work);
+/// `ghosts`: of the rows of other ranks, which come behind the own ones in p. A is the matrix and what `add` adds to its product. Starts
+/// from p, which is 0 where there is no unknown; its ghosts are up to date, before and after. Ends without convergence after `limit`
+/// iterations or when A or B turns out not to be positive definite (which rounding can cause near singularity).
+SolveResult conjugate_gradient(const Ranks& ranks, const Halo& ghosts, const EdgeMatrix& matrix, const Add& add,
+                               const Precondition& precondition, const std::vector<double>& b, double tolerance, int limit,
+                               std::vector<double>& p, ConjugateGradientWork& work);
 
 }  // namespace tern::fluid

@@ -21,12 +21,13 @@ class EdgeMatrix {
   int rows() const { return rows_; }
   /// c_i, with what ties row i to neighbours that are no unknowns.
   const std::vector<float>& constant() const { return constant_; }
-  /// The same with room for those of `all` rows, the further ones of other ranks.
-  std::vector<float>& constant_of_all(std::size_t all) {
-    constant_.resize(all);
-    return constant_;
-  }
   const std::vector<float>& diagonal() const { return diagonal_; }
+  /// Calls update(values...) for what other ranks have to know of a row, with room for `all`, the further ones of other ranks.
+  template <class Update>
+  void with_ghosts(std::size_t all, Update&& update) {
+    for (auto* v : {&constant_, &diagonal_}) v->resize(all);
+    update(constant_, diagonal_);
+  }
 
   /// Starts a matrix over lists of pairs. They must outlive its use and stay as they are.
   template <int D>

@@ -103,10 +103,14 @@ void find_enclosed_regions_of_ranks(const Domain<D>& domain, const Neighbours<D>
   regions.size.clear();
   tied.assign(particle_class.size(), 0);
   for (int i = 0; i < n; ++i) tied[i] = particle_class[i].pressure_unknown() && at_surface[i] != 0;
-  const auto sweep_over = [&](int i, std::int64_t& loose, std::int64_t& newly_tied) {
+  // A neighbour with a tie is at the end of the row that the sweep comes from.
+  const auto sweep_over = [&](int i, bool backwards, std::int64_t& loose, std::int64_t& newly_tied) {
     if (!particle_class[i].pressure_unknown() || tied[i]) return;
-    for (int k = neighbours.begin[i]; k < neighbours.begin[i] + neighbours.length[i] && !tied[i]; ++k)
+    const int first = neighbours.begin[i], last = first + neighbours.length[i] - 1;
+    for (int n_th = 0; n_th <= last - first && !tied[i]; ++n_th) {
+      const int k = backwards ? last - n_th : first + n_th;
       tied[i] = neighbours.weight[k] != 0 && tied[neighbours.column(k)];
+    }
     tied[i] ? ++newly_tied : ++loose;
   };
   // Ties go from rank to rank: as many rounds as ranks lie between the surface and the bottom.
@@ -114,8 +118,8 @@ void find_enclosed_regions_of_ranks(const Domain<D>& domain, const Neighbours<D>
   for (bool goes_on = true; goes_on;) {
     domain.particles().update(tied);
     std::int64_t found[] = {0, 0}, seen = 0;  // loose, newly tied
-    for (int i = n - 1; i >= 0; --i) sweep_over(i, seen, found[1]);
-    for (int i = 0; i < n; ++i) sweep_over(i, found[0], found[1]);
+    for (int i = n - 1; i >= 0; --i) sweep_over(i, true, seen, found[1]);
+    for (int i = 0; i < n; ++i) sweep_over(i, false, found[0], found[1]);
     domain.ranks().sum(std::span<std::int64_t>(found));
     loose = found[0];
     goes_on = loose > 0 && found[1] > 0;
@@ -159,7 +163,7 @@ void find_enclosed_regions_of_ranks(const Domain<D>& domain, const Neighbours<D>
   }
   std::vector<std::uint32_t> labels;
   for (std::size_t k = 0; k + 1 < first.size(); ++k) labels.push_back(least[queue[first[k]]]);
-  labels = domain.ranks().gather_on_all(labels);
+  domain.ranks().gather_on_all(labels);
   std::sort(labels.begin(), labels.end());
   labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
   std::vector<std::int64_t> size(labels.size(), 0);

@@ -29,8 +29,8 @@ void assemble_left_behind(const Constants<D>& constants, double duration, const 
 
 template <int D>
 void add_correction(const PressureSystem<D>& system, State<D>& state) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
-  parallel_for(n, [&](std::ptrdiff_t i) { state.pressure[i] += system.correction[i]; });
+  const std::ptrdiff_t all = static_cast<std::ptrdiff_t>(state.pressure.size());
+  parallel_for(all, [&](std::ptrdiff_t i) { state.pressure[i] += system.correction[i]; });
 }
 
 template <int D>
@@ -47,13 +47,14 @@ void keep_best_share(const Ranks& ranks, PressureSystem<D>& system, State<D>& st
     share[part[i]] += left[i] * change;
     square[part[i]] += change * change;
   }
+  share.insert(share.end(), square.begin(), square.end());
   ranks.sum(std::span(share));
-  ranks.sum(std::span(square));
+  square.assign(share.begin() + static_cast<std::ptrdiff_t>(square.size()), share.end());
+  share.resize(square.size());
   for (std::size_t k = 0; k < share.size(); ++k) share[k] = square[k] > 0 ? std::clamp(share[k] / square[k], 0.0, 1.0) : 0;
-  parallel_for(n, [&](std::ptrdiff_t i) {
-    state.pressure[i] -= (1 - share[part[i]]) * system.correction[i];
-    left[i] *= share[part[i]];
-  });
+  const std::ptrdiff_t all = static_cast<std::ptrdiff_t>(state.pressure.size());
+  parallel_for(all, [&](std::ptrdiff_t i) { state.pressure[i] -= (1 - share[part[i]]) * system.correction[i]; });
+  parallel_for(n, [&](std::ptrdiff_t i) { left[i] *= share[part[i]]; });
 }
 
 #define TERN_INSTANTIATE(D)                                                                                                        \

@@ -13,7 +13,8 @@
 namespace tern::fluid {
 namespace {
 
-constexpr int coarsest_nodes = 150;      ///< solved directly
+constexpr int coarsest_nodes = 150;  ///< solved directly
+constexpr int most_levels = 12;
 constexpr float diagonal_shift = 2e-6f;  ///< relative; makes the coarse operators of a sealed tank regular
 
 /// Cells of a period of `length`: m 2^k with m = 4 .. 7, nearest to `width` on a logarithmic scale.
@@ -34,16 +35,16 @@ void Multigrid<D>::build(const Domain<D>& domain, EdgeMatrix& matrix, const std:
                          double gradient_scale, const YieldingSurface<D>& yielding, const std::vector<int>& at_structure) {
   matrix_ = &matrix;
   domain_ = &domain;
-  if (!domain.alone()) domain.particles().update(matrix.constant_of_all(position.size()));
+  if (!domain.alone()) matrix.with_ghosts(position.size(), [&](auto&... values) { domain.particles().update(values...); });
   if (levels_.empty()) levels_.resize(1);
   build_finest(matrix, position, particle_class, beside_body, spacing, gradient_scale);
   std::size_t level = 0;
-  // Ranks share what is coarser than the finest level.
-  while ((level == 0 && !domain.alone()) || (levels_[level].nodes() > coarsest_nodes && level < 12)) {
+  while (levels_[level].divided || (levels_[level].nodes() > coarsest_nodes && level < most_levels)) {
     if (levels_.size() == level + 1) levels_.emplace_back();
+    levels_[level + 1].divided = coarser_is_divided(level);
     build_next(levels_[level], levels_[level + 1]);
     ++level;
-    if ((level > 1 || domain.alone()) && levels_[level].nodes() == levels_[level - 1].nodes()) break;
+    if (!levels_[level - 1].divided && levels_[level].nodes() == levels_[level - 1].nodes()) break;
   }
   levels_.resize(level + 1);
 
@@ -60,6 +61,15 @@ void Multigrid<D>::build(const Domain<D>& domain, EdgeMatrix& matrix, const std:
   Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> in_place(dense);
   coarsest_solution_.resize(last.nodes());
   find_parts();
+}
+
+/// Whether the grid after this one has so many nodes that they are worth dividing.
+template <int D>
+bool Multigrid<D>::coarser_is_divided(std::size_t level) const {
+  if (!levels_[level].divided || level + 2 >= most_levels) return false;
+  const auto& foreign = levels_[level].foreign;
+  const auto own = std::count(foreign.begin(), foreign.end(), std::uint8_t{0});
+  return domain_->ranks().sum(static_cast<std::int64_t>(own)) > coarsest_nodes << D;
 }
 
 template <int D>
@@ -95,10 +105,10 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
   Vector<D> low = Vector<D>::Constant(1e300), high = Vector<D>::Constant(-1e300);
   for (int i = 0; i < n; ++i)
     if (particle_class[i].pressure_unknown()) low = low.cwiseMin(position[i]), high = high.cwiseMax(position[i]);
-  domain_->ranks().least(std::span(low.data(), D));
-  domain_->ranks().most(std::span(high.data(), D));
+  domain_->ranks().extremes(std::span(low.data(), D), std::span(high.data(), D));
   if (low[0] > high[0]) low = high = Vector<D>::Zero();
-  Vector<D> origin, inverse_width;
+  Vector<D>& origin = origin_;
+  Vector<D> inverse_width;
   std::array<int, D> cells;
   for (int c = 0; c < D; ++c) {
     level.periodic[c] = period_.repeats(c);
@@ -110,12 +120,14 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
     }
     origin[c] = low[c] - 0.37 * width;  // off the lattice, so that no particle sits on a grid line at rest
     inverse_width[c] = 1 / width;
+    level.width[c] = width;
     if (!level.periodic[c]) cells[c] = static_cast<int>((high[c] - origin[c]) * inverse_width[c]) + 1;
     level.size[c] = level.periodic[c] ? cells[c] : cells[c] + 1;
   }
   level.first = {};
   level.whole = level.size;
-  if (!domain_->alone()) {
+  level.divided = !domain_->alone();
+  if (level.divided) {
     std::array<int, D> last{};
     level.first.fill(std::numeric_limits<int>::max() - 1);
     for (int i = 0; i < n; ++i)
@@ -194,7 +206,7 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
   for (int i = 0; i < n; ++i)
     if (cell_of[i] >= 0) cell_particle_[next[compact[cell_of[i]]]++] = i;
   split_places(cells);
-  find_owners(origin, inverse_width);
+  find_owners(level);
   connect(level);
   node_cell_.resize(level.nodes());
   for (auto& cells_around : node_cell_) cells_around.fill(-1);
@@ -261,38 +273,6 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
       if (node_cell_[node][a] >= 0) add_cell(static_cast<int>(node), a, node_cell_[node][a]);
   for (const auto& [node, a, cell] : further_cells_) add_cell(node, a, cell);
   finish(level);
-}
-
-/// Which nodes of the finest level are of other ranks; these know them as well.
-template <int D>
-void Multigrid<D>::find_owners(const Vector<D>& origin, const Vector<D>& inverse_width) {
-  Level& level = levels_[0];
-  level.foreign.clear();
-  if (domain_->alone()) return;
-  const Ranks& ranks = domain_->ranks();
-  level.foreign.resize(level.nodes());
-  std::vector<std::vector<int>> take(static_cast<std::size_t>(ranks.count())), give(take.size());
-  std::vector<std::vector<std::array<int, D>>> wanted(take.size()), asked;
-  for (std::size_t node = 0; node < level.nodes(); ++node) {
-    std::array<int, D> at = level.coordinate[node];
-    Vector<D> x;
-    for (int c = 0; c < D; ++c) {
-      at[c] += level.first[c];
-      x[c] = origin[c] + at[c] / inverse_width[c];
-    }
-    const int owner = domain_->owner(x + period_.into(x));
-    level.foreign[node] = owner != ranks.own();
-    if (!level.foreign[node]) continue;
-    take[owner].push_back(static_cast<int>(node));
-    wanted[owner].push_back(at);
-  }
-  ranks.deal(wanted, asked);
-  for (std::size_t r = 0; r < asked.size(); ++r)
-    for (std::array<int, D> at : asked[r]) {
-      for (int c = 0; c < D; ++c) at[c] -= level.first[c];
-      give[r].push_back(node_at(level, at));
-    }
-  nodes_.reset(ranks, give, take);
 }
 
 template <int D>
@@ -391,47 +371,53 @@ void Multigrid<D>::finish(Level& level) {
 
 template <int D>
 void Multigrid<D>::build_next(Level& fine, Level& coarse) {
-  const bool shared = &fine == &levels_[0] && !domain_->alone();  // by all ranks: the fine level
   // Nodes with even coordinates; a fine node between them has the 2, 4 or 8 around it as parents, all of them active.
   std::array<bool, D> halved;
   for (int c = 0; c < D; ++c) {
     coarse.periodic[c] = fine.periodic[c];
     halved[c] = !fine.periodic[c] || (fine.size[c] % 2 == 0 && fine.size[c] > 2);
-    coarse.size[c] = fine.periodic[c] ? (halved[c] ? fine.size[c] / 2 : fine.size[c]) : (fine.size[c] + 2) / 2;
-    if (shared && !fine.periodic[c]) coarse.size[c] = (fine.whole[c] + 2) / 2;
+    coarse.whole[c] = fine.periodic[c] ? (halved[c] ? fine.whole[c] / 2 : fine.whole[c]) : (fine.whole[c] + 2) / 2;
+    coarse.width[c] = halved[c] ? 2 * fine.width[c] : fine.width[c];
   }
   coarse.first = {};
-  coarse.whole = coarse.size;
+  coarse.size = coarse.whole;
 
-  coarse.map.assign(count_places<D>(coarse.size), -1);
   fine.parent.resize(fine.nodes());
   fine.parent_weight.resize(fine.nodes());
+  // Among the places of all ranks.
   const auto parent_of = [&](const std::array<int, D>& at, int corner, std::array<int, D>& parent) {
     float weight = 1;
     for (int c = 0; c < D; ++c) {
       const bool odd = halved[c] && at[c] & 1, upper = (corner >> c) & 1;
       if (!odd && upper) return 0.0f;
-      parent[c] = halved[c] ? wrapped((at[c] + fine.first[c]) / 2 + (upper ? 1 : 0), coarse.size[c], coarse.periodic[c]) : at[c];
+      parent[c] = halved[c] ? wrapped((at[c] + fine.first[c]) / 2 + (upper ? 1 : 0), coarse.whole[c], coarse.periodic[c]) : at[c];
       if (odd) weight *= 0.5f;
     }
     return weight;
   };
-  for (const auto& at : fine.coordinate)
-    for (int corner = 0; corner < corners; ++corner) {
-      std::array<int, D> parent;
-      if (parent_of(at, corner, parent) > 0) coarse.map[flat_index<D>(parent, coarse.size)] = 0;
-    }
-  if (shared) {
-    std::vector<std::uint8_t> marked(coarse.map.size());
-    for (std::size_t place = 0; place < marked.size(); ++place) marked[place] = coarse.map[place] == 0;
-    domain_->ranks().most(std::span(marked));
-    for (std::size_t place = 0; place < marked.size(); ++place) coarse.map[place] = marked[place] ? 0 : -1;
+  const auto for_parents = [&](auto&& visit) {
+    for (const auto& at : fine.coordinate)
+      for (int corner = 0; corner < corners; ++corner) {
+        std::array<int, D> parent;
+        if (parent_of(at, corner, parent) > 0) visit(parent);
+      }
+  };
+  coarse.foreign.clear();
+  if (coarse.divided) {
+    parents_.clear();
+    for_parents([&](const std::array<int, D>& parent) { parents_.push_back(parent); });
+    share_places(coarse, parents_);
+  } else {
+    coarse.map.assign(count_places<D>(coarse.size), -1);
+    for_parents([&](const std::array<int, D>& parent) { coarse.map[flat_index<D>(parent, coarse.size)] = 0; });
+    if (fine.divided) mark_on_all_ranks(coarse);
+    number_places(coarse);
   }
-  number_places(coarse);
   for (std::size_t node = 0; node < fine.nodes(); ++node)
     for (int corner = 0; corner < corners; ++corner) {
       std::array<int, D> parent;
       const float weight = parent_of(fine.coordinate[node], corner, parent);
+      for (int c = 0; c < D; ++c) parent[c] -= coarse.first[c];
       fine.parent_weight[node][corner] = weight;
       fine.parent[node][corner] = weight > 0 ? coarse.map[flat_index<D>(parent, coarse.size)] : -1;
     }
@@ -494,7 +480,12 @@ void Multigrid<D>::build_next(Level& fine, Level& coarse) {
       coarse.row[fine.parent[a][term.parent]][term.coarse] += term.weight * fine.row[a][term.fine];
     }
   }
-  if (shared) domain_->ranks().sum(std::span(coarse.row.data()->data(), coarse.nodes() * stencil));
+  if (coarse.divided)
+    coarse.copies.collect(coarse.row, [](auto& own, const auto& other) {
+      for (int s = 0; s < stencil; ++s) own[s] += other[s];
+    });
+  else if (fine.divided)
+    domain_->ranks().sum(std::span(coarse.row.data()->data(), coarse.nodes() * stencil));
   finish(coarse);
 }
 

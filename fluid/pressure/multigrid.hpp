@@ -11,9 +11,11 @@
 // connect them; on the coarser levels the same holds for the finer nodes around a place. This needs no notion of what the
 // body looks like, and beyond its tip both sides meet in one node again.
 //
-// With several ranks each holds the part of the finest grid around its own and its ghost particles. A node belongs to the rank in whose
-// part of space it lies, which knows all particles around it. The smoothing of a rank takes the nodes of others as they were before; the
-// coarser grids, with a sixteenth (2D) or a 64th (3D) as many nodes as there are particles, are the same on all ranks.
+// With several ranks the grids are divided as space is: a node belongs to the rank in whose part it lies. On the finest grid this rank
+// knows all particles around the node, its own and its ghosts. On the coarser ones every rank makes the rows of the parents of its own
+// nodes, and what it makes of the rows of others is sent to these. A rank holds copies of the nodes of others that are parents of its nodes
+// or stand beside its own ones. Smoothing takes them as they were before. The coarsest grids, from 150 2^D nodes on, are the same on all
+// ranks.
 //
 // In a periodic direction the grid closes on itself: m 2^k cells per period, m = 4 .. 7, as near to H = 2 dx as that allows;
 // it is coarsened while the number of cells is even.
@@ -47,8 +49,9 @@ class Multigrid {
              const std::vector<ParticleClass>& particle_class, const std::vector<int>& beside_body, double spacing, double gradient_scale,
              const YieldingSurface<D>& yielding, const std::vector<int>& at_structure);
 
-  /// z = B r, symmetric positive definite: one V(1,1) cycle from zero. 0 where r and the matrix have no unknown.
-  void apply(const std::vector<double>& r, std::vector<double>& z);
+  /// z = B r, symmetric positive definite: one V(1,1) cycle from zero. 0 where r and the matrix have no unknown. `largest`: of |r_i|, of
+  /// all ranks.
+  void apply(double largest, const std::vector<double>& r, std::vector<double>& z);
 
   /// Parts of the fluid that the coarsest grid does not connect: waters on the two sides of a wall, or far apart. Their number, and the
   /// part of each particle (0 where its pressure is not an unknown).
@@ -76,9 +79,12 @@ class Multigrid {
   };
 
   struct Level {
+    bool divided = false;                        ///< among the ranks; otherwise all of them have all of it
     std::array<int, D> size{};                   ///< places per direction of the index map
-    std::array<int, D> first{}, whole{};         ///< of the finest level: where the map begins in that of all ranks (even), and its size
+    std::array<int, D> first{}, whole{};         ///< where the map begins in that of all ranks (an even number), and its size
+    Vector<D> width = Vector<D>::Zero();         ///< of a cell [m]
     std::vector<std::uint8_t> foreign;           ///< nodes of other ranks; empty: there are none
+    Halo copies;                                 ///< of these nodes
     std::array<bool, D> periodic{};              ///< directions in which the place after the last is the first
     std::vector<int> map;                        ///< number of the first node at a place, or -1
     std::vector<std::array<int, D>> coordinate;  ///< the first node of each place in their order, then the further ones
@@ -105,7 +111,9 @@ class Multigrid {
   static void number_places(Level& level);
   void build_finest(const EdgeMatrix& matrix, const std::vector<Vector<D>>& position, const std::vector<ParticleClass>& particle_class,
                     const std::vector<int>& beside_body, double spacing, double gradient_scale);
-  void find_owners(const Vector<D>& origin, const Vector<D>& inverse_width);
+  /// Rank in whose part a place of the map of all ranks lies.
+  int owner(const Level& level, const std::array<int, D>& at) const;
+  bool coarser_is_divided(std::size_t level) const;
   void build_next(Level& fine, Level& coarse);
   void connect(Level& level);
   void mark_by_split(Level& level);
@@ -135,6 +143,10 @@ class Multigrid {
          node != level.further.end() && node->first == place; ++node)
       visit(node->second);
   }
+  // multigrid_ranks.cpp
+  void find_owners(Level& level);
+  void share_places(Level& level, const std::vector<std::array<int, D>>& marked);
+  void mark_on_all_ranks(Level& level) const;
   // multigrid_sides.cpp
   void split_cells(const std::vector<int>& beside_body, int cells);
   void split_places(const std::array<int, D>& cells);
@@ -161,7 +173,7 @@ class Multigrid {
 
   Period<D> period_;
   const Domain<D>* domain_ = nullptr;
-  Halo nodes_;  ///< of the finest level
+  Vector<D> origin_ = Vector<D>::Zero();  ///< of the places of all ranks [m]
   const EdgeMatrix* matrix_ = nullptr;
   const YieldingSurface<D>* yielding_ = nullptr;  ///< null: nothing yields
   const std::vector<int>* at_structure_ = nullptr;
@@ -183,6 +195,7 @@ class Multigrid {
   std::vector<std::array<float, corners * corners>> element_;
   ConnectedParts parts_;  ///< in the end those of the coarsest grid
   std::vector<int> around_, corner_of_, row_of_particle_, place_;
+  std::vector<std::array<int, D>> parents_;
   std::vector<std::pair<int, int>> corner_of_row_;  ///< cell, and entry in it, of each particle beside the structure
   /// The particles beside the structure of all ranks, in their order: what YieldingSurface knows of the own ones.
   struct RowsOfAll {

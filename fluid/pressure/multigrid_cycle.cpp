@@ -65,9 +65,8 @@ void Multigrid<D>::cycle(std::size_t l) {
     return;
   }
   std::fill(level.x.begin(), level.x.end(), 0.0f);
-  const bool shared = l == 0 && !domain_->alone();
   smooth(level, true);
-  if (shared) nodes_.update(level.x);
+  if (level.divided) level.copies.update(level.x);
   compute_residual(level);
   Level& coarse = levels_[l + 1];
   std::fill(coarse.b.begin(), coarse.b.end(), 0.0f);
@@ -75,20 +74,22 @@ void Multigrid<D>::cycle(std::size_t l) {
     for (int corner = 0; corner < corners; ++corner)
       if (level.parent[node][corner] >= 0 && level.own(node))
         coarse.b[level.parent[node][corner]] += level.parent_weight[node][corner] * level.residual[node];
-  if (shared) domain_->ranks().sum(std::span(coarse.b));
+  if (coarse.divided)
+    coarse.copies.collect(coarse.b, [](float& own, float other) { own += other; });
+  else if (level.divided)
+    domain_->ranks().sum(std::span(coarse.b));
   cycle(l + 1);
   for (std::size_t node = 0; node < level.nodes(); ++node)
     for (int corner = 0; corner < corners; ++corner)
       if (level.parent[node][corner] >= 0) level.x[node] += level.parent_weight[node][corner] * coarse.x[level.parent[node][corner]];
   add_difference(level, level.x, level.b);  // so that the last smoothing starts from the residual with R
   smooth(level, false);
-  if (shared) nodes_.update(level.x);
+  if (level.divided) level.copies.update(level.x);
 }
 
 template <int D>
-void Multigrid<D>::apply(const std::vector<double>& r, std::vector<double>& z) {
-  const std::ptrdiff_t n = matrix_->rows();
-  double largest = domain_->ranks().most(ordered_max(n, 0.0, [&](std::ptrdiff_t i) { return std::abs(r[i]); }));
+void Multigrid<D>::apply(double largest, const std::vector<double>& r, std::vector<double>& z) {
+  const std::ptrdiff_t n = matrix_->rows(), all = static_cast<std::ptrdiff_t>(r_.size());
   if (!(largest > 0)) largest = 1;
   const double inverse_largest = 1 / largest;
   const auto& diagonal = matrix_->diagonal();
@@ -100,9 +101,10 @@ void Multigrid<D>::apply(const std::vector<double>& r, std::vector<double>& z) {
     r_[i] = static_cast<float>(r[i] * inverse_largest);
     z_[i] = jacobi_weight * r_[i] / diagonal[i];
   });
-  domain_->particles().update(r_, z_);
+  domain_->particles().update(r_);
+  for (std::ptrdiff_t i = n; i < all; ++i) z_[i] = jacobi_weight * r_[i] / diagonal[i];
   multiply();
-  domain_->particles().update(az_);
+  for (std::ptrdiff_t i = n; i < all; ++i) az_[i] = r_[i];  // the residual of a ghost comes to the nodes from its owner
 
   Level& finest = levels_[0];
   const std::ptrdiff_t cells = static_cast<std::ptrdiff_t>(cell_node_.size());
@@ -123,6 +125,7 @@ void Multigrid<D>::apply(const std::vector<double>& r, std::vector<double>& z) {
     finest.b[node] = sum;
   });
   for (const auto& [node, corner, cell] : further_cells_) finest.b[node] += cell_sum_[cell][corner];
+  if (finest.divided) finest.copies.collect(finest.b, [](float& own, float other) { own += other; });
   cycle(0);
   parallel_for(cells, n, [&](std::ptrdiff_t cell) {
     for (int entry = cell_start_[cell]; entry < cell_start_[cell + 1]; ++entry) {
@@ -135,7 +138,7 @@ void Multigrid<D>::apply(const std::vector<double>& r, std::vector<double>& z) {
   parallel_for(n, [&](std::ptrdiff_t i) { z[i] = largest * (double(z_[i]) + double(jacobi_weight) * (r_[i] - az_[i]) / diagonal[i]); });
 }
 
-template void Multigrid<2>::apply(const std::vector<double>&, std::vector<double>&);
-template void Multigrid<3>::apply(const std::vector<double>&, std::vector<double>&);
+template void Multigrid<2>::apply(double, const std::vector<double>&, std::vector<double>&);
+template void Multigrid<3>::apply(double, const std::vector<double>&, std::vector<double>&);
 
 }  // namespace tern::fluid

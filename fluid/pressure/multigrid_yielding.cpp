@@ -5,8 +5,8 @@
 // with P_l from the nodes of the level to the particles beside the structure. Residuals, and the coarsest matrix, are those with R.
 // Smoothing goes on with kappa: it needs a bound of the operator only.
 //
-// With several ranks each has the rows of its own particles on the finest level, and on the coarser ones, which are the same on all ranks,
-// the rows of all.
+// With several ranks each has the rows of its own particles on the levels that are divided, and on the coarser ones, which are the same on
+// all ranks, the rows of all.
 
 #include "fluid/pressure/multigrid.hpp"
 
@@ -68,13 +68,11 @@ void Multigrid<D>::build_yielding(const YieldingSurface<D>& yielding, const std:
       for (std::size_t k = beside.begin[m]; k < beside.node.size(); ++k) place_[beside.node[k]] = -1;
       beside.begin.push_back(static_cast<int>(beside.node.size()));
     }
-    if (l == 1 && shared) {
+    if (l > 0 && levels_[l - 1].divided && !level.divided) {
       std::vector<int> count;
       for (std::size_t m = 0; m < rows; ++m) count.push_back(beside.begin[m + 1] - beside.begin[m]);
       const Ranks& ranks = domain_->ranks();
-      count = ranks.gather_on_all(count);
-      beside.node = ranks.gather_on_all(beside.node);
-      beside.weight = ranks.gather_on_all(beside.weight);
+      ranks.gather_on_all(count, beside.node, beside.weight);
       beside.begin.assign(1, 0);
       for (const int of_row : count) beside.begin.push_back(beside.begin.back() + of_row);
     }
@@ -83,7 +81,7 @@ void Multigrid<D>::build_yielding(const YieldingSurface<D>& yielding, const std:
     beside.lump_node.clear();
     beside.lump_vector.clear();
     for (std::size_t a = 0; a < yielding.lumps(); ++a) {
-      for_rows_of_lump(l > 0 && shared, a, [&](int m, const Vector<D>& c) {
+      for_rows_of_lump(shared && !level.divided, a, [&](int m, const Vector<D>& c) {
         for (int k = beside.begin[m]; k < beside.begin[m + 1]; ++k) {
           const int node = beside.node[k];
           if (place_[node] < 0) {
@@ -102,11 +100,10 @@ void Multigrid<D>::build_yielding(const YieldingSurface<D>& yielding, const std:
   const Beside& beside = levels_.back().beside;
   const auto n = static_cast<Eigen::Index>(levels_.back().nodes());
   Eigen::Map<Eigen::MatrixXd> dense(coarsest_.data(), n, n);
-  const bool of_all = shared && levels_.size() > 1;
   for (std::size_t m = 0; m + 1 < beside.begin.size(); ++m)
     for (int j = beside.begin[m]; j < beside.begin[m + 1]; ++j)
       for (int k = beside.begin[m]; k < beside.begin[m + 1]; ++k)
-        dense(beside.node[j], beside.node[k]) -= bound_of_row(of_all, m) * beside.weight[j] * beside.weight[k];
+        dense(beside.node[j], beside.node[k]) -= bound_of_row(shared, m) * beside.weight[j] * beside.weight[k];
   for (std::size_t a = 0; a < yielding.lumps(); ++a)
     for (int j = beside.lump_begin[a]; j < beside.lump_begin[a + 1]; ++j)
       for (int k = beside.lump_begin[a]; k < beside.lump_begin[a + 1]; ++k)
@@ -125,8 +122,7 @@ void Multigrid<D>::gather_rows_of_all(const YieldingSurface<D>& yielding) {
   const Ranks& ranks = domain_->ranks();
   std::vector<double> bound;
   for (std::size_t m = 0; m < at_structure_->size(); ++m) bound.push_back(yielding.bound_of_lumps(m));
-  rows_of_all_.bound = ranks.gather_on_all(bound);
-  const auto before = static_cast<int>(first_interface_particle(ranks, bound.size()));
+  const auto before = static_cast<int>(first_interface_particle(ranks, interface_counts(ranks, bound.size())));
   // Lump by lump on each rank: the order of the ranks is made one of the lumps.
   std::vector<int> lump, row;
   std::vector<Vector<D>> vector;
@@ -136,9 +132,8 @@ void Multigrid<D>::gather_rows_of_all(const YieldingSurface<D>& yielding) {
       row.push_back(before + m);
       vector.push_back(c);
     });
-  lump = ranks.gather_on_all(lump);
-  row = ranks.gather_on_all(row);
-  vector = ranks.gather_on_all(vector);
+  ranks.gather_on_all(bound, lump, row, vector);
+  rows_of_all_.bound = bound;
   rows_of_all_.first.assign(yielding.lumps() + 1, 0);
   for (const int a : lump) ++rows_of_all_.first[a + 1];
   std::partial_sum(rows_of_all_.first.begin(), rows_of_all_.first.end(), rows_of_all_.first.begin());
@@ -184,9 +179,8 @@ void Multigrid<D>::add_lumps(const Level& level, std::vector<float>& y) const {
 template <int D>
 void Multigrid<D>::add_difference(const Level& level, const std::vector<float>& x, std::vector<float>& y) {
   if (!yielding_) return;
-  const bool shared = !domain_->alone(), finest = &level == &levels_[0];
-  if (!shared || !finest) {
-    add_rows(level, shared, x, y);
+  if (!level.divided) {
+    add_rows(level, !domain_->alone(), x, y);
     push_lumps(level, x);
     add_lumps(level, y);
     return;
@@ -197,7 +191,7 @@ void Multigrid<D>::add_difference(const Level& level, const std::vector<float>& 
   push_lumps(level, x);
   domain_->ranks().sum(std::span(push_.data()->data(), D * push_.size()));
   add_lumps(level, difference_);
-  nodes_.collect(difference_, [](float& own, float other) { own += other; });
+  level.copies.collect(difference_, [](float& own, float other) { own += other; });
   for (std::size_t node = 0; node < level.nodes(); ++node) y[node] += difference_[node];
 }
 

@@ -36,8 +36,8 @@ void solve(const Domain<D>& domain, const Window& window, const std::vector<Vect
 
   const int before = system.result.iterations;  // of the coupling iterations before
   const auto yielding = [&](const std::vector<double>& x, std::vector<double>& y) { system.yielding.add_difference(at_structure, x, y); };
-  const auto multigrid = [&](const std::vector<double>& r, std::vector<double>& z) {
-    system.multigrid.apply(r, z);
+  const auto multigrid = [&](double largest, const std::vector<double>& r, std::vector<double>& z) {
+    system.multigrid.apply(largest, r, z);
     if (system.sealed.any()) system.sealed.subtract_means(z);
   };
   system.result = conjugate_gradient(domain.ranks(), domain.particles(), system.matrix, yielding, multigrid, source, tolerance,
@@ -51,7 +51,7 @@ void solve(const Domain<D>& domain, const Window& window, const std::vector<Vect
           system.result.iterations, system.result.residual);
     std::fill(solution.begin(), solution.end(), 0.0);
     const int wasted = system.result.iterations;
-    const auto jacobi = [&](const std::vector<double>& r, std::vector<double>& z) {
+    const auto jacobi = [&](double, const std::vector<double>& r, std::vector<double>& z) {
       for (std::ptrdiff_t i = 0; i < n; ++i) z[i] = r[i] / system.matrix.diagonal()[i];
       if (system.sealed.any()) system.sealed.subtract_means(z);
     };
@@ -76,7 +76,9 @@ void solve(const Domain<D>& domain, const Window& window, const std::vector<Vect
     }
     throw NumericalFailure(domain.ranks().first_word(sentence));
   }
-  if (system.sealed.any()) system.sealed.subtract_means(solution);
+  if (!system.sealed.any()) return;
+  system.sealed.subtract_means(solution);
+  domain.particles().update(solution);
 }
 
 }  // namespace
@@ -92,18 +94,16 @@ void prepare_pressure_solve(const Constants<D>& constants, const Domain<D>& doma
 
 template <int D>
 void solve_pressure_poisson(const Constants<D>& constants, const Domain<D>& domain, const Window& window,
-                            const std::vector<Vector<D>>& position, const std::vector<int>& at_structure, State<D>& state,
-                            PressureSystem<D>& system) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
+                            const std::vector<Vector<D>>& position, const std::vector<int>& at_structure, bool any_at_structure,
+                            State<D>& state, PressureSystem<D>& system) {
+  const std::ptrdiff_t all = static_cast<std::ptrdiff_t>(state.pressure.size());
   system.solution.assign(state.pressure.size(), 0);
-  parallel_for(n, [&](std::ptrdiff_t i) { system.solution[i] = state.particle_class[i].pressure_unknown() ? state.pressure[i] : 0; });
+  parallel_for(all, [&](std::ptrdiff_t i) { system.solution[i] = state.particle_class[i].pressure_unknown() ? state.pressure[i] : 0; });
 
   double tolerance = constants.numerics.pressure_tolerance;
-  if (!domain.ranks().any(!at_structure.empty()))
-    tolerance = std::max(tolerance, std::min(answered_tolerance, answered_tolerance_by_that_of_pressure * tolerance));
+  if (!any_at_structure) tolerance = std::max(tolerance, std::min(answered_tolerance, answered_tolerance_by_that_of_pressure * tolerance));
   solve(domain, window, position, at_structure, tolerance, system.source, system.solution, state, system);
-  parallel_for(n, [&](std::ptrdiff_t i) { state.pressure[i] = system.solution[i]; });
-  domain.particles().update(state.pressure);
+  parallel_for(all, [&](std::ptrdiff_t i) { state.pressure[i] = system.solution[i]; });
   state.has_pressure = true;
 }
 
@@ -123,9 +123,9 @@ template void prepare_pressure_solve<2>(const Constants<2>&, const Domain<2>&, c
 template void prepare_pressure_solve<3>(const Constants<3>&, const Domain<3>&, const Neighbours<3>&, const std::vector<ParticleClass>&,
                                         const std::vector<Vector<3>>&, const std::vector<int>&, PressureSystem<3>&);
 template void solve_pressure_poisson<2>(const Constants<2>&, const Domain<2>&, const Window&, const std::vector<Vector<2>>&,
-                                        const std::vector<int>&, State<2>&, PressureSystem<2>&);
+                                        const std::vector<int>&, bool, State<2>&, PressureSystem<2>&);
 template void solve_pressure_poisson<3>(const Constants<3>&, const Domain<3>&, const Window&, const std::vector<Vector<3>>&,
-                                        const std::vector<int>&, State<3>&, PressureSystem<3>&);
+                                        const std::vector<int>&, bool, State<3>&, PressureSystem<3>&);
 template void solve_for_correction<2>(const Constants<2>&, const Domain<2>&, const Window&, const std::vector<Vector<2>>&,
                                       const std::vector<int>&, State<2>&, PressureSystem<2>&);
 template void solve_for_correction<3>(const Constants<3>&, const Domain<3>&, const Window&, const std::vector<Vector<3>>&,

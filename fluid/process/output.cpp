@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include <fmt/format.h>
+
 namespace tern::fluid {
 
 template <int D>
@@ -91,6 +93,7 @@ void Measures<D>::report(const Fluid<D>& fluid, RunReport& report) const {
     report.set_count("ranks", fluid.domain().ranks().count());
     report.set_measure("rank_imbalance", fluid.domain().imbalance());
     report.set_measure("ghost_share", fluid.ghost_share());
+    fluid.for_each_traffic([&](const char* name, double value) { report.set_measure(fmt::format("{}_per_step", name), value); });
   }
   if (fluid.sealed().any) {
     report.set_measure(D == 2 ? "sealed_flux_removed_m2_per_s" : "sealed_flux_removed_m3_per_s", fluid.sealed().largest_flux);

@@ -12,6 +12,28 @@ namespace {
 
 constexpr std::size_t most_bytes = std::size_t{1} << 30;  ///< of one message: MPI counts in int
 
+Traffic said;
+
+void count_collective(std::size_t bytes) {
+  ++said.collectives;
+  said.collective_bytes += static_cast<std::int64_t>(bytes);
+}
+
+/// A number of a reduction in which some are added up and of others the greatest is looked for.
+struct SumOrMost {
+  double value;
+  double is_most;
+};
+
+void add_or_choose(void* from, void* to, int* n, MPI_Datatype*) {
+  const auto* const one = static_cast<const SumOrMost*>(from);
+  auto* const other = static_cast<SumOrMost*>(to);
+  for (int k = 0; k < *n; ++k) {
+    double& value = other[k].value;
+    value = other[k].is_most == 0 ? value + one[k].value : std::max(value, one[k].value);
+  }
+}
+
 bool at_work() {
   int begun = 0, ended = 0;
   MPI_Initialized(&begun);
@@ -29,7 +51,12 @@ Ranks Ranks::all() {
   return ranks;
 }
 
-void Ranks::exchange(std::span<const RankMessage> give, std::span<const RankMessage> take) const {
+const Traffic& Ranks::traffic() { return said; }
+
+void Ranks::exchange(std::span<const RankMessage> give, std::span<const RankMessage> take, Subject subject) const {
+  ++(subject == Subject::particles ? said.particle_exchanges : subject == Subject::nodes ? said.node_exchanges : said.other_exchanges);
+  said.messages += static_cast<std::int64_t>(give.size());
+  for (const RankMessage& message : give) said.bytes += static_cast<std::int64_t>(message.size);
   thread_local std::vector<MPI_Request> requests;
   requests.clear();
   const auto post = [&](const RankMessage& message, auto&& begin) {
@@ -52,24 +79,51 @@ void Ranks::combine(void* values, std::size_t n, Kind kind, Operation operation)
                             : kind == Kind::whole  ? MPI_INT64_T
                                                    : MPI_UINT8_T;
   const MPI_Op op = operation == Operation::sum ? MPI_SUM : operation == Operation::least ? MPI_MIN : MPI_MAX;
-  const int size = static_cast<int>(n);
-  if (n <= 64) {
-    MPI_Allreduce(MPI_IN_PLACE, values, size, type, op, MPI_COMM_WORLD);
-    return;
+  count_collective(n * (kind == Kind::real || kind == Kind::whole ? 8 : kind == Kind::single ? 4 : 1));
+  // All ranks get the same bits: a library sums each number on one rank, or in pairs, whose order does not matter.
+  MPI_Allreduce(MPI_IN_PLACE, values, static_cast<int>(n), type, op, MPI_COMM_WORLD);
+}
+
+void Ranks::sum_and_most(std::span<double> sums, std::span<double> most) const {
+  if (alone()) return;
+  static MPI_Datatype pair = MPI_DATATYPE_NULL;
+  static MPI_Op op = MPI_OP_NULL;
+  if (op == MPI_OP_NULL) {
+    MPI_Type_contiguous(2, MPI_DOUBLE, &pair);
+    MPI_Type_commit(&pair);
+    MPI_Op_create(add_or_choose, 1, &op);
   }
-  // The same bits on all ranks, whatever the library does with long arrays.
-  MPI_Reduce(first() ? MPI_IN_PLACE : values, values, size, type, op, 0, MPI_COMM_WORLD);
-  MPI_Bcast(values, size, type, 0, MPI_COMM_WORLD);
+  thread_local std::vector<SumOrMost> values;
+  values.clear();
+  for (const double value : sums) values.push_back({value, 0});
+  for (const double value : most) values.push_back({value, 1});
+  count_collective(values.size() * sizeof(SumOrMost));
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), pair, op, MPI_COMM_WORLD);
+  std::size_t next = 0;
+  for (double& value : sums) value = values[next++].value;
+  for (double& value : most) value = values[next++].value;
+}
+
+void Ranks::extremes(std::span<double> low, std::span<double> high) const {
+  if (alone()) return;
+  thread_local std::vector<double> values;
+  values.clear();
+  for (const double value : low) values.push_back(-value);
+  values.insert(values.end(), high.begin(), high.end());
+  most(std::span(values));
+  for (std::size_t c = 0; c < low.size(); ++c) low[c] = -values[c], high[c] = values[low.size() + c];
 }
 
 void Ranks::swap_sizes(std::vector<std::int64_t>& sizes) const {
   std::vector<std::int64_t> from(sizes.size());
+  count_collective(sizes.size() * sizeof(std::int64_t));
   MPI_Alltoall(sizes.data(), 1, MPI_INT64_T, from.data(), 1, MPI_INT64_T, MPI_COMM_WORLD);
   sizes.swap(from);
 }
 
 void Ranks::tell(void* bytes, std::size_t size, int from) const {
   if (alone()) return;
+  count_collective(size);
   for (std::size_t first = 0; first < size; first += most_bytes)
     MPI_Bcast(static_cast<char*>(bytes) + first, static_cast<int>(std::min(most_bytes, size - first)), MPI_BYTE, from, MPI_COMM_WORLD);
 }
@@ -77,6 +131,7 @@ void Ranks::tell(void* bytes, std::size_t size, int from) const {
 std::string Ranks::first_word(const std::string& own) const {
   if (alone()) return own;
   int speaker = own.empty() ? count_ : own_;
+  count_collective(sizeof speaker);
   MPI_Allreduce(MPI_IN_PLACE, &speaker, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
   if (speaker == count_) return {};
   std::string word = own;

@@ -1,6 +1,7 @@
 // What must hold for any state: forces on both sides cancel, and the powers are those of the pairs.
 
 #include <gtest/gtest.h>
+#include <omp.h>
 
 #include "coupler/schemes/riemann.hpp"
 #include "coupler/schemes/velocity_divergence_mitigation.hpp"
@@ -141,6 +142,36 @@ TEST(PairForces, CancelInAnyState) {
       check_balance<2>(seed, scheme);
       check_balance<3>(seed, scheme);
     }
+}
+
+// The particles are shared out among threads; pairs past corners come behind all others.
+TEST(Pairs, AreTheSameForAnyNumberOfThreads) {
+  Surface<3> surface = flat_plate<3>(12 * dx, 2 * dx, 0.6 * dx);
+  for (std::size_t k = 0; k < surface.position.size(); ++k)  // a step, with faces round its edge
+    if (surface.position[k][0] > 0) {
+      surface.position[k][1] += 2 * dx * surface.normal[k][1] - 2 * dx;
+      if (surface.position[k][0] < 0.6 * dx) surface.normal[k] = Vector<3>::UnitX();
+    }
+  InterfaceParticles<3> particles = fluid_layers<3>(12 * dx, 3, dx, true, 2 * dx);
+  const int threads_before = omp_get_max_threads();
+  std::vector<InterfacePair<3>> of_one;
+  std::size_t past_corners = 0;
+  for (const int threads : {1, 2, 3, 7}) {
+    omp_set_num_threads(threads);
+    InterfacePairs<3> pairs(1.5 * dx, dx);
+    pairs.find(particles, surface);
+    const auto all = pairs.all_pairs();
+    if (threads == 1) of_one.assign(all.begin(), all.end()), past_corners = pairs.back_facing_pairs().size();
+    ASSERT_EQ(all.size(), of_one.size());
+    EXPECT_EQ(pairs.back_facing_pairs().size(), past_corners);
+    std::size_t others = 0;
+    for (std::size_t m = 0; m < all.size(); ++m)
+      others += all[m].particle != of_one[m].particle || all[m].point != of_one[m].point || all[m].b != of_one[m].b ||
+                all[m].offset != of_one[m].offset;
+    EXPECT_EQ(others, 0u) << threads << " threads";
+  }
+  omp_set_num_threads(threads_before);
+  EXPECT_GT(past_corners, 0u);
 }
 
 /// A face at rest and fluid moving onto it at `approach`; the dissipative pressure that arrives on the face [Pa].

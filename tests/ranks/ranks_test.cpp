@@ -4,6 +4,9 @@
 // Seen red: with ghosts that keep the velocity they begin with, and without the patches that other ranks fill (OneWindow); with marks
 // that do not go to the owners (Marks); with pairs counted from a corner of each rank (ManyWindows.OfAWave); with enclosed regions of each
 // rank alone, and with what is pushed into them known to the owners of the particles alone (OneWindow.IsThatOfOneRankInEnclosures).
+// With rows, or with residuals, of divided grids that do not go to the owners of their nodes (OneWindow.IsThatOfOneRankOnDividedGrids; the
+// ranks then disagree and MPI ends them); with pressures that conjugate gradients leave as they were on ghosts (OneWindow.IsThatOfOneRank);
+// with patches that only ranks within half a spacing add up (OneWindow.IsThatOfOneRank).
 
 #include <gtest/gtest.h>
 
@@ -155,15 +158,68 @@ TEST(OneWindow, IsThatOfOneRankBeyondTheEndOfThePeriod) {
   expect_the_window_of_one_rank<2>(scene);
 }
 
-TEST(OneWindow, TakesAsManyIterationsAtTheUsualTolerance) {
-  const Case scene = dam_break(40, 80);
-  const State<2> start = disordered<2>(scene, 5);
-  Fluid<2> one(scene), many(scene, Ranks::all());
-  one.set_state(start);
-  many.set_whole_state(start);
-  const double duration = one.propose_step().seconds;
-  step(one, duration);
-  step(many, duration);
+/// Of a fluid with so many particles that ranks divide coarser grids than the first.
+template <int D>
+void expect_the_window_of_one_rank_on_divided_grids(Case scene) {
+  const State<D> start = disordered<D>(scene, 2);
+  expect_as_many_iterations<D>(scene, start);
+  scene.fluid->numerics.pressure_tolerance = 1e-15;
+  expect_the_same_window<D>(scene, start);
+}
+
+TEST(OneWindow, IsThatOfOneRankOnDividedGrids) { expect_the_window_of_one_rank_on_divided_grids<2>(dam_break(80, 160)); }
+
+TEST(OneWindow, IsThatOfOneRankOnDividedGridsIn3D) { expect_the_window_of_one_rank_on_divided_grids<3>(dam_break_on_block(3, 0.2 / 18)); }
+
+TEST(OneWindow, IsThatOfOneRankOnDividedGridsThatCloseOnThemselves) {
+  Case scene = testing::scene(2, 1.0 / 120, {box({0, 0, 0}, {1, 0.5, 0})}, {tank({0, 0, 0}, {1, 1, 0})});
+  make_periodic(scene, {0, -1, 0}, {1, 2, 1}, "x");
+  scene.fluid->bodies[0].velocity = {Expression("0.7 + 0.2*sin(2*pi*x)"), Expression("0.2*cos(2*pi*x)*y"), Expression()};
+  expect_the_window_of_one_rank_on_divided_grids<2>(scene);
+}
+
+TEST(Ranks, SpeakNoMoreThanTheyNeedInAWindow) {
+  const Case scene = dam_break_on_block(3, 0.2 / 10);
+  Fluid<3> fluid(scene, Ranks::all());
+  for (int k = 0; k < 5; ++k) step(fluid, fluid.propose_step().seconds);
+  std::map<std::string, double> said;
+  fluid.for_each_traffic([&](const char* name, double in_a_window) { said[name] = in_a_window; });
+  EXPECT_LE(said["particle_exchanges"], 30);
+  EXPECT_LE(said["collectives"], 100);
+  EXPECT_EQ(said["particle_exchanges"] > 0, Ranks::all().count() > 1);
+}
+
+TEST(Ranks, AddUpAndChooseAtOnce) {
+  const Ranks ranks = Ranks::all();
+  const double own = ranks.own(), last = ranks.count() - 1;
+  double sums[] = {1, own}, most[] = {own, -own, 3};
+  ranks.sum_and_most(sums, most);
+  EXPECT_EQ(sums[0], last + 1);
+  EXPECT_EQ(sums[1], last * (last + 1) / 2);
+  EXPECT_EQ(most[0], last);
+  EXPECT_EQ(most[1], 0);
+  EXPECT_EQ(most[2], 3);
+  double low[] = {own, 2 - own}, high[] = {own, 2 - own};
+  ranks.extremes(low, high);
+  EXPECT_EQ(low[0], 0);
+  EXPECT_EQ(low[1], 2 - last);
+  EXPECT_EQ(high[0], last);
+  EXPECT_EQ(high[1], 2);
+}
+
+TEST(Ranks, GatherSeveralArraysAtOnce) {
+  const Ranks ranks = Ranks::all();
+  std::vector<int> numbers(static_cast<std::size_t>(ranks.own()), ranks.own());
+  std::vector<double> places{0.5 * ranks.own()};
+  ranks.gather_on_all(numbers, places);
+  std::vector<int> expected_numbers;
+  std::vector<double> expected_places;
+  for (int r = 0; r < ranks.count(); ++r) {
+    expected_numbers.insert(expected_numbers.end(), static_cast<std::size_t>(r), r);
+    expected_places.push_back(0.5 * r);
+  }
+  EXPECT_EQ(numbers, expected_numbers);
+  EXPECT_EQ(places, expected_places);
 }
 
 /// Sum over the neighbours of a number made of their labels: as good as the set of labels.
