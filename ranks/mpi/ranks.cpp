@@ -5,12 +5,16 @@
 
 #include <mpi.h>
 
+#include "base/timing.hpp"
 #include "ranks/ranks.hpp"
+#include "ranks/waiting.hpp"
 
 namespace tern {
 namespace {
 
 constexpr std::size_t most_bytes = std::size_t{1} << 30;  ///< of one message: MPI counts in int
+
+double with_ranks_s = 0;  ///< of the one thread that speaks with them
 
 bool at_work() {
   int begun = 0, ended = 0;
@@ -30,6 +34,7 @@ Ranks Ranks::all() {
 }
 
 void Ranks::exchange(std::span<const RankMessage> give, std::span<const RankMessage> take) const {
+  const ScopedTimer timer(with_ranks_s);
   thread_local std::vector<MPI_Request> requests;
   requests.clear();
   const auto post = [&](const RankMessage& message, auto&& begin) {
@@ -47,6 +52,7 @@ void Ranks::exchange(std::span<const RankMessage> give, std::span<const RankMess
 }
 
 void Ranks::combine(void* values, std::size_t n, Kind kind, Operation operation) const {
+  const ScopedTimer timer(with_ranks_s);
   const MPI_Datatype type = kind == Kind::real     ? MPI_DOUBLE
                             : kind == Kind::single ? MPI_FLOAT
                             : kind == Kind::whole  ? MPI_INT64_T
@@ -63,6 +69,7 @@ void Ranks::combine(void* values, std::size_t n, Kind kind, Operation operation)
 }
 
 void Ranks::swap_sizes(std::vector<std::int64_t>& sizes) const {
+  const ScopedTimer timer(with_ranks_s);
   std::vector<std::int64_t> from(sizes.size());
   MPI_Alltoall(sizes.data(), 1, MPI_INT64_T, from.data(), 1, MPI_INT64_T, MPI_COMM_WORLD);
   sizes.swap(from);
@@ -70,6 +77,7 @@ void Ranks::swap_sizes(std::vector<std::int64_t>& sizes) const {
 
 void Ranks::tell(void* bytes, std::size_t size, int from) const {
   if (alone()) return;
+  const ScopedTimer timer(with_ranks_s);
   for (std::size_t first = 0; first < size; first += most_bytes)
     MPI_Bcast(static_cast<char*>(bytes) + first, static_cast<int>(std::min(most_bytes, size - first)), MPI_BYTE, from, MPI_COMM_WORLD);
 }
@@ -77,7 +85,10 @@ void Ranks::tell(void* bytes, std::size_t size, int from) const {
 std::string Ranks::first_word(const std::string& own) const {
   if (alone()) return own;
   int speaker = own.empty() ? count_ : own_;
-  MPI_Allreduce(MPI_IN_PLACE, &speaker, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
+  {
+    const ScopedTimer timer(with_ranks_s);
+    MPI_Allreduce(MPI_IN_PLACE, &speaker, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
+  }
   if (speaker == count_) return {};
   std::string word = own;
   std::uint64_t size = word.size();
@@ -100,5 +111,6 @@ void abandon_ranks(int exit_code) {
   if (at_work()) MPI_Abort(MPI_COMM_WORLD, exit_code);
   std::_Exit(exit_code);
 }
+double seconds_with_ranks() { return with_ranks_s; }
 
 }  // namespace tern
