@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <map>
 #include <numeric>
@@ -257,6 +258,48 @@ TEST(ManyWindows, HaveTheSameBitsInEveryRun) {
     }
     before = whole;
   }
+}
+
+/// A block without weight that flies to the right, with the pressure of a spin.
+Case flying_block() {
+  Case scene = testing::scene(2, 0.01, {box({0, 0, 0}, {0.2, 0.2, 0})}, {}, 0);
+  scene.fluid->bodies[0].velocity = {Expression("4 + 2*(0.1-y)"), Expression("2*(x-0.1)"), Expression()};
+  return scene;
+}
+
+// The block passes from part to part: each rank is for a while the only one that has something, until space is cut anew.
+TEST(ManyWindows, OfAllWaterThroughThePartOfOneRank) {
+  const Case scene = flying_block();
+  const State<2> start = disordered<2>(scene, 0);
+  Fluid<2> one(scene), many(scene, Ranks::all());
+  one.set_state(start);
+  many.set_whole_state(start);
+  double fullest = 0;
+  for (int k = 0; k < 60; ++k) {
+    step(one, 2e-3);
+    step(many, 2e-3);
+    fullest = std::max(fullest, many.domain().imbalance());
+  }
+  EXPECT_GT(fullest, Ranks::all().count() > 1 ? 1.5 : 0);
+  EXPECT_EQ(many.particles(), 400u);
+  EXPECT_NEAR(many.energies().kinetic, one.energies().kinetic, 1e-6 * one.energies().kinetic);
+  EXPECT_NEAR(many.momentum()[0], one.momentum()[0], 1e-9 * one.momentum()[0]);
+}
+
+// Drops far outside what the cuts were made from, in all directions, one of them a thousand spacings away.
+TEST(OneWindow, IsThatOfOneRankWithSprayFlungFar) {
+  const Case scene = dam_break(20, 40);
+  State<2> start = disordered<2>(scene, 30);
+  const auto order = by_label(start);
+  const std::array<Vector<2>, 4> places = {{{0.7, 8}, {0.3, 10}, {0.05, 3}, {0.75, 2}}};
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    start.position[order[97 * k + 3]] = places[k];
+    start.velocity[order[97 * k + 3]] = {0.5, -1};
+  }
+  expect_as_many_iterations<2>(scene, start);
+  Case exact = scene;
+  exact.fluid->numerics.pressure_tolerance = 1e-15;
+  expect_the_same_window<2>(exact, start);
 }
 
 TEST(Partition, GivesAllRanksAsMuchWhenTheFluidHasMoved) {
