@@ -3,7 +3,8 @@
 //
 // Seen red: with ghosts that keep the velocity they begin with, and without the patches that other ranks fill (OneWindow); with marks
 // that do not go to the owners (Marks); with pairs counted from a corner of each rank (ManyWindows.OfAWave); with enclosed regions of each
-// rank alone, and with what is pushed into them known to the owners of the particles alone (OneWindow.IsThatOfOneRankInEnclosures).
+// rank alone, and with what is pushed into them known to the owners of the particles alone (OneWindow.IsThatOfOneRankInEnclosures); with
+// ghosts within half the support (spray, and water through the part of one rank), with cuts that stay for ever (that water).
 
 #include <gtest/gtest.h>
 
@@ -269,20 +270,25 @@ Case flying_block() {
 
 // The block passes from part to part: each rank is for a while the only one that has something, until space is cut anew.
 TEST(ManyWindows, OfAllWaterThroughThePartOfOneRank) {
-  const Case scene = flying_block();
+  Case scene = flying_block();
+  scene.fluid->numerics.pressure_tolerance = 1e-15;  // so that what differs is rounding
   const State<2> start = disordered<2>(scene, 0);
   Fluid<2> one(scene), many(scene, Ranks::all());
   one.set_state(start);
   many.set_whole_state(start);
-  double fullest = 0;
-  for (int k = 0; k < 60; ++k) {
+  double fullest = 0, evenest_after = 1e300;
+  for (int k = 0; k < 30; ++k) {
     step(one, 2e-3);
     step(many, 2e-3);
     fullest = std::max(fullest, many.domain().imbalance());
+    if (fullest > 1.5) evenest_after = std::min(evenest_after, many.domain().imbalance());
   }
-  EXPECT_GT(fullest, Ranks::all().count() > 1 ? 1.5 : 0);
+  if (Ranks::all().count() > 1) {
+    EXPECT_GT(fullest, 1.5);
+    EXPECT_LT(evenest_after, 1.15);
+  }
   EXPECT_EQ(many.particles(), 400u);
-  EXPECT_NEAR(many.energies().kinetic, one.energies().kinetic, 1e-6 * one.energies().kinetic);
+  EXPECT_NEAR(many.energies().kinetic, one.energies().kinetic, 1e-9 * one.energies().kinetic);
   EXPECT_NEAR(many.momentum()[0], one.momentum()[0], 1e-9 * one.momentum()[0]);
 }
 
