@@ -183,6 +183,25 @@ class Hosts(HostsTest):
         time.sleep(1)
         self.assertEqual(processes_of(self.directory), {})
 
+    def test_a_file_of_the_case_that_differs_there_is_named(self):
+        if subprocess.run([*OWN_NAME, "--mount", "true"], check=False, capture_output=True).returncode != 0:
+            self.skipTest("another view of the files is not allowed here")
+        for name, reach in (("motion.csv", 0), ("other.csv", 0.001)):
+            (self.directory / name).write_text(f"t_s,x_m,y_m\n0,0,0\n10,{reach},0\n", encoding="utf-8")
+        case = self.directory / "case.toml"
+        case.write_text((CASE / "case.toml").read_text(encoding="utf-8").replace(
+            'open = ["y_max"]', 'open = ["y_max"]\nmotion_file = "motion.csv"'), encoding="utf-8")
+        self.inside = [*OWN_NAME, "--mount"]
+        environment = self.agent(self.inside)
+        path = self.directory / "agent"
+        path.write_text(path.read_text(encoding="utf-8").replace("hostname $host", f"mount --bind {self.directory}/other.csv "
+                                                                 f"{self.directory}/motion.csv && hostname $host"), encoding="utf-8")
+        answer = subprocess.run([ROOT / "tern", "run", case, "--quiet", "--out", self.directory / "run", "--ranks", "4", "--hosts",
+                                 self.directory / "hosts", "--interface", "lo", *OVERSUBSCRIBED], capture_output=True, text=True,
+                                env=environment, timeout=100, check=False)
+        self.assertEqual(answer.returncode, 2, answer.stderr)
+        self.assertIn("Rank 2 on node2 has read another case than the first", self.contents("run")["first_cause"])
+
     def test_it_goes_on_where_it_was(self):
         process = self.on_hosts("two", "--until", "0.02", *COARSE, "--set", "output.checkpoint_interval=0.01")
         process.communicate(timeout=120)

@@ -86,7 +86,7 @@ class RanksTest(unittest.TestCase):
 
     def run_case(self, name, *words, case=CASE):
         with self.start(name, *words, case=case) as process:
-            _, errors = process.communicate(timeout=300)
+            _, errors = process.communicate(timeout=600)
         return process.returncode, errors
 
     def contents(self, name):
