@@ -1,8 +1,9 @@
 """How a fluid in many processes meets what goes wrong, and who else may take part: stopped ranks, ranks without memory, full disks, windows
 that are taken back, solvers of others.
 
-Seen red: with the processes that are looked at for SIGSTOP those of the launcher alone (a stopped rank); with followers that say nothing
-of their own failure, and with a first rank that then ends as if all had failed (memory); with order() that forgets repeats (recording).
+Seen red: with the processes that are looked at for SIGSTOP those of the launcher alone (a stopped rank); with one stopped process taken for
+a frozen run (a pause); with a launcher that does not read what one rank says, and, in one of three runs, with a first rank that ends as if
+all had failed (memory); with SIGINT to mpirun in place of the first rank (the protocol).
 """
 
 import json

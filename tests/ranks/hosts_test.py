@@ -3,8 +3,8 @@
 The other machine is a name of the host of its own, reached by a script in place of ssh; or a network namespace with a cable to this
 one's, which needs root.
 
-Seen red: with TERN_LISTEN_ON not set (what listens); with btl_tcp_if_include left out (namespaces: the ranks wait for each other at the
-other network); with --ports left out of the options; with the process ids of all ranks asked of the first machine that answers.
+Seen red: with TERN_LISTEN_ON not set (what listens, for one machine and for two); with TERN_LISTEN_PORTS not set; with the network of
+btl_tcp_if_include left out (namespaces); with ranks that do not compare their cases.
 """
 
 import json

@@ -81,8 +81,17 @@ class RanksTest(unittest.TestCase):
         self.directory = Path(directory.name)
 
     def start(self, name, *words, case=CASE):
-        return subprocess.Popen([ROOT / "tern", "run", case, "--quiet", "--out", self.directory / name, *words], stdout=subprocess.PIPE,
-                                stderr=subprocess.PIPE, text=True)
+        process = subprocess.Popen([ROOT / "tern", "run", case, "--quiet", "--out", self.directory / name, *words], stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)
+        self.addCleanup(self.leave_nothing_of, process)
+        return process
+
+    @staticmethod
+    def leave_nothing_of(process):
+        """Of a test that has failed: the guardian ends what a killed launcher leaves."""
+        if process.poll() is None:
+            process.kill()
+            process.communicate()
 
     def run_case(self, name, *words, case=CASE):
         with self.start(name, *words, case=case) as process:
