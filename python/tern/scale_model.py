@@ -23,7 +23,7 @@ START_BYTES = {2: 50, 3: 66}  # of each particle of the whole start: every rank 
 
 @dataclasses.dataclass(frozen=True)
 class Counts:
-    """Of one step, as run.json has them; the defaults are those of `./tern run dam_break_3d --ranks 8 --oversubscribe --until 0.01`."""
+    """Of one step. The defaults are reckoned from the order of a step, not counted."""
 
     particle_exchanges: float = 45.0
     ghost_bytes: float = 700.0     # of each ghost, in all of these together
@@ -160,7 +160,8 @@ def text(expected, ranks, cluster):
     alone = (rows[0].seconds + others) * steps
     if others > 0:
         share = 100 * others / (last.seconds + others)
-        lines.append(f"Structure and coupler are one process each: {_seconds(others)} of each step, {share:.0f} % of it with {ranks} ranks.")
+        lines.append(f"Structure and coupler are one process each: {_seconds(others)} of each step, {share:.0f} % of it with {ranks} "
+                     "ranks.")
     lines.append(f"The run: {_seconds(whole)} in place of {_seconds(alone)}, {alone / whole:.3g} times as fast.")
     return "\n".join(lines)
 
