@@ -48,6 +48,7 @@ void install_interrupt_handler() {
 }
 
 bool end_with_launcher() {
+  if (std::getenv("TERN_RANK_DIRECTORY") != nullptr) return true;  // a rank ends with mpirun, which is the launcher's
   const char* launcher = std::getenv("TERN_LAUNCHER");
   if (launcher == nullptr || std::to_string(::getppid()) != launcher) return false;  // started by somebody else in the same environment
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);

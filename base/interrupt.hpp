@@ -7,6 +7,7 @@ namespace tern {
 /// System calls that wait return with EINTR.
 void install_interrupt_handler();
 
+/// A rank of a fluid in many processes (TERN_RANK_DIRECTORY) has a launcher, and ends with what has started it. Else:
 /// Where the launcher has named itself in TERN_LAUNCHER (its process id): gets SIGTERM when that dies, whatever becomes of its guardian.
 /// False where there is none.
 bool end_with_launcher();

@@ -73,6 +73,9 @@ void RunReport::set_measure(const std::string& name, double value) {
 void RunReport::set_count(const std::string& name, long value) { counts_[name] = value; }
 void RunReport::set_evaluations(const std::string& term, long count) { evaluations_[term] = count; }
 
+void RunReport::set_ranks(std::vector<Rank> ranks) { ranks_ = std::move(ranks); }
+bool RunReport::due() const { return since_write_.seconds() >= write_interval_s; }
+
 double& RunReport::timing(const std::string& name) { return timing_[name]; }
 
 void RunReport::set_failure(ExitCode code, const std::string& cause, bool shorter_windows_may_help) {
@@ -94,7 +97,7 @@ void RunReport::write() {
 }
 
 void RunReport::update() {
-  if (since_write_.seconds() >= write_interval_s) write();
+  if (due()) write();
 }
 
 RunReport::Gathered RunReport::gathered() const {
@@ -140,6 +143,16 @@ std::string RunReport::json() const {
                  {"measures", measures_},
                  {"counts", counts_},
                  {"evaluations", evaluations_}};
+  if (!ranks_.empty()) {
+    report["ranks"] = Json::array();
+    for (const Rank& rank : ranks_)
+      report["ranks"].push_back({{"machine", rank.machine},
+                                 {"particles", rank.particles},
+                                 {"ghosts", rank.ghosts},
+                                 {"cpu_s", rank.cpu_s},
+                                 {"waiting_s", rank.waiting_s},
+                                 {"peak_memory_bytes", rank.peak_memory_bytes}});
+  }
   if (resumed_) report["resumed"] = {{"step", resumed_->first}, {"time_s", resumed_->second}};
   // A path or a cause may hold bytes that are not UTF-8; a report with a replaced letter is better than none.
   return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

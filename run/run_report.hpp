@@ -38,6 +38,17 @@ class RunReport {
   /// How often a term of the model was evaluated since the begin (docs/ARCHITECTURE.md); 0 where the case leaves it out.
   void set_evaluations(const std::string& term, long count);
 
+  /// Of a process that is many: what each of them has to do and has spent, since it began. An empty list says nothing.
+  struct Rank {
+    std::string machine;
+    long particles, ghosts;   ///< own ones, and copies of those of others
+    double cpu_s, waiting_s;  ///< waiting: wall seconds in calls to the others
+    long peak_memory_bytes;
+  };
+  void set_ranks(std::vector<Rank> ranks);
+  /// update() will write now.
+  bool due() const;
+
   /// Accumulated wall seconds of a part of the run. The reference stays valid for the life of the report: look it up
   /// once, add with ScopedTimer. Names compute, wait, exchange and output exist from the start.
   double& timing(const std::string& name);
@@ -89,6 +100,7 @@ class RunReport {
   std::optional<std::pair<std::uint64_t, double>> resumed_;  ///< step and time [s] of the checkpoint
   std::map<std::string, double> timing_, measures_;
   std::map<std::string, long> counts_, evaluations_;
+  std::vector<Rank> ranks_;
   Gathered earlier_;
   Stopwatch wall_, since_write_;
 };

@@ -24,7 +24,11 @@ class FluidSide {
     look([&](const Fluid<D>& fluid) { fluid::write_frame(fluid, frames, step); });
   }
   void add_window() { measures_.add(fluid_); }
-  void report(RunReport& report) const { measures_.report(fluid_, report); }
+  void report(RunReport& report) const {
+    measures_.report(fluid_, report);
+    // The ranks are asked when their answer will be written.
+    if (!fluid_.domain().alone() && (report.due() || time() >= to_ticks(scene_.end_time))) report.set_ranks(ranks());
+  }
 
   /// The list of what add_window() has gathered: visit(name, member of each) for every one.
   template <class Visit, class... Same>
@@ -33,6 +37,17 @@ class FluidSide {
   }
 
  private:
+  std::vector<RunReport::Rank> ranks() const {
+    std::vector<RunReport::Rank> all;
+    for (const Load& load : leader_.loads())
+      all.push_back({.machine = load.machine.data(),
+                     .particles = static_cast<long>(load.particles),
+                     .ghosts = static_cast<long>(load.ghosts),
+                     .cpu_s = load.cpu_s,
+                     .waiting_s = load.waiting_s,
+                     .peak_memory_bytes = static_cast<long>(load.peak_memory_bytes)});
+    return all;
+  }
   template <class Look>
   auto look(Look&& look) const {
     return leader_.look(look);

@@ -2,10 +2,15 @@
 // The fluid in many processes. The first rank is the process that a user, the report and the results know; the others compute their part
 // of what it orders, write nothing, and end with it.
 
+#include <array>
 #include <cstdint>
+#include <memory>
+#include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
+#include "base/error.hpp"
 #include "fluid/boundary/interface_of_ranks.hpp"
 #include "fluid/fluid.hpp"
 #include "run/state_file.hpp"
@@ -24,12 +29,24 @@ struct Order {
     pass_window,
     gather_state,
     tell_shares,
+    tell_load,
     set_state,
     end
   };
   Kind kind;
   Ticks begin = 0, duration = 0;  ///< of the window
 };
+
+/// What a rank has to do and has spent.
+struct Load {
+  std::int64_t particles, ghosts;
+  double cpu_s, waiting_s;
+  std::int64_t peak_memory_bytes;
+  std::array<char, 64> machine;
+};
+/// Of all ranks in their order, on the first one; nothing on the others.
+template <int D>
+std::vector<Load> loads(const Fluid<D>& fluid);
 
 /// From the first rank to all.
 template <class T>
@@ -45,6 +62,12 @@ void tell_fields(const Ranks& ranks, T& value) {
   }
 }
 
+/// Throws BadInput on all ranks where one of them has read another case than the first.
+void compare_cases(const Ranks& ranks, const std::string& hash);
+
+/// What happened to this rank alone, in the exception in flight: says so and ends all of them, which would wait for it for ever.
+[[noreturn]] void end_all(const Ranks& ranks);
+
 /// The first rank, between its work and that of the others: a fluid as the coupling sees it. Alone it orders nothing.
 template <int D>
 class Leader {
@@ -58,31 +81,31 @@ class Leader {
 
   void begin_window(Ticks begin, Ticks duration) {
     order(ranks_, {Order::begin_window, begin, duration});
-    fluid_.begin_window(begin, duration);
+    together([&] { fluid_.begin_window(begin, duration); });
   }
   InterfaceParticles<D> see_surface(const Surface<D>& surface) {
     order(ranks_, {Order::see_surface}, surface);
-    return fluid_.see_surface(surface);
+    return together([&] { return fluid_.see_surface(surface); });
   }
   void prepare_pressure() {
     order(ranks_, {Order::prepare_pressure});
-    fluid_.prepare_pressure();
+    together([&] { fluid_.prepare_pressure(); });
   }
   InterfacePressure<D> solve_pressure(const InterfaceCondition<D>& condition) {
     order(ranks_, {Order::solve_pressure}, condition);
-    return fluid_.solve_pressure(condition);
+    return together([&] { return fluid_.solve_pressure(condition); });
   }
   void complete_velocity() {
     order(ranks_, {Order::complete_velocity});
-    fluid_.complete_velocity();
+    together([&] { fluid_.complete_velocity(); });
   }
   void end_window(const InterfaceForce<D>& force) {
     order(ranks_, {Order::end_window}, force);
-    fluid_.end_window(force);
+    together([&] { fluid_.end_window(force); });
   }
   void pass_window() {
     order(ranks_, {Order::pass_window});
-    fluid_.pass_window();
+    together([&] { fluid_.pass_window(); });
   }
 
   /// look(fluid), whose state is that of all ranks for as long.
@@ -90,7 +113,7 @@ class Leader {
   auto look(Look&& look) {
     if (ranks_.alone()) return look(std::as_const(fluid_));
     order(ranks_, {Order::gather_state});
-    const WholeState<D> whole(fluid_);
+    const auto whole = together([&] { return std::make_unique<const WholeState<D>>(fluid_); });
     return look(std::as_const(fluid_));
   }
 
@@ -112,6 +135,13 @@ class Leader {
     fluid_.set_whole_state(std::move(state), shares);
   }
 
+  /// Of all ranks; of a fluid in one process nothing.
+  std::vector<Load> loads() const {
+    if (ranks_.alone()) return {};
+    order(ranks_, {Order::tell_load});
+    return fluid::loads(fluid_);
+  }
+
   static void order(const Ranks& ranks, Order order) {
     if (!ranks.alone()) ranks.tell(&order, sizeof order);
   }
@@ -125,9 +155,30 @@ class Leader {
   }
 
  private:
+  /// What all ranks do. A numerical failure is that of all; any other is of this rank, while the others go on.
+  template <class Work>
+  auto together(Work&& work) {
+    if (ranks_.alone()) return work();
+    try {
+      return work();
+    } catch (const NumericalFailure&) {
+      throw;
+    } catch (...) {
+      end_all(ranks_);
+    }
+  }
+
   static Fluid<D> make(const Case& scene, const Ranks& ranks) {
     order(ranks, {Order::make_fluid});
-    return Fluid<D>(scene, ranks);
+    compare_cases(ranks, scene.hash);
+    try {
+      return Fluid<D>(scene, ranks);
+    } catch (const Error&) {
+      throw;  // of all
+    } catch (...) {
+      if (ranks.alone()) throw;
+      end_all(ranks);
+    }
   }
 
   Ranks ranks_;

@@ -14,6 +14,7 @@ as does any Python with python/ of the clone on its PYTHONPATH. A fluid or a str
 The package has layers. A part imports what stands above it in this list, and of that only what is named:
 
     errors, paths, expression   nothing (paths and expression: errors)
+    scale_model                 errors
     results                     errors
     participant                 errors, paths, expression, results
     launch                      errors, paths, results, participant
@@ -24,8 +25,8 @@ The package has layers. A part imports what stands above it in this list, and of
     report                      errors, paths, results, verify, plot
     api, command_line, this module   everything
 
-A run needs the standard library only: errors, paths, expression, results, launch, verify, api and command_line import numpy, h5py,
-matplotlib and zmq where arrays, frames, pictures or messages are asked for, never when they are imported themselves.
+A run needs the standard library only: errors, paths, expression, scale_model, results, launch, verify, api and command_line import
+numpy, h5py, matplotlib and zmq where arrays, frames, pictures or messages are asked for, never when they are imported themselves.
 tests/python/layers_test.py holds all of this.
 """
 

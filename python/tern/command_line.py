@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from tern import paths
+from tern import paths, scale_model
 from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, INTERRUPTED, NUMERICAL_FAILURE, PEER_LOST, Error
 from tern.launch import build, cases, packages, resumption, run
 from tern.results import summary
@@ -98,6 +98,10 @@ def _ranks_options(parser):
     parser.add_argument("--ranks", metavar="N", type=_count,
                         help="run the fluid in N processes (docs/SCALE.md); another N has other last digits")
     parser.add_argument("--oversubscribe", action="store_true", help="with --ranks: even where there are fewer cores")
+    parser.add_argument("--hosts", metavar="FILE", help="with --ranks: on these machines, one a line as NAME slots=K, this one first")
+    parser.add_argument("--interface", metavar="NETWORK", help="with --hosts: the network interface between them, as ib0, or their "
+                        "network, as 10.1.0.0/16; Open MPI listens there alone")
+    parser.add_argument("--ports", metavar="FIRST-LAST", help="with --hosts: the ports that Open MPI opens on each machine (default: any)")
 
 
 def _retries_option(parser):
@@ -179,6 +183,7 @@ def parser():
     one.add_argument("--out", metavar="DIR", help="results directory (default runs/<case>; an earlier run is kept: -2, -3, ...)")
     one.add_argument("--force", action="store_true", help="replace the results of an earlier run in the directory")
     _network_options(one)
+    _ranks_options(one)
     _run_options(one)
 
     one = _add(commands, "keys", _keys, "make the keys of a run over a network, and say which belongs where",
@@ -210,9 +215,12 @@ def parser():
     _look_options(one, "of a 3D case, with --picture, ")
 
     one = _add(commands, "explain", _case_tool, "say in plain words what a case models, what not, and what each part costs",
-               ["./tern explain dam_break_plate"])
+               ["./tern explain dam_break_plate", "./tern explain dam_break_3d --ranks 64 --cluster cluster.toml"])
     one.set_defaults(tool="explain")
     _case_options(one)
+    one.add_argument("--ranks", metavar="N", type=_count, help="also what the fluid would cost in N processes, by a model (docs/SCALE.md)")
+    one.add_argument("--cluster", metavar="FILE", help="with --ranks: the machines, in three lines as cores = 32, latency_us = 1.5, "
+                     "bandwidth_gb_per_s = 10 (default: machines like this one)")
 
     one = _add(commands, "verify", _verify, "hold the results of cases against their expected.toml",
                ["./tern verify hydrostatic_tank", "./tern verify                    (every case with an expected.toml)",
@@ -316,6 +324,7 @@ def _run(arguments):
         raise Error(BAD_INPUT, "--keys and --insecure are for runs over a network; add --only coupler --bind tcp://HOST:PORT.")
     if arguments.only and not arguments.endpoint:
         raise Error(BAD_INPUT, "--only needs --endpoint: the address at which the three processes meet.")
+    _check_ranks(arguments)
     arguments.case_options = _forwarded(arguments)
     arguments.network_options = ["--keys", arguments.keys] if arguments.keys else []
     arguments.network_options += ["--insecure"] if arguments.insecure else []
@@ -326,10 +335,21 @@ def _run(arguments):
     return _answer(run.run(request))
 
 
+def _check_ranks(arguments):
+    """What needs another option that is not there."""
+    for name, needed in (("oversubscribe", "ranks"), ("hosts", "ranks"), ("interface", "hosts"), ("ports", "hosts")):
+        if getattr(arguments, name) and not getattr(arguments, needed):
+            raise Error(BAD_INPUT, f"--{name} is for a fluid in many processes; add --{needed}.")
+    if arguments.hosts:
+        arguments.hosts = str(Path(arguments.hosts).resolve())
+
+
 def _resume(arguments):
     if not (Path(arguments.run) / "run.json").exists():
         raise Error(BAD_INPUT, f"{arguments.run} holds no run: there is no run.json in it; name the results directory of one.")
     out = Path(arguments.run).resolve()
+    if arguments.hosts:
+        arguments.hosts = str(Path(arguments.hosts).resolve())
     request = run.resumed(out, arguments)
     request.case_options = request.case_options + _sets(arguments)
     request.retries = arguments.retries
@@ -369,18 +389,33 @@ def _case_tool(arguments):
         raise Error(BAD_INPUT, f"{asked[0]} is for the picture of a case; add --picture.")
     if picture and Path(picture).suffix.lower() not in (".png", ".pdf", ".svg"):
         raise Error(BAD_INPUT, f"--picture {picture}: the name must end in .png, .pdf or .svg, which says what is written.")
+    ranks, cluster = getattr(arguments, "ranks", None), _cluster(arguments)
     from tern.launch import calibration
     directory = build.ensure(arguments.build, ["tern-case"])
     costs = calibration.costs_file(directory)
     options = ["--costs", costs] if costs else []
+    case = cases.read(directory, path, [*_forwarded(arguments), *options]) if ranks else None
+    if case and not case["has_fluid"]:
+        raise Error(BAD_INPUT, f"--ranks: the case {case['name']} has no fluid; it is the fluid that runs in many processes.")
     code = subprocess.run([directory / "tern-case", arguments.tool, path, *_forwarded(arguments), *options], check=False).returncode
     if code == DONE and arguments.tool == "explain":
         from tern.studies import advice
         if words := advice.text(cases.read(directory, path, _forwarded(arguments))):
             print("\n" + words)
+        if ranks:
+            print("\n" + scale_model.text(case["expected"], ranks, cluster))
     if code == DONE and picture is not None:
         print(f"picture: {_draw_case(arguments, directory, path, asked)}")
     return code
+
+
+def _cluster(arguments):
+    """The machines of a fluid in many processes, as they are asked for."""
+    if getattr(arguments, "cluster", None) is None:
+        return scale_model.Cluster(os.cpu_count() or 1)
+    if not arguments.ranks:
+        raise Error(BAD_INPUT, "--cluster is for a fluid in many processes; add --ranks.")
+    return scale_model.read_cluster(arguments.cluster)
 
 
 def _draw_case(arguments, directory, path, asked):

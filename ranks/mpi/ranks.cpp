@@ -5,7 +5,9 @@
 
 #include <mpi.h>
 
+#include "base/timing.hpp"
 #include "ranks/ranks.hpp"
+#include "ranks/waiting.hpp"
 
 namespace tern {
 namespace {
@@ -13,6 +15,7 @@ namespace {
 constexpr std::size_t most_bytes = std::size_t{1} << 30;  ///< of one message: MPI counts in int
 
 Traffic said;
+double with_ranks_s = 0;  ///< of the one thread that speaks with them
 
 void count_collective(std::size_t bytes) {
   ++said.collectives;
@@ -57,6 +60,7 @@ void Ranks::exchange(std::span<const RankMessage> give, std::span<const RankMess
   ++(subject == Subject::particles ? said.particle_exchanges : subject == Subject::nodes ? said.node_exchanges : said.other_exchanges);
   said.messages += static_cast<std::int64_t>(give.size());
   for (const RankMessage& message : give) said.bytes += static_cast<std::int64_t>(message.size);
+  const ScopedTimer timer(with_ranks_s);
   thread_local std::vector<MPI_Request> requests;
   requests.clear();
   const auto post = [&](const RankMessage& message, auto&& begin) {
@@ -74,6 +78,7 @@ void Ranks::exchange(std::span<const RankMessage> give, std::span<const RankMess
 }
 
 void Ranks::combine(void* values, std::size_t n, Kind kind, Operation operation) const {
+  const ScopedTimer timer(with_ranks_s);
   const MPI_Datatype type = kind == Kind::real     ? MPI_DOUBLE
                             : kind == Kind::single ? MPI_FLOAT
                             : kind == Kind::whole  ? MPI_INT64_T
@@ -98,6 +103,7 @@ void Ranks::sum_and_most(std::span<double> sums, std::span<double> most) const {
   for (const double value : sums) values.push_back({value, 0});
   for (const double value : most) values.push_back({value, 1});
   count_collective(values.size() * sizeof(SumOrMost));
+  const ScopedTimer timer(with_ranks_s);
   MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), pair, op, MPI_COMM_WORLD);
   std::size_t next = 0;
   for (double& value : sums) value = values[next++].value;
@@ -115,6 +121,7 @@ void Ranks::extremes(std::span<double> low, std::span<double> high) const {
 }
 
 void Ranks::swap_sizes(std::vector<std::int64_t>& sizes) const {
+  const ScopedTimer timer(with_ranks_s);
   std::vector<std::int64_t> from(sizes.size());
   count_collective(sizes.size() * sizeof(std::int64_t));
   MPI_Alltoall(sizes.data(), 1, MPI_INT64_T, from.data(), 1, MPI_INT64_T, MPI_COMM_WORLD);
@@ -124,6 +131,7 @@ void Ranks::swap_sizes(std::vector<std::int64_t>& sizes) const {
 void Ranks::tell(void* bytes, std::size_t size, int from) const {
   if (alone()) return;
   count_collective(size);
+  const ScopedTimer timer(with_ranks_s);
   for (std::size_t first = 0; first < size; first += most_bytes)
     MPI_Bcast(static_cast<char*>(bytes) + first, static_cast<int>(std::min(most_bytes, size - first)), MPI_BYTE, from, MPI_COMM_WORLD);
 }
@@ -132,7 +140,10 @@ std::string Ranks::first_word(const std::string& own) const {
   if (alone()) return own;
   int speaker = own.empty() ? count_ : own_;
   count_collective(sizeof speaker);
-  MPI_Allreduce(MPI_IN_PLACE, &speaker, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
+  {
+    const ScopedTimer timer(with_ranks_s);
+    MPI_Allreduce(MPI_IN_PLACE, &speaker, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
+  }
   if (speaker == count_) return {};
   std::string word = own;
   std::uint64_t size = word.size();
@@ -155,5 +166,6 @@ void abandon_ranks(int exit_code) {
   if (at_work()) MPI_Abort(MPI_COMM_WORLD, exit_code);
   std::_Exit(exit_code);
 }
+double seconds_with_ranks() { return with_ranks_s; }
 
 }  // namespace tern

@@ -33,13 +33,13 @@ nlohmann::json gauge_places(const Case& scene) {
   return places;
 }
 
-std::string json_text(const Case& scene) {
+std::string json_text(const Case& scene, const Costs& costs) {
   // What a participant has to report, in this order (docs/PROTOCOL.md, Account).
   nlohmann::json account = nlohmann::json::object();
   if (scene.fluid) account["fluid"] = {{"energy", fluid_energy_columns()}, {"gauge", gauge_columns(scene, GaugeOwner::fluid)}};
   if (scene.structure)
     account["structure"] = {{"energy", structure_energy_columns(scene)}, {"gauge", gauge_columns(scene, GaugeOwner::structure)}};
-  const Estimate expected = estimate(scene);
+  const Estimate expected = estimate(scene, costs);
   const nlohmann::json json = {{"account", account},
                                {"name", scene.name},
                                {"path", scene.path},
@@ -54,6 +54,13 @@ std::string json_text(const Case& scene) {
                                {"gauge_places", gauge_places(scene)},
                                {"preset_changes", scene.preset_changes},
                                {"expected_cpu_s", expected.fluid_cpu + expected.structure_cpu},
+                               {"expected",
+                                {{"dimension", scene.dimension},
+                                 {"fluid_particles", expected.fluid_particles},
+                                 {"steps", expected.steps},
+                                 {"fluid_cpu_s", expected.fluid_cpu},
+                                 {"structure_cpu_s", expected.structure_cpu},
+                                 {"coupler_cpu_s", expected.coupler_cpu}}},
                                {"warnings", scene.warnings}};
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
@@ -76,10 +83,10 @@ int run(int argc, char** argv) {
   };
   CLI::App* check = add("check", "validate; print particles, step limits, memory and expected time");
   CLI::App* explain = add("explain", "say in plain words what is modelled, what is not, and what it costs");
-  const CLI::App* json = add("json", "print the effective settings as JSON");
+  CLI::App* json = add("json", "print the effective settings as JSON");
   CLI::App* start = add("scene", "print where everything is before the first step as JSON, for pictures");
   start->add_option("--most", most_points, "leave the particles out of a scene with more than N")->required()->type_name("N");
-  for (CLI::App* command : {check, explain})
+  for (CLI::App* command : {check, explain, json})
     command->add_option("--costs", costs_path, "what a step costs on this machine, measured by ./tern")->type_name("FILE");
   const CLI::App* reference = app.add_subcommand("parameters", "print the reference of all keys (docs/PARAMETERS.md)");
   try {
@@ -103,7 +110,7 @@ int run(int argc, char** argv) {
   const Costs costs = costs_path.empty() ? Costs{} : read_costs(costs_path);
   const std::string answer = *check     ? check_text(scene, costs)
                              : *explain ? explain_text(scene, costs)
-                             : *json    ? json_text(scene)
+                             : *json    ? json_text(scene, costs)
                                         : scene_at_start(scene, most_points);
   std::fputs(answer.c_str(), stdout);
   return 0;

@@ -35,6 +35,28 @@ class CostsTest(unittest.TestCase):
         self.assertAlmostEqual(costs["window_s"], 5e-3)
         self.assertAlmostEqual(sum(costs["fluid_parts"].values()), 1)
 
+    # Seen to fail: with the costs of tern-case in place of those of the machine; with a step of 2D for 3D.
+    def test_many_processes_are_reckoned_from_the_same_costs(self):
+        code, output, errors = tern("explain", "dam_break_plate_3d", "--ranks", "8")
+        self.assertEqual(code, 0, errors)
+        table = output[output.index("In 8 ranks"):].splitlines()
+        rows = [line.split() for line in table[2:6]]
+        self.assertEqual([row[0] for row in rows], ["1", "2", "4", "8"])
+        self.assertEqual(rows[0][-4:], ["100", "%", *rows[0][-2:]])
+        costs = json.loads((build_directory() / "costs.json").read_text())
+        particles, value, unit = float(rows[0][1]), float(rows[0][3]), rows[0][4]
+        step = value * {"s": 1, "ms": 1e-3}[unit]
+        self.assertTrue(3 * costs["fluid_s"] * particles * 0.99 < step < 3 * 1.5 * costs["fluid_s"] * particles, (step, particles))
+        self.assertIn("Structure and coupler are one process each", table[6])
+
+    # Seen to fail: with each of the refusals left out.
+    def test_what_cannot_be_reckoned_is_refused(self):
+        for words, sentence in ((["dry_plate", "--ranks", "4"], "has no fluid"), (["piston", "--cluster", "x"], "add --ranks"),
+                                (["piston", "--ranks", "4", "--cluster", "/no/such/file"], "cannot be read")):
+            code, _, errors = tern("explain", *words)
+            self.assertEqual(code, 2)
+            self.assertIn(sentence, errors)
+
     # Seen to fail: with the file written anew at every call.
     def test_they_are_measured_once_and_used(self):
         path = build_directory() / "costs.json"

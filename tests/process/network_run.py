@@ -72,9 +72,9 @@ class NetworkRun:
             raise RuntimeError("the coupler does not listen: " + self.said("coupler"))
         return int(found.group(1))
 
-    def join(self, role, address):
-        """Options that shape the case are the same for all."""
-        self._start(role, ["join", role, address, str(self._case)], self._options)
+    def join(self, role, address, *own):
+        """Options that shape the case are the same for all; `own` are those of this one."""
+        self._start(role, ["join", role, address, str(self._case)], [*self._options, *own])
 
     def wait_for_step(self, step, seconds=60):
         """Until the coupler has done so many windows."""

@@ -9,11 +9,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "python" / "tern"
-EVERYTHING = {"errors", "paths", "expression", "results", "participant", "launch", "verify", "plot", "studies", "extremes", "report"}
+EVERYTHING = {"errors", "paths", "expression", "scale_model", "results", "participant", "launch", "verify", "plot", "studies",
+              "extremes", "report"}
 ALLOWED = {
     "errors": set(),
     "paths": {"errors"},
     "expression": {"errors"},
+    "scale_model": {"errors"},
     "results": {"errors"},
     "participant": {"errors", "paths", "expression", "results"},
     "launch": {"errors", "paths", "results", "participant"},
@@ -28,7 +30,7 @@ ALLOWED = {
     "__main__": {"command_line"},
     "start": {"command_line"},
 }
-PLAIN = {"errors", "paths", "expression", "results", "launch", "verify", "api", "command_line", "__main__", "start", ""}
+PLAIN = {"errors", "paths", "expression", "scale_model", "results", "launch", "verify", "api", "command_line", "__main__", "start", ""}
 
 
 def name_of(path):

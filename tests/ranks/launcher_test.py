@@ -8,18 +8,13 @@ import json
 import os
 import signal
 import subprocess
-import tempfile
 import time
 import unittest
-from pathlib import Path
 
-import h5py
 import numpy
 
-ROOT = Path(__file__).resolve().parents[2]
-CASE = ROOT / "cases" / "dam_break_front"
-COARSE = ["--set", "fluid.spacing=0.0073"]
-OVERSUBSCRIBED = ["--oversubscribe"]
+from ranks_run import COARSE, OVERSUBSCRIBED, ROOT, RanksTest, alive, children_of, numbers_of
+
 FALLING = """
 title = "Water that falls out of its domain"
 dimension = 2
@@ -37,79 +32,6 @@ spacing = 0.01
 [[fluid.body]]
 shape = { box = { min = [0.4, 0], max = [0.6, 0.1] } }
 """
-
-
-def alive(pid):
-    """Whether it runs; a zombie does not."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rsplit(")", 1)[1].split()[0] != "Z"
-    except OSError:
-        return False
-
-
-def children_of(pid):
-    """All processes below one."""
-    answer = subprocess.run(["ps", "-e", "-o", "pid=,ppid=,comm="], stdout=subprocess.PIPE, text=True, check=True).stdout
-    rows = [line.split() for line in answer.splitlines()]
-    found, todo = [], [str(pid)]
-    while todo:
-        parent = todo.pop()
-        for row in rows:
-            if row[1] == parent:
-                todo.append(row[0])
-                found.append((int(row[0]), row[2]))
-    return found
-
-
-def numbers_of(ranks):
-    """Process ids by the number of the rank."""
-    return {int(Path(f"/proc/{pid}/environ").read_bytes().split(b"OMPI_COMM_WORLD_RANK=")[1].split(b"\0")[0]): pid for pid in ranks}
-
-
-class RanksTest(unittest.TestCase):
-    def setUp(self):
-        directory = tempfile.TemporaryDirectory(prefix="tern-ranks-")
-        self.addCleanup(directory.cleanup)
-        self.directory = Path(directory.name)
-
-    def start(self, name, *words, case=CASE):
-        return subprocess.Popen([ROOT / "tern", "run", case, "--quiet", "--out", self.directory / name, *words], stdout=subprocess.PIPE,
-                                stderr=subprocess.PIPE, text=True)
-
-    def run_case(self, name, *words, case=CASE):
-        with self.start(name, *words, case=case) as process:
-            _, errors = process.communicate(timeout=300)
-        return process.returncode, errors
-
-    def contents(self, name):
-        return json.loads((self.directory / name / "run.json").read_text(encoding="utf-8"))
-
-    def frames(self, name):
-        """All datasets of all frames."""
-        datasets = {}
-        with h5py.File(self.directory / name / "fluid.h5") as file:
-            file.visititems(lambda path, item: datasets.__setitem__(path, item[()]) if isinstance(item, h5py.Dataset) else None)
-        return datasets
-
-    def wait_for_ranks(self, process, count):
-        """Process ids of the ranks, once the run has begun."""
-        deadline = time.monotonic() + 60
-        while time.monotonic() < deadline:
-            ranks = [pid for pid, name in children_of(process.pid) if name == "tern-fluid"]
-            if len(ranks) == count and list(self.directory.glob("*/steps.csv")) and len(
-                    next(self.directory.glob("*/steps.csv")).read_text(encoding="utf-8").splitlines()) > 3:
-                return ranks
-            time.sleep(0.1)
-        self.fail("the run did not begin")
-
-    def assert_the_same_results(self, one, other):
-        """The same bytes of gauges and energies, and the same frames."""
-        for name in ("gauges.csv", "energy.csv"):
-            self.assertEqual((self.directory / one / name).read_bytes(), (self.directory / other / name).read_bytes())
-        expected, found = self.frames(one), self.frames(other)
-        self.assertEqual(expected.keys(), found.keys())
-        for path, values in expected.items():
-            self.assertTrue(numpy.array_equal(values, found[path]), path)
 
 
 class Results(RanksTest):

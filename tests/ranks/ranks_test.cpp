@@ -3,7 +3,8 @@
 //
 // Seen red: with ghosts that keep the velocity they begin with, and without the patches that other ranks fill (OneWindow); with marks
 // that do not go to the owners (Marks); with pairs counted from a corner of each rank (ManyWindows.OfAWave); with enclosed regions of each
-// rank alone, and with what is pushed into them known to the owners of the particles alone (OneWindow.IsThatOfOneRankInEnclosures).
+// rank alone, and with what is pushed into them known to the owners of the particles alone (OneWindow.IsThatOfOneRankInEnclosures); with
+// ghosts within half the support (spray, and water through the part of one rank), with cuts that stay for ever (that water).
 // With rows, or with residuals, of divided grids that do not go to the owners of their nodes (OneWindow.IsThatOfOneRankOnDividedGrids; the
 // ranks then disagree and MPI ends them); with pressures that conjugate gradients leave as they were on ghosts (OneWindow.IsThatOfOneRank);
 // with patches that only ranks within half a spacing add up (OneWindow.IsThatOfOneRank).
@@ -11,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <map>
 #include <numeric>
@@ -313,6 +315,53 @@ TEST(ManyWindows, HaveTheSameBitsInEveryRun) {
     }
     before = whole;
   }
+}
+
+/// A block without weight that flies to the right, with the pressure of a spin.
+Case flying_block() {
+  Case scene = testing::scene(2, 0.01, {box({0, 0, 0}, {0.2, 0.2, 0})}, {}, 0);
+  scene.fluid->bodies[0].velocity = {Expression("4 + 2*(0.1-y)"), Expression("2*(x-0.1)"), Expression()};
+  return scene;
+}
+
+// The block passes from part to part: each rank is for a while the only one that has something, until space is cut anew.
+TEST(ManyWindows, OfAllWaterThroughThePartOfOneRank) {
+  Case scene = flying_block();
+  scene.fluid->numerics.pressure_tolerance = 1e-15;  // so that what differs is rounding
+  const State<2> start = disordered<2>(scene, 0);
+  Fluid<2> one(scene), many(scene, Ranks::all());
+  one.set_state(start);
+  many.set_whole_state(start);
+  double fullest = 0, evenest_after = 1e300;
+  for (int k = 0; k < 30; ++k) {
+    step(one, 2e-3);
+    step(many, 2e-3);
+    fullest = std::max(fullest, many.domain().imbalance());
+    if (fullest > 1.5) evenest_after = std::min(evenest_after, many.domain().imbalance());
+  }
+  if (Ranks::all().count() > 1) {
+    EXPECT_GT(fullest, 1.5);
+    EXPECT_LT(evenest_after, 1.15);
+  }
+  EXPECT_EQ(many.particles(), 400u);
+  EXPECT_NEAR(many.energies().kinetic, one.energies().kinetic, 1e-9 * one.energies().kinetic);
+  EXPECT_NEAR(many.momentum()[0], one.momentum()[0], 1e-9 * one.momentum()[0]);
+}
+
+// Drops far outside what the cuts were made from, in all directions, one of them a thousand spacings away.
+TEST(OneWindow, IsThatOfOneRankWithSprayFlungFar) {
+  const Case scene = dam_break(20, 40);
+  State<2> start = disordered<2>(scene, 30);
+  const auto order = by_label(start);
+  const std::array<Vector<2>, 4> places = {{{0.7, 8}, {0.3, 10}, {0.05, 3}, {0.75, 2}}};
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    start.position[order[97 * k + 3]] = places[k];
+    start.velocity[order[97 * k + 3]] = {0.5, -1};
+  }
+  expect_as_many_iterations<2>(scene, start);
+  Case exact = scene;
+  exact.fluid->numerics.pressure_tolerance = 1e-15;
+  expect_the_same_window<2>(exact, start);
 }
 
 TEST(Partition, GivesAllRanksAsMuchWhenTheFluidHasMoved) {

@@ -22,15 +22,17 @@ def _candidate(process, report):
     """(unix seconds, Cause) of one failed process: its own report, if it is about a failure, else its exit status."""
     code = process.exit_code
     if process.ranks and process.ranks.killed:
-        rank, number = process.ranks.killed
+        rank, number, machine = process.ranks.killed
         name = signal.Signals(number).name if number in signal.valid_signals() else "unknown"
-        return process.ended_at, Cause(PEER_LOST, f"Rank {rank} of {process.program} was killed by signal {number} ({name}).", process.role)
+        on = f" on {machine}" if machine else ""
+        return process.ended_at, Cause(PEER_LOST, f"Rank {rank} of {process.program}{on} was killed by signal {number} ({name}).",
+                                       process.role)
     if code < 0:
         name = signal.Signals(-code).name if -code in signal.valid_signals() else "unknown"
         return process.ended_at, Cause(PEER_LOST, f"{process.program} was killed by signal {-code} ({name}).",
                                        process.role)
     when = report.get("cause_time") or process.ended_at
-    sentence = report.get("cause") or (
+    sentence = report.get("cause") or (process.ranks and process.ranks.alone) or (
         f"{process.program} ended with exit code {code} and left no report of the cause"
         + ("; its message is above: is the disk full?" if code == INPUT_OUTPUT else "."))
     if process.never_joined and not report.get("cause"):
@@ -54,7 +56,8 @@ def find(processes, reports, interrupted):
     """
     for process in processes:
         if process.frozen:
-            return Cause(PEER_LOST, f"{process.program} was stopped (SIGSTOP) and did not go on; the launcher ended the run.",
+            whose = f"Rank {process.stopped_ranks[0]} of " if process.stopped_ranks else ""
+            return Cause(PEER_LOST, f"{whose}{process.program} was stopped (SIGSTOP) and did not go on; the launcher ended the run.",
                          process.role)
     failed = [(process, _candidate(process, reports.get(process.role, {})))
               for process in processes

@@ -9,7 +9,7 @@ import subprocess
 import tempfile
 import threading
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from tern import paths
@@ -38,6 +38,7 @@ class Process:
     cpu_s: float = 0.0
     ended_by_launcher: bool = False
     stopped_since: float | None = None  # monotonic seconds
+    stopped_ranks: list = field(default_factory=list)  # their numbers
     frozen: bool = False                # stopped for so long that the launcher ended the run
     never_joined: bool = False    # a foreign program that ended before the run began
     ranks: Ranks | None = None    # what it started in its turn
@@ -47,8 +48,12 @@ class Process:
         return self.program != f"tern-{self.role}"
 
     def stopped(self):
-        """Whether the process is frozen by SIGSTOP (state T)."""
-        return process_state.of(self.handle.pid) == "T"
+        """Whether the process, or one of its ranks, is frozen by SIGSTOP (state T)."""
+        return process_state.of(self.handle.pid) == "T" or bool(self.ranks and self.ranks.stopped()[0])
+
+    def paused(self):
+        """Whether all of it is."""
+        return self.stopped() and (self.ranks is None or self.ranks.stopped()[1])
 
 
 class Interrupts:
@@ -109,7 +114,7 @@ class Group:
         command starts many processes (ranks.py)."""
         environment = (environment or os.environ) | {"TERN_LAUNCHER": str(os.getpid())}  # with whom it ends (base/interrupt.hpp)
         handle = subprocess.Popen(command, stdin=subprocess.DEVNULL, process_group=0, env=environment,
-                                  stderr=subprocess.PIPE if in_ranks else None, text=in_ranks or None)
+                                  **({"stderr": subprocess.PIPE, "text": True, "errors": "replace"} if in_ranks else {}))
         self._tell(f"started {handle.pid}")
         ranks = Ranks(Path(self.directory), handle.stderr) if in_ranks else None
         self.processes.append(Process(role, program or f"tern-{role}", handle, os.pidfd_open(handle.pid), ranks=ranks))
@@ -171,9 +176,11 @@ class Group:
                 process.stopped_since = None
             elif process.stopped_since is None:
                 process.stopped_since = now
+                process.stopped_ranks = process.ranks.stopped()[0] if process.ranks else []
         stopped = [process for process in running if process.stopped_since is not None]
+        pause = all(process.paused() for process in running)
         for process in stopped:
-            if len(stopped) == len(running):
+            if pause:
                 process.stopped_since = now  # a pause: when they are woken one by one, the others are not late
             process.frozen = now - process.stopped_since > LONGEST_STOP_S
         return any(process.frozen for process in stopped)

@@ -1,29 +1,37 @@
-"""The fluid in many processes: how they are started on this machine, whom a signal reaches, and which of them died first.
+"""The fluid in many processes: how they are started, whom a signal reaches, and which of them stopped or died first.
 
-Open MPI has no keys, and its mpirun listens on all networks of the machine whatever it is told. It therefore gets a network of its own,
-in which there is nothing but itself; the ranks speak through shared memory.
+Open MPI has no keys, and its mpirun listens at all addresses of the machine whatever it is told. On one machine it therefore gets a
+network of its own, in which there is nothing but itself. Where that cannot be, because the coupler is reached over a network, or the
+kernel does not allow it, a library that is loaded first lets it listen at one address (ranks/listen/). The ranks of one machine speak
+through shared memory.
 """
 
 import contextlib
 import os
 import re
 import signal
+import socket
 import subprocess
 import sys
 import threading
 
 from tern.errors import BAD_INPUT, Error
+from tern.launch import process_state
 
-KILLED = re.compile(r"process rank (\d+) .*exited on\s+signal (\d+)")
+KILLED = re.compile(r"process rank (\d+) .*?on node (\S+)\s+exited on\s+signal (\d+)", re.DOTALL)
+# What mpirun says of ends that the report of the first rank explains, or the launcher.
+EXPLAINED = re.compile(r"exited on\s+signal|MPI_ABORT was invoked|job\s+terminated normally|exited with non-zero status")
+OF_ONE = re.compile(r"tern-fluid, rank (\d+): (.+)")  # as fluid/process/ranks.cpp has it
 ALONE_IN_A_NETWORK = ["unshare", "--map-root-user", "--net", "sh", "-c", 'ip link set lo up && exec "$@"', "sh"]
+LISTENER = "libtern_listen_on.so"
 
 
-def check_count(count, oversubscribe):
+def check_count(count, oversubscribe, on_hosts):
     """Raises Error where that many ranks cannot run on this machine."""
     if count < 1:
         raise Error(BAD_INPUT, f"--ranks {count}: has to be 1 or more.")
     cores = len(os.sched_getaffinity(0))
-    if count > cores and not oversubscribe:
+    if count > cores and not oversubscribe and not on_hosts:
         raise Error(BAD_INPUT, f"--ranks {count}: this machine has {cores} cores for it, and ranks that share one wait for each other; "
                                "give fewer, or --oversubscribe.")
 
@@ -33,28 +41,63 @@ def check(roles, foreign):
     if "fluid" not in roles:
         raise Error(BAD_INPUT, f"Not with --ranks: {' and '.join(roles)} alone. It is the fluid that runs in many processes.")
     if "fluid" in foreign:
-        raise Error(BAD_INPUT, "Not with --ranks: --fluid. It is tern's own fluid that runs in many processes.")
+        raise Error(BAD_INPUT, "Not with --ranks: a foreign fluid (--fluid, or --command of ./tern join). It is tern's own that runs in "
+                               "many processes.")
 
 
-def command(words, count, oversubscribe, endpoint=None):
-    """`words` in that many processes. `endpoint`: where the coupler listens; one at ipc:// is reached from any network."""
-    cores = ["--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1"] if oversubscribe else ["--bind-to", "core"]
-    # Who is told to end has ended his own work: mpirun need not wait for the others.
-    start = ["mpirun", "-n", str(count), *cores, "--mca", "btl", "self,vader", "--mca", "btl_vader_single_copy_mechanism", "none",
-             "--mca", "oob_tcp_if_include", "lo", "--mca", "odls_base_sigkill_timeout", "0", *words]
-    if endpoint and not endpoint.startswith("ipc://"):
-        why = f"a coupler at {endpoint} is not reached from a network of mpirun's own"
-    elif subprocess.run([*ALONE_IN_A_NETWORK, "true"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode == 0:
-        return [*ALONE_IN_A_NETWORK, *start]
-    else:
-        why = "this machine gives mpirun no network of its own"
-    print(f"tern: warning: {why}; while the run lasts its ports are open to the networks the machine is on.", file=sys.stderr, flush=True)
-    return start
+class Start:
+    """How the ranks of a run are started. `directory`: private to the run, for process ids and the list of hosts. `endpoint`: where the
+    coupler listens; one at ipc:// is reached from any network."""
 
+    def __init__(self, build, directory, count, oversubscribe, endpoint, hosts=None):
+        self._directory, self._count, self._oversubscribe = directory, count, oversubscribe
+        self._hosts = hosts
+        self._listener = build / LISTENER
+        self._alone = hosts is None and endpoint.startswith("ipc://") and subprocess.run(
+            [*ALONE_IN_A_NETWORK, "true"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode == 0
+        if not self._alone and (not self._listener.exists() or re.search(r"[\s:]", str(self._listener))):
+            # The loader would pass over it with a warning, and mpirun listen everywhere.
+            raise Error(BAD_INPUT, f"--ranks needs {self._listener}, in a path without blank or colon, so that Open MPI listens at "
+                                   f"{self._listens_on} alone; build there, or move the clone.")
 
-def environment(directory):
-    """In which they write their process ids into `directory`. As root (of its own network) mpirun has to be told twice."""
-    return os.environ | {"TERN_RANK_DIRECTORY": str(directory), "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    @property
+    def _listens_on(self):
+        return self._hosts.network if self._hosts else "lo"
+
+    def command(self, words):
+        """`words` in that many processes."""
+        cores = ["--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1"] if self._oversubscribe else ["--bind-to",
+                                                                                                                     "core"]
+        # Who is told to end has ended his own work: mpirun need not wait for the others.
+        start = ["mpirun", "-n", str(self._count), *cores, "--mca", "btl", "self,vader,tcp" if self._hosts else "self,vader", "--mca",
+                 "btl_vader_single_copy_mechanism", "none", "--mca", "oob_tcp_if_include", self._listens_on, "--mca",
+                 "odls_base_sigkill_timeout", "0"]
+        if self._hosts:
+            path = self._directory / "hosts"
+            self._hosts.write(path)
+            passed = self._passed_on()
+            start += [*self._hosts.options(path), "--mca", "orte_launch_agent",
+                      " ".join(["env", *(f"{name}={value}" for name, value in passed.items()), "orted"])]
+            start += [word for name in passed for word in ("-x", name)]
+        return [*(ALONE_IN_A_NETWORK if self._alone else []), *start, *words]
+
+    def _passed_on(self):
+        """What mpirun and those whom it starts on other machines find in their environment. As root (of its own network) it has to be
+        told twice."""
+        passed = {"TERN_RANK_DIRECTORY": str(self._directory)}
+        if self._alone or os.geteuid() == 0:
+            passed |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+        if not self._alone:
+            passed |= {"TERN_LISTEN_ON": self._listens_on, "LD_PRELOAD": str(self._listener)}
+        if self._hosts and self._hosts.ports:
+            passed["TERN_LISTEN_PORTS"] = "-".join(map(str, self._hosts.ports))
+        return passed
+
+    def environment(self):
+        passed = self._passed_on()
+        if before := os.environ.get("LD_PRELOAD"):
+            passed["LD_PRELOAD"] = f"{passed['LD_PRELOAD']}:{before}" if "LD_PRELOAD" in passed else before
+        return os.environ | passed
 
 
 class Ranks:
@@ -62,19 +105,32 @@ class Ranks:
 
     def __init__(self, directory, pipe):
         self._directory = directory
-        self.killed = None  # (rank, signal) of the first that was
+        self.killed = None  # (rank, signal, machine or "") of the first that was
+        self.alone = None  # what happened to one rank alone, in a sentence
         self._reader = threading.Thread(target=self._pass_on, args=(pipe,), daemon=True)
         self._reader.start()
 
+    def here(self):
+        """(number, process id) of those on this machine."""
+        found = []
+        for path in self._directory.glob("rank.*[0-9]"):
+            with contextlib.suppress(OSError, ValueError):
+                pid, _, machine = path.read_text(encoding="utf-8").strip().partition(" ")
+                if machine == socket.gethostname():
+                    found.append((int(path.suffix[1:]), int(pid)))
+        return sorted(found)
+
+    def stopped(self):
+        """Numbers of those that are frozen by SIGSTOP, of this machine, and whether these are all."""
+        ranks = self.here()
+        stopped = [rank for rank, pid in ranks if process_state.of(pid) == "T"]
+        return stopped, len(stopped) == len(ranks)
+
     def signal(self, number):
         """To the first rank, which decides when all end; what kills, stops or wakes goes to all. Whether there was one."""
-        numbers = range(10**6) if number in (signal.SIGKILL, signal.SIGCONT) else range(1)
+        ranks = self.here()
         reached = False
-        for rank in numbers:
-            try:
-                pid = int((self._directory / f"rank.{rank}").read_text(encoding="utf-8"))
-            except (OSError, ValueError):
-                break
+        for _, pid in ranks if number in (signal.SIGKILL, signal.SIGCONT) else ranks[:1]:
             with contextlib.suppress(ProcessLookupError):
                 os.kill(pid, number)
                 reached = True
@@ -86,14 +142,25 @@ class Ranks:
 
     def _pass_on(self, pipe):
         """Standard error of all of them, without the boxes in which mpirun says what first_cause says."""
-        boxed = False
+        box = None
         with pipe:
             for line in pipe:
                 if line.startswith("-----"):
-                    boxed = not boxed
-                elif not boxed:
-                    with contextlib.suppress(OSError):
-                        sys.stderr.write(line)
-                        sys.stderr.flush()
-                elif found := KILLED.search(line):
-                    self.killed = self.killed or (int(found[1]), int(found[2]))
+                    if box and not EXPLAINED.search("".join(box)):
+                        self._print("".join(box))
+                    box = [] if box is None else None
+                elif box is None:
+                    if found := OF_ONE.fullmatch(line.strip()):
+                        self.alone = self.alone or f"Rank {found[1]} of tern-fluid: {found[2]}"
+                    self._print(line)
+                else:
+                    box.append(line)
+                    if found := KILLED.search("".join(box)):
+                        machine = "" if found[2] == socket.gethostname() else found[2]
+                        self.killed = self.killed or (int(found[1]), int(found[3]), machine)
+
+    @staticmethod
+    def _print(text):
+        with contextlib.suppress(OSError):
+            sys.stderr.write(text)
+            sys.stderr.flush()

@@ -14,13 +14,14 @@ from pathlib import Path
 
 from tern import paths
 from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, PEER_LOST, STATUS, Error
-from tern.launch import build, cases, first_cause, packages, ranks, resumption, spent, window_repeat
+from tern.launch import build, cases, first_cause, hosts, packages, ranks, resumption, spent, window_repeat
 from tern.launch.processes import Group, Interrupts
 from tern.launch.record import ROOM, overwrite_json, write_json
 from tern.results import summary
 
 OLD_SOLVERS = Path("proto/python/participants")  # where they were one version ago
-IN_LAUNCH = ("until", "threads", "ranks", "oversubscribe", "deadline", "record", "allow_unstable", "only", "endpoint", "network_options")
+IN_LAUNCH = ("until", "threads", "ranks", "oversubscribe", "hosts", "interface", "ports", "deadline", "record", "allow_unstable", "only",
+             "endpoint", "network_options")
 ROLES = ("coupler", "fluid", "structure")  # the order of starting: the coupler binds the endpoint
 TICK_S = 2.0**-32  # the clock of a run counts these
 
@@ -37,6 +38,9 @@ class Request:
     threads: int | None = None
     ranks: int | None = None     # processes of the fluid
     oversubscribe: bool = False  # more of them than cores
+    hosts: str | None = None     # a file with the machines of the ranks
+    interface: str | None = None  # the network between these
+    ports: str | None = None     # what Open MPI may open there
     deadline: float | None = None  # s
     quiet: bool = False
     build: str = "release"
@@ -264,6 +268,7 @@ def resumed(out, request):
     own = {"case": contents["case_path"], "case_options": contents["options"], "out": str(out), "resume": str(out),
            "until": request.until or launch["until"], "threads": request.threads or launch["threads"],
            "ranks": request.ranks or launch["ranks"], "oversubscribe": request.oversubscribe or launch["oversubscribe"],
+           **{name: getattr(request, name) or launch.get(name) for name in ("hosts", "interface", "ports")},
            "deadline": request.deadline or launch["deadline"], "quiet": request.quiet, "build": request.build}
     return Request(**{**launch, **contents["commands"], **own})
 
@@ -272,7 +277,7 @@ def _run_once(request, work):
     path = cases.find(request.case)
     many = request.ranks is not None
     if many:
-        ranks.check_count(request.ranks, request.oversubscribe)  # before a build of some minutes
+        ranks.check_count(request.ranks, request.oversubscribe, request.hosts is not None)  # before a build of some minutes
     directory = build.ensure("ranks" if many and request.build == "release" else request.build)
     case = cases.read(directory, path, request.case_options)
     roles = roles_of(case, request.only)
@@ -282,6 +287,10 @@ def _run_once(request, work):
         packages.ensure_for(command)
     if many:
         ranks.check(roles, commands)
+    machines = None
+    if many and request.hosts:
+        machines = hosts.read(request.hosts, request.interface, request.ports, request.ranks, request.oversubscribe)
+        hosts.examine(machines, [directory / "tern-fluid", directory / ranks.LISTENER, path])
     before = None
     if request.resume:
         out = Path(request.resume).resolve()
@@ -361,8 +370,10 @@ def _run_once(request, work):
                                 foreign_environment(directory, request.threads))
                 elif many and role == "fluid":
                     words = [str(directory / f"tern-{role}"), str(path), *own]
-                    group.start(role, ranks.command(words, request.ranks, request.oversubscribe, endpoint), None,
-                                ranks.environment(group.directory), in_ranks=True)
+                    start = ranks.Start(directory, Path(group.directory), request.ranks, request.oversubscribe, endpoint, machines)
+                    if machines:
+                        tell(f"tern: {machines.sentence(request.ranks)}")
+                    group.start(role, start.command(words), None, start.environment(), in_ranks=True)
                 else:
                     group.start(role, [str(directory / f"tern-{role}"), str(path), *own])
         except OSError as error:

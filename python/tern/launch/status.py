@@ -87,6 +87,7 @@ def text(directory):
         living += not state.startswith("gone")
         lines.append(f"  {role:<10} process {report.get('process_id', '?'):<8} {state:<20} step {report.get('steps', 0)}, "
                      f"CPU {report.get('cpu_s', 0):.1f} s, last report {max(0, now - written):.0f} s ago")
+        lines += [f"  {'':<10} {line}" for line in summary.ranks(report)]
         waiting = _waiting(directory / f"{role}.log", written)
         if waiting:
             lines.append(f"  {'':<10} {waiting}")

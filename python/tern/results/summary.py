@@ -49,6 +49,29 @@ def _timing(report):
     return [f"{name} {value:.3g} s ({100 * value / wall:.0f} %)" for name, value in parts]
 
 
+def ranks(report):
+    """What each process of a fluid in many has to do and has spent, as lines of a table; none of a fluid in one."""
+    rows = report.get("ranks") or []
+    if not rows:
+        return []
+    lines = ["rank  particles    ghosts     CPU s  waiting s    MiB  machine"]
+    lines += [f"{number:4}  {row['particles']:9}  {row['ghosts']:8}  {row['cpu_s']:8.1f}  {row['waiting_s']:9.1f}  "
+              f"{row['peak_memory_bytes'] / 2**20:5.0f}  {row['machine']}" for number, row in enumerate(rows)]
+    return lines
+
+
+def _ranks(report):
+    """The same in one line."""
+    rows = report["ranks"]
+    shares = [row["particles"] for row in rows]
+    waits = [row["waiting_s"] for row in rows]
+    mean = sum(shares) / len(shares)
+    over = f" ({max(shares) / mean:.2f} times the mean)" if mean else ""
+    ghosts = sum(row["ghosts"] for row in rows) / max(1, sum(shares))
+    return (f"{len(rows)} ranks: {min(shares)} to {max(shares)} particles{over}, {ghosts:.0%} ghosts, waiting {min(waits):.3g} to "
+            f"{max(waits):.3g} s")
+
+
 def text(contents, out):
     """The end of a run for people, a dozen lines."""
     lines = ["", f"{contents['case']}: {contents['status']}"
@@ -60,6 +83,8 @@ def text(contents, out):
         timing = _timing(report)
         for first in range(0, len(timing), 4):
             lines.append(f"  {'':<10} {', '.join(timing[first:first + 4])}")
+        if report.get("ranks"):
+            lines.append(f"  {'':<10} {_ranks(report)}")
     mean, most = measure(contents, "pressure_iterations_mean"), measure(contents, "pressure_iterations_max")
     if mean is not None:
         lines.append(f"  pressure iterations per step: mean {mean:.1f}, max {most or 0:.0f}")
