@@ -17,15 +17,17 @@ SolveResult conjugate_gradient(const Ranks& ranks, const Halo& ghosts, const Edg
   };
 
   SolveResult result;
-  const double norm_b = std::sqrt(dot(b, b));
+  const double norm_b = result.source = std::sqrt(dot(b, b));
   if (norm_b == 0) {
     std::fill(p.begin(), p.end(), 0.0);
     result.converged = true;
     return result;
   }
-  ghosts.update(p);
-  matrix.multiply(p, q);
-  add(p, q);
+  if (dot(p, p) != 0) {
+    ghosts.update(p);
+    matrix.multiply(p, q);
+    add(p, q);
+  }
   parallel_for(n, [&](std::ptrdiff_t i) { r[i] = b[i] - q[i]; });
   result.residual = std::sqrt(dot(r, r)) / norm_b;
   double rho = 0;
