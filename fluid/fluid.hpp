@@ -157,8 +157,9 @@ class Fluid {
   Corrections<D> correction_;
   PackedVelocities<D> packed_;
   std::vector<double> divergence_, density_source_, divergence_target_;  ///< div u*, s, q
-  std::vector<Vector<D>> projected_velocity_;                            ///< by the first solve of the window
-  std::vector<double> projected_divergence_;                             ///< and its divergence
+  // By the first solve of the window; by its correction in full, with what keeps the particles in order apart; the divergence of either.
+  std::vector<Vector<D>> projected_velocity_, corrected_velocity_, ordering_velocity_;
+  std::vector<double> projected_divergence_;
   PressureSystem<D> system_;
   std::vector<int> at_structure_;                               ///< particles that see the structure
   std::ptrdiff_t first_at_structure_ = 0;                       ///< number of the first of them among those of all ranks
@@ -166,6 +167,7 @@ class Fluid {
   BesideStructure beside_structure_;                            ///< these and their neighbours
   std::vector<Vector<D>> images_;                               ///< of one particle in its walls
   bool pressure_prepared_ = false, velocity_complete_ = false;  ///< by the functions of this name, in this window
+  bool velocity_known_ = false;                                 ///< of the pressure that there is: from what these three say
 
   StepTiming timing_;
   Totals<D> totals_;                    ///< where there are several ranks

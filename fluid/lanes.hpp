@@ -42,6 +42,20 @@ inline Four load(const float* from) {
 #endif
 }
 
+inline Four magnitude(const Four& four) {
+  typedef std::int64_t Bits __attribute__((vector_size(lanes * sizeof(double))));
+  return reinterpret_cast<Four>(reinterpret_cast<Bits>(four) & 0x7fffffffffffffff);
+}
+
+/// The larger of each two; the second where the first is not a number.
+inline Four larger(const Four& a, const Four& b) {
+#ifdef __AVX__
+  return reinterpret_cast<Four>(_mm256_max_pd(reinterpret_cast<__m256d>(a), reinterpret_cast<__m256d>(b)));
+#else
+  return a > b ? a : b;
+#endif
+}
+
 inline void store(const Four& four, double* to) { std::memcpy(to, &four, sizeof four); }
 
 /// Eight numbers in single precision: of two groups.

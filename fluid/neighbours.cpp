@@ -1,7 +1,9 @@
 #include "fluid/neighbours.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
 #include <omp.h>
@@ -110,21 +112,24 @@ struct RowBuilder {
     groups = 0;
   }
 
-  /// Writes the group of particles begin .. end - 1, four at most, behind those there are. `shift`: in whole periods, to the place where
-  /// they were found. It counts when the caller adds it to `groups`.
+  /// Says which lanes of the groups from number `from` on belong to the row, of particles before `end` that were found side by side.
+  /// `shift`: in whole periods, to the place where they were found.
   template <bool periodic>
-  [[gnu::always_inline]] void put(int begin, int end, const std::array<double, D>& shift) {
-    const int first = std::min(begin, particles - lanes);
-    group[groups] = first;
-    unsigned belongs = (0xfu << (begin - first)) & ((1u << std::min(end - first, lanes)) - 1);
+  [[gnu::always_inline]] void close(int from, int end, const std::array<double, D>& shift) {
+    for (int g = from; g < groups; ++g) lanes_of[g] = 0xf;
+    if (groups > from) {  // the last one may reach beyond the end, of these and of all
+      const int begin = group[groups - 1], first = std::min(begin, particles - lanes);
+      group[groups - 1] = first;
+      lanes_of[groups - 1] = (0xf << (begin - first)) & ((1 << std::min(end - first, lanes)) - 1);
+    }
     if constexpr (periodic)  // of the images of j only the nearest
-      for (int lane = 0; lane < lanes; ++lane) {
-        bool here = first + lane != i;
-        for (int c = 0; c < D; ++c)
-          here = here && std::nearbyint((position[c][first + lane] - position[c][i]) * inverse_length(c)) == shift[c];
-        if (!here) belongs &= ~(1u << lane);
-      }
-    lanes_of[groups] = static_cast<int>(belongs & 0xf);
+      for (int g = from; g < groups; ++g)
+        for (int lane = 0; lane < lanes; ++lane) {
+          const int j = group[g] + lane;
+          bool here = j != i;
+          for (int c = 0; c < D; ++c) here = here && std::nearbyint((position[c][j] - position[c][i]) * inverse_length(c)) == shift[c];
+          if (!here) lanes_of[g] &= ~(1 << lane);
+        }
   }
 
   /// Takes the particle itself out of its groups from number `from` on.
@@ -142,27 +147,29 @@ template <bool periodic, int D>
 [[gnu::always_inline]] inline void add_groups(const std::array<std::vector<float>, D>& coordinate, int first, int last,
                                               const std::array<float, D>& x, const std::array<float, D>& shift, float limit2,
                                               const std::array<double, D>& periods, RowBuilder<D>& row) {
-  const auto near_from = [&](int k) {
-    const unsigned near = periodic ? near_bits<D>(coordinate, k, x, shift, limit2) : near_bits<D>(coordinate, k, x, {}, limit2);
-    return last - k < near_lanes ? near & ((1u << std::max(last - k, 0)) - 1) : near;
+  constexpr int most = 64;  // tested at a time: the bits of a number
+  const auto near_from = [&](int k) __attribute__((always_inline))->std::uint64_t {
+    return periodic ? near_bits<D>(coordinate, k, x, shift, limit2) : near_bits<D>(coordinate, k, x, {}, limit2);
   };
-  constexpr int most = 32;  // tested at a time: the bits of a number
-  int free = first;         // the first point that no group holds
+  const int before = row.groups;
+  int free = first;  // the first point that no group holds
   for (int block = first; block < last; block += most) {
-    unsigned near = near_from(block) | near_from(block + near_lanes) << near_lanes;
-    if (last - block > 2 * near_lanes)
-      near |= near_from(block + 2 * near_lanes) << (2 * near_lanes) | near_from(block + 3 * near_lanes) << (3 * near_lanes);
-    if (free > block) near &= ~0u << (free - block);
+    const int count = std::min(last - block, most);
+    std::uint64_t near = 0;
+    for (int k = 0; k < count; k += 2 * near_lanes)
+      near |= near_from(block + k) << k | near_from(block + k + near_lanes) << (k + near_lanes);
+    near &= ~std::uint64_t{0} >> (most - count) & ~std::uint64_t{0} << (free - block);
     // Rounds of two groups, each kept as needed: a wrong guess of the processor would cost more than a group.
     while (near != 0)
       for (int round = 0; round < 2; ++round) {
-        const int begin = block + std::countr_zero(near);
-        row.template put<periodic>(std::min(begin, last - 1), last, periods);
+        const int begin = std::countr_zero(near);
+        row.group[row.groups] = block + begin;
         row.groups += near != 0;
-        free = near != 0 ? begin + lanes : free;
-        near = free - block < most ? near & (~0u << (free - block)) : 0;
+        near &= ~(std::uint64_t{0xf} << begin % most);
       }
+    free = std::max(block + most, row.groups > before ? row.group[row.groups - 1] + lanes : 0);
   }
+  row.template close<periodic>(before, last, periods);
 }
 
 }  // namespace

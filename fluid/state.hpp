@@ -55,11 +55,13 @@ struct State {
   std::vector<Vector<D>> position;            ///< [m]
   std::vector<Vector<D>> velocity;            ///< [m/s]
   std::vector<double> pressure;               ///< [Pa]
+  std::vector<double> pressure_correction;    ///< the part of it that answers what the first solve has left behind [Pa]
   std::vector<std::uint32_t> id;              ///< label, stable over the run
   std::vector<ParticleClass> particle_class;  ///< of the last step
 
   std::vector<Vector<D>> wall_velocity;  ///< of each patch over the last window, if any wall moves [m/s]
   bool has_pressure = false;             ///< there was a pressure solve
+  double left_share = 0;                 ///< what the first solve of the last window left behind, of its source; 0: not known
   bool fills_enclosure = false;          ///< all fluid is enclosed by fixed walls: it has no free surface and cannot get one
   EnclosedAccount enclosed;
   double reference_speed = 0;      ///< of the scene; 0: not known [m/s]
@@ -80,10 +82,12 @@ struct State {
     visit("position", all.position...);
     visit("velocity", all.velocity...);
     visit("pressure", all.pressure...);
+    visit("pressure_correction", all.pressure_correction...);
     visit("id", all.id...);
     visit("particle_class", all.particle_class...);
     visit("wall_velocity", all.wall_velocity...);
     visit("has_pressure", all.has_pressure...);
+    visit("left_share", all.left_share...);
     visit("fills_enclosure", all.fills_enclosure...);
     visit("enclosed", all.enclosed...);
     visit("reference_speed", all.reference_speed...);
@@ -98,12 +102,13 @@ struct State {
 };
 
 /// Calls visit(name, unit, values) for each array with one value per particle: what sorting by cell, the removal of escaped
-/// particles, frames and comparisons go through.
+/// particles, frames and comparisons go through. Unit null: no field to look at, not in frames.
 template <class AnyState, class Visit>
 void for_each_particle_field(AnyState& state, Visit&& visit) {
   visit("position", "m", state.position);
   visit("velocity", "m/s", state.velocity);
   visit("pressure", "Pa", state.pressure);
+  visit("pressure_correction", nullptr, state.pressure_correction);
   visit("id", "", state.id);
   visit("flag", "", state.particle_class);
 }

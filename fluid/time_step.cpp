@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/parallel.hpp"
 #include "base/timing.hpp"
 #include "fluid/boundary/interface_of_ranks.hpp"
 #include "fluid/boundary/interface_particles.hpp"
@@ -149,10 +150,11 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
     }
     solve_pressure_poisson(constants, domain_, window_, prediction_.position, at_structure_, any_at_structure_, state_, system_);
   }
+  velocity_known_ = false;
   if (first) drive_out_what_is_left();
   ScopedTimer timer(timing_.correction);
-  apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, &at_structure_, true,
-                          prediction_.velocity);  // u** at the structure
+  apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, &at_structure_, prediction_.velocity,
+                          &prediction_.velocity);  // u** at the structure
   velocity_complete_ = false;
   InterfacePressure<D> pressure;
   for (int i : at_structure_) {
@@ -165,34 +167,44 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
 
 template <int D>
 void Fluid<D>::drive_out_what_is_left() {
-  const auto find_left = [&](std::vector<double>& left) {
+  const auto find_left = [&](std::vector<Vector<D>>& projected, std::vector<Vector<D>>* order, std::vector<double>& left) {
     ScopedTimer timer(timing_.correction);
-    projected_velocity_ = prediction_.velocity;
-    apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, nullptr, false, projected_velocity_);
-    domain_.particles().update(projected_velocity_);
-    fluid::compute_divergence<D>(reference_.period, neighbours_, boundary_, correction_, state_.particle_class, projected_velocity_,
-                                 nullptr, packed_.velocity, projected_divergence_);
+    projected = prediction_.velocity;
+    apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, nullptr, projected, order);
+    domain_.particles().update(projected);
+    fluid::compute_divergence<D>(reference_.period, neighbours_, boundary_, correction_, state_.particle_class, projected, nullptr,
+                                 packed_.velocity, projected_divergence_);
     left.assign(system_.matrix.rows(), 0);
     assemble_left_behind(reference_.constants, window_.duration, neighbours_, beside_structure_, state_.particle_class,
                          projected_divergence_, divergence_target_, left);
     if (system_.body_tied.any()) system_.body_tied.subtract_means(left);  // the first solve has closed the sum over them
   };
-  find_left(system_.left_behind);
+  find_left(projected_velocity_, nullptr, system_.left_behind);
   {
     ScopedTimer timer(timing_.pressure_solve);
     solve_for_correction(reference_.constants, domain_, window_, prediction_.position, at_structure_, state_, system_);
     add_correction(system_, state_);
   }
-  find_left(system_.still_left);
+  ordering_velocity_.assign(state_.size(), Vector<D>::Zero());
+  find_left(corrected_velocity_, &ordering_velocity_, system_.still_left);
   keep_best_share(domain_.ranks(), system_, state_);
+  velocity_known_ = true;
 }
 
 template <int D>
 void Fluid<D>::complete_velocity() {
   ScopedTimer timer(timing_.correction);
-  apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, nullptr, true,
-                          prediction_.velocity);  // u** elsewhere
   velocity_complete_ = true;
+  if (!velocity_known_)
+    return apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, nullptr, prediction_.velocity,
+                                   &prediction_.velocity);  // u** elsewhere
+  // The same, for the gradient without its ordering part is linear: what the share of the correction makes of the two that are known.
+  // Order is kept by the pressure with the correction in full.
+  parallel_for(static_cast<std::ptrdiff_t>(state_.size()), [&](std::ptrdiff_t i) {
+    if (boundary_.sees_structure(i)) return;
+    const Vector<D> change = corrected_velocity_[i] - projected_velocity_[i];
+    prediction_.velocity[i] = projected_velocity_[i] + share_taken(system_, i) * change + ordering_velocity_[i];
+  });
 }
 
 template <int D>

@@ -115,6 +115,12 @@ double Probe<D>::filling(const Vector<D>& x) const {
   double sum = 0;
   Vector<D> centroid = Vector<D>::Zero();
   for_particles_around(x, [&](int, const Vector<D>& d, double w) { sum += w, centroid += w * d; });
+  return filling(x, sum, centroid);
+}
+
+/// As above, of the sums of w and w d over the particles around x.
+template <int D>
+double Probe<D>::filling(const Vector<D>& x, double sum, const Vector<D>& centroid) const {
   if (sum == 0) return 0;
   // A point on a wall sees it only from a little nearer to the fluid. Deep in a corner little is left to be filled, and the
   // quotient would be noise.
@@ -166,12 +172,16 @@ double Probe<D>::flux(const Vector<D>& from, const Vector<D>& to) const {
     for (int a = 0; a < count[0]; ++a) {
       Vector<D> x = from + (a + 0.5) / count[0] * across.edges[0];
       if constexpr (D == 3) x += (b + 0.5) / count[1] * across.edges[1];
-      Vector<D> momentum = Vector<D>::Zero();
+      Vector<D> momentum = Vector<D>::Zero(), centroid = Vector<D>::Zero();
       double weight = 0;
-      for_particles_around(x, [&](int i, const Vector<D>&, double w) { momentum += w * fluid_.state().velocity[i], weight += w; });
+      for_particles_around(x, [&](int i, const Vector<D>& d, double w) {
+        momentum += w * fluid_.state().velocity[i];
+        centroid += w * d;
+        weight += w;
+      });
       if (weight == 0) continue;
       // From nothing outside to all inside across the free surface, so that the flux does not jump from point to point.
-      const double wet = wet_share(filling(x));
+      const double wet = wet_share(filling(x, weight, centroid));
       sum += area * wet * momentum.dot(across.normal) / weight;
     }
   return sum;
@@ -194,6 +204,16 @@ bool Probe<D>::covered(const Vector<D>& x) const {
 template <int D>
 template <class Visit>
 void Probe<D>::for_particles_before(const Vector<D>& x, const Vector<D>& normal, Visit&& visit) const {
+  struct Near {
+    int i;
+    Vector<D> d;
+    double w;
+  };
+  std::vector<Near> before;
+  for_particles_around(x, [&](int i, const Vector<D>& d, double w) {
+    if (!fluid_.state().particle_class[i].spray() && d.dot(normal) > 0) before.push_back({i, d, w});
+  });
+  if (before.empty()) return;  // most walls are dry, and what follows takes longer
   const Vector<D> eye = x + off_wall * fluid_.constants().spacing * normal;
   for (const Wall<D>& wall : fluid_.walls().all())  // another wall may stand on this one
     if (!wall.scene.container && contains<D>(wall.scene.shape, wall.place.reference(eye))) return;
@@ -209,10 +229,8 @@ void Probe<D>::for_particles_before(const Vector<D>& x, const Vector<D>& normal,
     return std::any_of(screens.begin(), screens.end(),
                        [&](const auto& screen) { return patch_separates(*screen.first, screen.second, eye, particle); });
   };
-  for_particles_around(x, [&](int i, const Vector<D>& d, double w) {
-    if (fluid_.state().particle_class[i].spray() || d.dot(normal) <= 0 || screened(x + d)) return;
-    visit(i, d, w);
-  });
+  for (const Near& near : before)
+    if (!screened(x + near.d)) visit(near.i, near.d, near.w);
 }
 
 // Mean of what the wall mirrors of each particle before it, p = p_i + rho (g - a_w) . (x - x_i): the pressure that the

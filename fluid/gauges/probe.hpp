@@ -52,6 +52,7 @@ class Probe {
   template <class Visit>
   void for_particles_before(const Vector<D>& x, const Vector<D>& normal, Visit&& visit) const;
   double hidden(const Vector<D>& x) const;
+  double filling(const Vector<D>& x, double sum, const Vector<D>& centroid) const;
   /// Nothing where the wall is dry.
   std::optional<double> wall_pressure(const Vector<D>& x, const Vector<D>& normal, double normal_acceleration) const;
   /// Of the fluid on the patch of a wall that it sticks to [N/m^(3-D)].

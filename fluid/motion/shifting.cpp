@@ -110,7 +110,7 @@ void shift_particles(const Constants<D>& constants, double duration, const Neigh
   const double beside = unevenness * constants.spacing;
   const double time = rate_over_strain * constants.numerics.shifting * duration;
   parallel_for(n, [&](std::ptrdiff_t i) {
-    if (!particle_class[i].interior()) return;
+    if (!particle_class[i].interior() || !particle_class[i].has(ParticleClass::corrected_gradient)) return;
     const Vector<D> hidden = boundary.sums.wall_gradient[i] + boundary.sums.surface_gradient[i] + boundary.sums.back_facing_gradient[i];
     const Vector<D>& own = boundary.sees_face(i) ? neighbours.kernel_gradient[i] : neighbours.concentration_gradient[i];
     const double share = std::min(time * packed.strain_rate[i], stable_share);

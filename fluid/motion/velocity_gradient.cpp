@@ -14,7 +14,6 @@ void compute_velocity_gradient(const Period<D>& space, const Neighbours<D>& neig
   for (auto* parts : {&packed.shear, &packed.spin})
     for (auto& values : *parts) values.resize(all);
   packed.strain_rate.resize(all);
-  packed.has_gradient.resize(all);
   space.specialise([&](auto periodic) {
     const LanePeriod<decltype(periodic)::value, D> period(space);
     parallel_for(n, [&](std::ptrdiff_t i) {
@@ -27,8 +26,8 @@ void compute_velocity_gradient(const Period<D>& space, const Neighbours<D>& neig
         packed.shear[place][i] = 0.5 * (gradient(a, b) + gradient(b, a));
         packed.spin[place][i] = 0.5 * (gradient(a, b) - gradient(b, a));
       });
-      packed.strain_rate[i] = (gradient + gradient.transpose()).norm() / std::numbers::sqrt2;
-      packed.has_gradient[i] = has_gradient;
+      packed.strain_rate[i] =
+          has_gradient ? (gradient + gradient.transpose()).norm() / std::numbers::sqrt2 : PackedVelocities<D>::without_gradient;
     });
   });
 }

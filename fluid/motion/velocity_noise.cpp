@@ -23,6 +23,7 @@ namespace {
 
 constexpr double largest_share = 0.5;  ///< per step, for stability
 constexpr double resolved = 0.1;       ///< share of a difference of velocities that a resolved motion may have beyond the linear fields
+constexpr double half_resolved = 0.5 * resolved;
 
 }  // namespace
 
@@ -47,7 +48,7 @@ void damp_velocity_noise(double share, const Period<D>& space, const Neighbours<
       std::array<double, D*(D - 1) / 2> own_shear;
       for (int a = 0; a < D; ++a) own_stretch[a] = packed.half_stretch[a][i];
       for (std::size_t place = 0; place < own_shear.size(); ++place) own_shear[place] = packed.shear[place][i];
-      const double rate = packed.strain_rate[i];
+      const double rate = half_resolved * packed.strain_rate[i];
       std::array<Four, D> change{};
       for_groups(
           neighbours, i, [&](int j, Four weight) __attribute__((always_inline)) {
@@ -64,10 +65,8 @@ void damp_velocity_noise(double share, const Period<D>& space, const Neighbours<
               jump[a] -= (own_shear[place] + load(packed.shear[place].data() + j)) * r[b];
             });
             for (int c = 0; c < D; ++c) part += jump[c] * r[c];
-            const Four size = part < 0 ? -part : part;
-            const Four smooth = 0.5 * resolved * (rate + load(packed.strain_rate.data() + j)) * r2 + 1e-300;
-            const Four unresolved = part * (size / (size > smooth ? size : smooth));
-            const Four exchange = weight * load(packed.has_gradient.data() + j) * unresolved;
+            const Four size = magnitude(part), smooth = (rate + half_resolved * load(packed.strain_rate.data() + j)) * r2 + 1e-300;
+            const Four exchange = weight * part * (size / larger(smooth, size));
             for (int c = 0; c < D; ++c) change[c] += exchange * r[c];
           });
       for (int c = 0; c < D; ++c) velocity[i][c] += share * sum(change[c]);

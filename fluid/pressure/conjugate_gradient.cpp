@@ -25,19 +25,22 @@ SolveResult conjugate_gradient(const Ranks& ranks, const Halo& ghosts, const Edg
   };
 
   SolveResult result;
-  matrix.multiply(p, q);
-  add(p, q);
-  parallel_for(n, [&](std::ptrdiff_t i) { r[i] = b[i] - q[i]; });
-  double of_r_and_b[] = {0, own_dot(b, b)};
-  result.residual = measure_residual(of_r_and_b);
-  const double norm_b = std::sqrt(of_r_and_b[1]);
+  double of_b_and_p[] = {own_dot(b, b), own_dot(p, p)};
+  ranks.sum(std::span(of_b_and_p));
+  const double norm_b = result.source = std::sqrt(of_b_and_p[0]);
   if (norm_b == 0) {
     std::fill(p.begin(), p.end(), 0.0);
-    result.residual = 0;
     result.converged = true;
     return result;
   }
-  result.residual /= norm_b;
+  if (of_b_and_p[1] != 0) {
+    ghosts.update(p);
+    matrix.multiply(p, q);
+    add(p, q);
+  }
+  parallel_for(n, [&](std::ptrdiff_t i) { r[i] = b[i] - q[i]; });
+  double of_r_at_first = 0;
+  result.residual = measure_residual(std::span(&of_r_at_first, 1)) / norm_b;
   double rho = 0;
   while (result.residual > tolerance) {
     if (result.iterations == limit || !std::isfinite(result.residual)) return result;

@@ -13,6 +13,7 @@ namespace tern::fluid {
 struct SolveResult {
   int iterations = 0;
   double residual = 0;  ///< |b - A p| / |b|
+  double source = 0;    ///< |b|
   bool converged = false;
 };
 

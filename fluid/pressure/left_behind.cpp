@@ -37,10 +37,14 @@ template <int D>
 void keep_best_share(const Ranks& ranks, PressureSystem<D>& system, State<D>& state) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
   const std::vector<int>& part = system.multigrid.part_of_particle();
-  if (system.multigrid.parts() == 0) return;  // spray alone
-  auto &left = system.left_behind, &share = system.share, &square = system.squared_change;
-  if (system.sealed.any()) system.sealed.subtract_means(system.still_left);  // as of left_behind: sealed fluid cannot answer them
+  std::vector<double>& share = system.share;
   share.assign(system.multigrid.parts(), 0);
+  if (share.empty()) {  // spray alone
+    std::fill(state.pressure_correction.begin(), state.pressure_correction.end(), 0.0);
+    return;
+  }
+  auto &left = system.left_behind, &square = system.squared_change;
+  if (system.sealed.any()) system.sealed.subtract_means(system.still_left);  // as of left_behind: sealed fluid cannot answer them
   square.assign(system.multigrid.parts(), 0);
   for (std::ptrdiff_t i = 0; i < n; ++i) {
     const double change = left[i] - system.still_left[i];
@@ -53,8 +57,12 @@ void keep_best_share(const Ranks& ranks, PressureSystem<D>& system, State<D>& st
   share.resize(square.size());
   for (std::size_t k = 0; k < share.size(); ++k) share[k] = square[k] > 0 ? std::clamp(share[k] / square[k], 0.0, 1.0) : 0;
   const std::ptrdiff_t all = static_cast<std::ptrdiff_t>(state.pressure.size());
-  parallel_for(all, [&](std::ptrdiff_t i) { state.pressure[i] -= (1 - share[part[i]]) * system.correction[i]; });
-  parallel_for(n, [&](std::ptrdiff_t i) { left[i] *= share[part[i]]; });
+  parallel_for(all, [&](std::ptrdiff_t i) { state.pressure[i] -= (1 - share_taken(system, i)) * system.correction[i]; });
+  parallel_for(n, [&](std::ptrdiff_t i) {
+    const double taken = share_taken(system, i);
+    state.pressure_correction[i] = taken * system.correction[i];
+    left[i] *= taken;
+  });
 }
 
 #define TERN_INSTANTIATE(D)                                                                                                        \

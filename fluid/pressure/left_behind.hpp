@@ -26,4 +26,10 @@ void add_correction(const PressureSystem<D>& system, State<D>& state);
 template <int D>
 void keep_best_share(const Ranks& ranks, PressureSystem<D>& system, State<D>& state);
 
+/// The share of particle i, once keep_best_share() has found it.
+template <int D>
+double share_taken(const PressureSystem<D>& system, std::ptrdiff_t i) {
+  return system.share.empty() ? 0 : system.share[system.multigrid.part_of_particle()[i]];
+}
+
 }  // namespace tern::fluid

@@ -26,12 +26,12 @@ constexpr double stiffest = 2.7;
 
 template <int D>
 void apply_pressure_gradient(const Reference<D>& reference, double duration, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
-                             const Corrections<D>& correction, const State<D>& state, const std::vector<int>* only, bool with_order,
-                             std::vector<Vector<D>>& velocity) {
+                             const Corrections<D>& correction, const State<D>& state, const std::vector<int>* only,
+                             std::vector<Vector<D>>& velocity, std::vector<Vector<D>>* order) {
   const Constants<D>& constants = reference.constants;
   const bool at_structure = only != nullptr;
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(at_structure ? only->size() : state.size());
-  const double theta = with_order ? constants.numerics.blend_theta : 0, scale = -duration / constants.density;
+  const double theta = order ? constants.numerics.blend_theta : 0, scale = -duration / constants.density;
   // theta (p - least) of a force whose vibrations the window resolves
   const double most = constants.density / (2 * stiffest) * std::pow(constants.kernel.smoothing_length() / duration, 2);
   const double* pressure = state.pressure.data();
@@ -67,7 +67,7 @@ void apply_pressure_gradient(const Reference<D>& reference, double duration, con
           gradient = difference + 2 * p * kernel_gradient;
         } else {
           gradient = correction.matrix[i] * difference;
-          if constexpr (decltype(ordered)::value) gradient += 2 * std::min(theta * (p - least), most) * kernel_gradient;
+          if constexpr (decltype(ordered)::value) (*order)[i] += scale * 2 * std::min(theta * (p - least), most) * kernel_gradient;
         }
         velocity[i] += scale * gradient;
       });
@@ -80,8 +80,8 @@ void apply_pressure_gradient(const Reference<D>& reference, double duration, con
 }
 
 template void apply_pressure_gradient<2>(const Reference<2>&, double, const Neighbours<2>&, const Boundary<2>&, const Corrections<2>&,
-                                         const State<2>&, const std::vector<int>*, bool, std::vector<Vector<2>>&);
+                                         const State<2>&, const std::vector<int>*, std::vector<Vector<2>>&, std::vector<Vector<2>>*);
 template void apply_pressure_gradient<3>(const Reference<3>&, double, const Neighbours<3>&, const Boundary<3>&, const Corrections<3>&,
-                                         const State<3>&, const std::vector<int>*, bool, std::vector<Vector<3>>&);
+                                         const State<3>&, const std::vector<int>*, std::vector<Vector<3>>&, std::vector<Vector<3>>*);
 
 }  // namespace tern::fluid

@@ -10,10 +10,11 @@
 namespace tern::fluid {
 
 /// u -= dt/rho G for the pressure of the state: of the particles `only`, which see the structure, or, with nullptr, of all
-/// that do not; with or without the part that keeps the particles in order.
+/// that do not. The part that keeps the particles in order is added to `order`: the velocity itself, a vector of its own, or, with
+/// nullptr, none.
 template <int D>
 void apply_pressure_gradient(const Reference<D>& reference, double duration, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
-                             const Corrections<D>& correction, const State<D>& state, const std::vector<int>* only, bool with_order,
-                             std::vector<Vector<D>>& velocity);
+                             const Corrections<D>& correction, const State<D>& state, const std::vector<int>* only,
+                             std::vector<Vector<D>>& velocity, std::vector<Vector<D>>* order);
 
 }  // namespace tern::fluid

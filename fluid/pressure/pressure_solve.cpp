@@ -15,11 +15,13 @@ namespace {
 constexpr int multigrid_limit = 60;  ///< iterations; more means that the preconditioner has failed
 constexpr int jacobi_limit = 20000;
 constexpr double rounding = 1e-12;  ///< of a mean that is subtracted
-/// Where no particle is at a body, what the first solve leaves belongs to what the correction answers, which is much more: the equation is
-/// not exactly the divergence of the pressure gradient. Beside a body nothing answers it.
-constexpr double answered_tolerance = 1e-3, answered_tolerance_by_that_of_pressure = 1000;
-/// The correction of the pressure is of a hundredth of its size, and a part of what it answers to stays in any case.
-constexpr double correction_tolerance = 0.1, correction_tolerance_by_that_of_pressure = 1e5;
+/// Where no particle is at a body, the correction answers to what the first solve leaves as well. It may leave this part of what is left
+/// behind anyway. Beside a body nothing answers to it.
+constexpr double of_what_is_left = 0.1;
+/// The correction of the pressure is solved for to this, because a part of what it answers to stays in any case.
+constexpr double of_correction = 0.1;
+/// As long as the former is not known, or if a finer tolerance than this is asked for, the two may leave so many times the tolerance.
+constexpr double usual_tolerance = 1e-6, first_by_tolerance = 1e3, correction_by_tolerance = 1e5;
 
 /// `solution`, from what it is, of the matrix and this source.
 template <int D>
@@ -98,10 +100,19 @@ void solve_pressure_poisson(const Constants<D>& constants, const Domain<D>& doma
                             State<D>& state, PressureSystem<D>& system) {
   const std::ptrdiff_t all = static_cast<std::ptrdiff_t>(state.pressure.size());
   system.solution.assign(state.pressure.size(), 0);
-  parallel_for(all, [&](std::ptrdiff_t i) { system.solution[i] = state.particle_class[i].pressure_unknown() ? state.pressure[i] : 0; });
+  // The source of the first solve of a window does not hold what that leaves behind; that of a repeated one does.
+  const double without = system.left_behind.empty() ? 1 : 0;
+  parallel_for(static_cast<std::ptrdiff_t>(state.size()), [&](std::ptrdiff_t i) {
+    if (state.particle_class[i].pressure_unknown()) system.solution[i] = state.pressure[i] - without * state.pressure_correction[i];
+  });
 
   double tolerance = constants.numerics.pressure_tolerance;
-  if (!any_at_structure) tolerance = std::max(tolerance, std::min(answered_tolerance, answered_tolerance_by_that_of_pressure * tolerance));
+  if (!any_at_structure) {
+    const bool by_what_is_left = state.left_share > 0 && tolerance >= usual_tolerance;
+    const double answered =
+        by_what_is_left ? std::min(state.left_share, 1.0) * of_what_is_left : std::min(tolerance, usual_tolerance) * first_by_tolerance;
+    tolerance = std::max(tolerance, answered);
+  }
   solve(domain, window, position, at_structure, tolerance, system.source, system.solution, state, system);
   parallel_for(all, [&](std::ptrdiff_t i) { state.pressure[i] = system.solution[i]; });
   state.has_pressure = true;
@@ -113,8 +124,12 @@ void solve_for_correction(const Constants<D>& constants, const Domain<D>& domain
                           PressureSystem<D>& system) {
   const SolveResult of_the_equation = system.result;
   system.correction.assign(state.pressure.size(), 0);
-  const double tolerance = std::min(correction_tolerance, correction_tolerance_by_that_of_pressure * constants.numerics.pressure_tolerance);
+  parallel_for(static_cast<std::ptrdiff_t>(state.size()), [&](std::ptrdiff_t i) {
+    if (state.particle_class[i].pressure_unknown()) system.correction[i] = state.pressure_correction[i];
+  });
+  const double tolerance = std::min(of_correction, correction_by_tolerance * constants.numerics.pressure_tolerance);
   solve(domain, window, position, at_structure, tolerance, system.left_behind, system.correction, state, system);
+  state.left_share = of_the_equation.source > 0 ? system.result.source / of_the_equation.source : 0;
   system.result = of_the_equation;
 }
 

@@ -50,6 +50,7 @@ void write_frame(const Fluid<D>& fluid, FrameWriter& frames, long step) {
   };
   frames.begin(seconds(state.time), step);
   for_each_particle_field(state, [&]<class T>(const char* name, const char* unit, const std::vector<T>& values) {
+    if (unit == nullptr) return;
     if constexpr (std::is_same_v<T, Vector<D>>)
       frames.vector<D>(name, unit, sorted(values));
     else if constexpr (std::is_same_v<T, double>)

@@ -77,8 +77,8 @@ double left_in_a_wave(int particles) {
   std::vector<Vector<2>> velocity = fluid.prediction().velocity;
   const double met = divergence_of(velocity);
   fluid.solve_pressure({});
-  apply_pressure_gradient(fluid.reference(), seconds(window), fluid.neighbours(), fluid.boundary(), fluid.correction(), fluid.state(),
-                          nullptr, false, velocity);
+  apply_pressure_gradient<2>(fluid.reference(), seconds(window), fluid.neighbours(), fluid.boundary(), fluid.correction(), fluid.state(),
+                             nullptr, velocity, nullptr);
   return divergence_of(velocity) / met;
 }
 
@@ -98,6 +98,16 @@ TEST(Projection, StaysBoundedAtTheLongestStep) {
   Fluid<2> fluid(c);
   const double before = fluid.energies().kinetic;
   run(fluid, 0.25, [&] { EXPECT_LT(fluid.energies().kinetic, 1.02 * before); });
+}
+
+// 0.7 on the mean. Seen to fail: started from the pressure with what answers another source (2.0), and solved to a residual of 1e-3 (1.7).
+TEST(Projection, SolvesForThePressureOfAWaveInOneIteration) {
+  Fluid<2> fluid(scene(2, 1.0 / 40, {water_with_wave(1, 0.08)}, {tank({0, 0, 0}, {1, 2, 0})}));
+  step(fluid, fluid.propose_step().seconds);
+  int windows = 0, iterations = 0;
+  run(fluid, 0.5, [&] { ++windows, iterations += fluid.last_solve().iterations; });
+  std::printf("[ %d windows, %d iterations ]\n", windows, iterations);
+  EXPECT_LT(iterations, 1.3 * windows);
 }
 
 }  // namespace
