@@ -26,7 +26,7 @@ SolveResult conjugate_gradient(const Ranks& ranks, const Halo& ghosts, const Edg
 
   SolveResult result;
   double of_b_and_p[] = {own_dot(b, b), own_dot(p, p)};
-  ranks.sum(std::span(of_b_and_p));
+  ranks.sum(std::span<double>(of_b_and_p));
   const double norm_b = result.source = std::sqrt(of_b_and_p[0]);
   if (norm_b == 0) {
     std::fill(p.begin(), p.end(), 0.0);
