@@ -1,5 +1,5 @@
 #!/usr/bin/python3 -B
-"""What a fluid in many processes is expected to cost, by the model of python/tern/launch/scaling.py. Tables of docs/SCALE.md:
+"""What a fluid in many processes is expected to cost, by the model of python/tern/scale_model.py. Tables of docs/SCALE.md:
 
     PYTHONPATH=python bench/scale_model.py [--particles N ...] [--latency S] [--bandwidth B] [--imbalance X]
     bench/scale_model.py --count RANKS        counts of messages, bytes, collectives and iterations, from runs on this machine
@@ -15,7 +15,7 @@ import tempfile
 from dataclasses import replace
 from pathlib import Path
 
-from tern.launch import scaling
+from tern import scale_model
 
 ROOT = Path(__file__).resolve().parent.parent
 CASES = {"dam_break_front": "0.02", "dam_break_3d": "0.02", "dam_break_plate_3d": "0.02"}
@@ -40,16 +40,16 @@ def counts(ranks):
 def model(particles, cluster):
     print("| dimension | particles of a rank | " + " | ".join(f"{ranks} ranks" for ranks in RANKS) + " |")
     print("|---|---|" + "---|" * len(RANKS))
-    for fluid in scaling.MEASURED.values():
+    for fluid in scale_model.MEASURED.values():
         for of_rank in particles:
-            cells = [f"{100 * scaling.efficiency(fluid, cluster, ranks, of_rank):.0f} %" for ranks in RANKS]
+            cells = [f"{100 * scale_model.efficiency(fluid, cluster, ranks, of_rank):.0f} %" for ranks in RANKS]
             print(f"| {fluid.dimension} | {of_rank} | " + " | ".join(cells) + " |")
-    for fluid in scaling.MEASURED.values():
+    for fluid in scale_model.MEASURED.values():
         print(f"\n{fluid.dimension}D, {particles[0]} particles of a rank, milliseconds of a window:\n")
         print("| part | " + " | ".join(f"{ranks} ranks" for ranks in RANKS) + " |")
         print("|---|" + "---|" * len(RANKS))
-        of_ranks = [scaling.costs(fluid, cluster, ranks, particles[0]) for ranks in RANKS]
-        for part in scaling.PARTS:
+        of_ranks = [scale_model.costs(fluid, cluster, ranks, particles[0]) for ranks in RANKS]
+        for part in scale_model.PARTS:
             print(f"| {part} | " + " | ".join(f"{1e3 * costs[part]:.2f}" for costs in of_ranks) + " |")
 
 
@@ -64,7 +64,7 @@ def main():
     if chosen.count:
         return counts(chosen.count)
     given = {"latency_s": chosen.latency, "machine_bytes_per_s": chosen.bandwidth, "imbalance": chosen.imbalance}
-    model(chosen.particles, replace(scaling.Cluster(), **{key: value for key, value in given.items() if value is not None}))
+    model(chosen.particles, replace(scale_model.Cluster(), **{key: value for key, value in given.items() if value is not None}))
     return 0
 
 

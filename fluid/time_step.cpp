@@ -18,6 +18,7 @@
 #include "base/timing.hpp"
 #include "fluid/boundary/interface_of_ranks.hpp"
 #include "fluid/boundary/interface_particles.hpp"
+#include "fluid/boundary/interface_reaction.hpp"
 #include "fluid/boundary/patches_of_ranks.hpp"
 #include "fluid/boundary/wall_contact.hpp"
 #include "fluid/correction_matrix.hpp"
@@ -95,6 +96,7 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   any_at_structure_ = false;
   if (boundary_.surface.size() == 0) return {};
   list_beside_structure(domain_, prediction_.position.size(), neighbours_, at_structure_, beside_structure_);
+  find_interface_reaction(constants, domain_.ranks(), own, at_structure_, boundary_);
   if (domain_.alone()) {
     any_at_structure_ = !at_structure_.empty();
     return own;

@@ -1,116 +1,141 @@
-"""What a step of the fluid costs in many processes: a model. Used by ./tern explain --ranks; docs/SCALE.md says how far it is measured.
+"""What a step of the fluid costs in many processes: the model of docs/SCALE.md, used by ./tern explain --ranks and bench/scale_model.py.
 
-A rank computes its particles; copies of those of others, the ghosts, come to it in exchanges. All ranks meet in collectives (sums and
-extremes). From the second grid of the multigrid on, all ranks have the whole grid: what it costs does not become less with more ranks.
+Of every rank the same number of particles, in a block as long as it is wide. Copies of the particles of others, the ghosts, come to it in
+exchanges. All ranks meet in sums. Counted and measured figures go in; latency, bandwidth and imbalance of a cluster are assumptions.
+Nothing here has been measured on many machines.
 """
 
-import dataclasses
-import math
 import tomllib
+from dataclasses import dataclass, replace
+from math import ceil, log2
 from pathlib import Path
 
 from tern.errors import BAD_INPUT, Error
 
-SUPPORT = 3                # width of the ghosts, in spacings
-COARSE = 4                 # width of a cell of the second grid, in spacings: that of the first is two
-MESSAGE_S = 0.5e-6         # of the processor, for each message at both ends: assumed
-LOCAL_S = 0.5e-6           # latency between ranks of one machine: assumed
-IMBALANCE = 1.05           # the fullest rank over the mean between two cuts, at 1.1 of which space is cut anew: assumed
-PROCESS_BYTES = 30e6       # of a rank without particles, as scene/estimate.cpp has it
-GHOST_BYTES = 300          # assumed
+COARSEST = 150  # nodes of the multigrid's last grid at most, as in fluid/pressure/multigrid.cpp
+SUPPORT = 3     # of the kernel, in spacings
+PARTS = ("own particles", "ghosts", "whole grids", "patches of walls", "messages", "bytes", "sums over all", "cuts", "imbalance")
+PROCESS_BYTES = 30e6          # of a rank without particles, as scene/estimate.cpp has it
+PARTICLE_BYTES = {2: 2000, 3: 6000}
+GHOST_BYTES = 300             # assumed
 START_BYTES = {2: 50, 3: 66}  # of each particle of the whole start: every rank makes it (fields of fluid/state.hpp)
 
 
-@dataclasses.dataclass(frozen=True)
-class Counts:
-    """Of one step. The defaults are reckoned from the order of a step, not counted."""
+@dataclass(frozen=True)
+class Fluid:
+    """What a window costs."""
+    dimension: int
+    iterations: float   # of both pressure solves
+    particle_s: float   # CPU for a particle, in one process
+    ghost_s: float      # for a copy of a particle, with the nodes around it
+    node_s: float       # for a node of a grid that every rank has
+    patch_s: float      # for a patch of a wall, of which every rank has all
+    patches: float      # over the particles to the power of (D - 1)/D
+    ghost_bytes: float  # of a ghost in each exchange, in the mean
 
-    particle_exchanges: float = 45.0
-    ghost_bytes: float = 700.0     # of each ghost, in all of these together
-    node_exchanges: float = 40.0
-    collectives: float = 150.0
-    cycles: float = 10.0           # of the multigrid, in the solves of a step
-    coarse_node_s: float = 1.0e-7  # of each node of the second grid in a cycle, with all grids below it
+    @property
+    def particle_exchanges(self):
+        return 11 + 2 * self.iterations
+
+    @property
+    def node_exchanges(self):
+        """Of each divided grid."""
+        return 4 + 3 * self.iterations
+
+    @property
+    def sums(self):
+        """Over all ranks, without those of further divided grids."""
+        return 18 + 4 * self.iterations
 
 
-@dataclasses.dataclass(frozen=True)
+OTHER_EXCHANGES, SUMS_PER_GRID = 2, 3
+# At most every 20 windows space is cut anew: 50 bisections and 3 sums for each doubling of the ranks (fluid/domain.cpp).
+WINDOWS_BETWEEN_CUTS, BISECTIONS, SUMS_PER_CUT = 20, 50, 53
+COMPARED_S = 1.5e-9  # a particle with a cut
+
+# Iterations, bytes: bench/scale_model.py --count 8. CPU of a particle: bench/fluid_cpu.py (docs/SPEED.md). CPU of a ghost: docs/SCALE.md.
+# CPU of a node: what multigrid and conjugate gradients take of a step (docs/SPEED.md), over the nodes of the finest grid.
+# Patches: of dam_break_3d, and of dam_break_front; a patch is eight bytes to be set to zero.
+MEASURED = {
+    2: Fluid(2, 3.9, 0.95e-6, 0.2e-6, 0.34e-6, 0.5e-9, 20, 12),
+    3: Fluid(3, 5.2, 4.4e-6, 0.9e-6, 3.2e-6, 0.5e-9, 136, 15),
+}
+
+
+@dataclass(frozen=True)
 class Cluster:
-    """Machines of so many cores, and the network between them."""
-
-    cores: int
+    """Machines of so many cores, a rank on each, and the network between them."""
+    cores: int = 32
     latency_s: float = 1.5e-6
-    bandwidth: float = 10e9  # of a machine [bytes/s]
+    message_s: float = 0.5e-6          # of the processor, for each message at each end
+    machine_bytes_per_s: float = 10e9  # between machines, of all ranks of one together
+    memory_bytes_per_s: float = 5e9    # of a rank, to others of its machine
+    imbalance: float = 0.05            # most over mean, less 1
 
 
-@dataclasses.dataclass(frozen=True)
-class Step:
-    """One step of one rank: seconds by part, and what the rank holds."""
-
-    ranks: int
-    particles: float
-    ghosts: float
-    compute_s: float    # its own particles
-    imbalance_s: float  # waiting for the fullest rank
-    exchange_s: float   # ghosts and nodes around its part
-    collective_s: float  # sums and extremes over all ranks
-    coarse_s: float     # the grids that all ranks have whole, and their sums
-    memory: float       # bytes
-
-    @property
-    def seconds(self):
-        return self.compute_s + self.imbalance_s + self.exchange_s + self.collective_s + self.coarse_s
-
-    @property
-    def communication(self):
-        """Share of a step in which nothing is computed for the particles."""
-        return 1 - self.compute_s / self.seconds
-
-    efficiency = property(lambda self: self.compute_s / self.seconds)
+def grids(dimension, particles):
+    """Nodes of the grids that are divided among ranks, the finest first, and of the first grid that is not."""
+    cell = 2 ** dimension
+    divided = [particles / cell]
+    while divided[-1] > COARSEST * cell:
+        divided.append(divided[-1] / cell)
+    return divided, divided[-1] / cell
 
 
-def ghosts(particles, ranks, dimension):
-    """Of a rank of so many particles, in the mean: its part is a cube, one of as many to each side as make `ranks`. Of the two faces across
-    each side 2 (k-1)/k have a neighbour, which adds the width of a support there."""
-    if ranks == 1:
-        return 0.0
-    side, k = particles ** (1 / dimension), ranks ** (1 / dimension)
-    return (side + SUPPORT * 2 * (k - 1) / k) ** dimension - particles
+def around(inside, ranks, dimension, width):
+    """Places within `width` of a part that others have, in the mean over parts: a part is a cube of so many, one of as many to each side
+    as make `ranks`. Of the two faces across each side 2 (k-1)/k have a neighbour."""
+    side, k = inside ** (1 / dimension), ranks ** (1 / dimension)
+    return (side + width * 2 * (k - 1) / k) ** dimension - inside
 
 
 def neighbours(ranks, dimension):
     """Ranks around a part, in the mean over parts at the edge and inside."""
-    k = ranks ** (1 / dimension)
-    return min(ranks - 1, (3 - 2 / k) ** dimension - 1)
+    return min(ranks - 1, (3 - 2 / ranks ** (1 / dimension)) ** dimension - 1)
 
 
-def step(particles, ranks, dimension, particle_s, cluster, counts=Counts()):
-    """`particles`: of all ranks. `particle_s`: cost of one in a step without ranks [CPU s]."""
-    own = particles / ranks
-    around = ghosts(own, ranks, dimension)
-    peers = neighbours(ranks, dimension)
-    machines = math.ceil(ranks / cluster.cores)
-    latency = cluster.latency_s if machines > 1 else LOCAL_S
-    per_machine = min(ranks, cluster.cores)
-    bytes_per_s = cluster.bandwidth / per_machine
-    exchanges = counts.particle_exchanges + counts.node_exchanges
-    # The first grid has a node for two spacings; a part gives and takes a layer of them around it.
-    nodes_around = ghosts(own / 2**dimension, ranks, dimension) / SUPPORT
-    exchange = (exchanges * (latency + 2 * MESSAGE_S * peers)
-                + (counts.ghost_bytes * around + 8 * counts.node_exchanges * nodes_around) / bytes_per_s) if ranks > 1 else 0.0
-    hops = LOCAL_S * math.log2(per_machine) + cluster.latency_s * math.log2(machines)
-    collective = 2 * counts.collectives * hops
-    coarse_nodes = particles / COARSE**dimension
-    stencil = 3**dimension
-    coarse = 0.0
+def costs(fluid, cluster, ranks, particles):
+    """Seconds of a window on one rank, by part; `particles`: of a rank."""
+    D = fluid.dimension
+    parts = dict.fromkeys(PARTS, 0.0) | {"own particles": fluid.particle_s * particles}
+    if ranks == 1:
+        return parts
+    peers = neighbours(ranks, D)
+    divided, whole = grids(D, ranks * particles)
+    ghosts = around(particles, ranks, D, SUPPORT)
+    foreign = sum(around(max(1.0, nodes / ranks), ranks, D, 1) for nodes in divided)
+    exchanges = fluid.particle_exchanges + fluid.node_exchanges * len(divided) + OTHER_EXCHANGES
+    sums = fluid.sums + SUMS_PER_GRID * (len(divided) - 1)
+    # The ranks of a machine are a block: what goes to another machine is what passes its sides.
+    machines = min(1.0, ranks / cluster.cores - 1) if ranks > cluster.cores else 0.0
+    through_network = machines * cluster.cores ** (-1 / D)
+    seconds_of_byte = 1 / cluster.memory_bytes_per_s + through_network * cluster.cores / cluster.machine_bytes_per_s
+    sent = fluid.ghost_bytes * fluid.particle_exchanges * ghosts + 4 * fluid.node_exchanges * foreign
+    doublings = ceil(log2(ranks))
+    sum_s = 2 * cluster.latency_s * doublings
+    parts |= {
+        "ghosts": fluid.ghost_s * ghosts,
+        "whole grids": fluid.node_s * whole * 2 ** D / (2 ** D - 1),
+        "patches of walls": fluid.patch_s * fluid.patches * (ranks * particles) ** ((D - 1) / D),
+        "messages": exchanges * (cluster.latency_s + 2 * cluster.message_s * peers),
+        "bytes": sent * seconds_of_byte,
+        "sums over all": sums * sum_s,
+        "cuts": doublings * (SUMS_PER_CUT * sum_s + BISECTIONS * COMPARED_S * particles) / WINDOWS_BETWEEN_CUTS,
+    }
+    return parts | {"imbalance": cluster.imbalance * sum(parts.values())}
+
+
+def efficiency(fluid, cluster, ranks, particles):
+    """Of each rank, over a fluid of as many particles in one process."""
+    return fluid.particle_s * particles / sum(costs(fluid, cluster, ranks, particles).values())
+
+
+def memory(dimension, ranks, particles):
+    """Bytes that a rank of so many particles holds."""
+    held = PROCESS_BYTES + PARTICLE_BYTES[dimension] * particles
     if ranks > 1:
-        # Once a step the matrix of the second grid is summed over all ranks, and in each cycle its right-hand side.
-        summed = 4 * coarse_nodes * (stencil + counts.cycles)
-        coarse = counts.coarse_node_s * coarse_nodes * counts.cycles + 2 * summed / bytes_per_s
-    compute = own * particle_s
-    memory = PROCESS_BYTES + own * (6000 if dimension == 3 else 2000) + GHOST_BYTES * around
-    if ranks > 1:
-        memory += particles * START_BYTES[dimension] + coarse_nodes * 4 * (stencil + 10)
-    return Step(ranks, own, around, compute, (IMBALANCE - 1) * compute if ranks > 1 else 0.0, exchange, collective, coarse, memory)
+        held += GHOST_BYTES * around(particles, ranks, dimension, SUPPORT) + START_BYTES[dimension] * ranks * particles
+    return held
 
 
 def read_cluster(path):
@@ -127,7 +152,8 @@ def read_cluster(path):
                                    "latency_us = 1.5, bandwidth_gb_per_s = 10.")
     if contents["cores"] != int(contents["cores"]):
         raise Error(BAD_INPUT, f"--cluster {path}: cores = {contents['cores']} is not a whole number.")
-    return Cluster(int(contents["cores"]), contents["latency_us"] * 1e-6, contents["bandwidth_gb_per_s"] * 1e9)
+    return Cluster(cores=int(contents["cores"]), latency_s=contents["latency_us"] * 1e-6,
+                   machine_bytes_per_s=contents["bandwidth_gb_per_s"] * 1e9)
 
 
 def _size(value):
@@ -144,24 +170,24 @@ def _seconds(value):
 def text(expected, ranks, cluster):
     """`expected`: what tern-case says of the case. A table for 1, 2, 4 ... ranks up to those asked for."""
     particles, steps, dimension = expected["fluid_particles"], expected["steps"], expected["dimension"]
-    particle_s = expected["fluid_cpu_s"] / (particles * steps)
+    fluid = replace(MEASURED[dimension], particle_s=expected["fluid_cpu_s"] / (particles * steps))
     others = (expected["structure_cpu_s"] + expected["coupler_cpu_s"]) / steps
-    rows = [step(particles, n, dimension, particle_s, cluster) for n in sorted({*(2**k for k in range(ranks.bit_length()) if 2**k < ranks),
-                                                                                ranks})]
-    network = f"latency {1e6 * cluster.latency_s:.3g} us, {cluster.bandwidth / 1e9:.3g} GB/s"
+    network = f"latency {1e6 * cluster.latency_s:.3g} us, {cluster.machine_bytes_per_s / 1e9:.3g} GB/s"
     lines = [f"In {ranks} ranks, on machines of {cluster.cores} cores, {network} (a model, docs/SCALE.md)",
-             "  ranks  particles     ghosts  fluid's step  exchanges  sums  grids of all  efficiency  memory of a rank"]
-    for row in rows:
-        share = [f"{100 * part / row.seconds:3.0f} %" for part in (row.exchange_s, row.collective_s, row.coarse_s)]
-        lines.append(f"  {row.ranks:5}  {row.particles:9.0f}  {row.ghosts:9.0f}  {_seconds(row.seconds):>12}  {share[0]:>9}  {share[1]}  "
-                     f"{share[2]:>12}  {100 * row.efficiency:8.0f} %  {_size(row.memory):>16}")
-    last = rows[-1]
-    whole = (last.seconds + others) * steps
-    alone = (rows[0].seconds + others) * steps
+             "  ranks  particles     ghosts  fluid's step  ghosts' work  exchanges  sums  grids, walls  efficiency  memory of a rank"]
+    seconds = []
+    for n in sorted({*(2**k for k in range(ranks.bit_length()) if 2**k < ranks), ranks}):
+        own = particles / n
+        parts = costs(fluid, cluster, n, own)
+        seconds.append(sum(parts.values()))
+        share = [f"{100 * sum(parts[part] for part in of) / seconds[-1]:3.0f} %" for of in
+                 (("ghosts",), ("messages", "bytes"), ("sums over all", "cuts"), ("whole grids", "patches of walls"))]
+        ghosts = around(own, n, dimension, SUPPORT)
+        lines.append(f"  {n:5}  {own:9.0f}  {ghosts:9.0f}  {_seconds(seconds[-1]):>12}  {share[0]:>12}  {share[1]:>9}  {share[2]}  "
+                     f"{share[3]:>12}  {100 * parts['own particles'] / seconds[-1]:8.0f} %  {_size(memory(dimension, n, own)):>16}")
+    whole, alone = ((of + others) * steps for of in (seconds[-1], seconds[0]))
     if others > 0:
-        share = 100 * others / (last.seconds + others)
-        lines.append(f"Structure and coupler are one process each: {_seconds(others)} of each step, {share:.0f} % of it with {ranks} "
-                     "ranks.")
+        lines.append(f"Structure and coupler are one process each: {_seconds(others)} of each step, "
+                     f"{100 * others / (seconds[-1] + others):.0f} % of it with {ranks} ranks.")
     lines.append(f"The run: {_seconds(whole)} in place of {_seconds(alone)}, {alone / whole:.3g} times as fast.")
     return "\n".join(lines)
-

@@ -35,7 +35,6 @@ class CostsTest(unittest.TestCase):
         self.assertAlmostEqual(costs["window_s"], 5e-3)
         self.assertAlmostEqual(sum(costs["fluid_parts"].values()), 1)
 
-    # Seen to fail: with the costs of tern-case in place of those of the machine; with a step of 2D for 3D.
     def test_many_processes_are_reckoned_from_the_same_costs(self):
         code, output, errors = tern("explain", "dam_break_plate_3d", "--ranks", "8")
         self.assertEqual(code, 0, errors)
@@ -49,7 +48,6 @@ class CostsTest(unittest.TestCase):
         self.assertTrue(3 * costs["fluid_s"] * particles * 0.99 < step < 3 * 1.5 * costs["fluid_s"] * particles, (step, particles))
         self.assertIn("Structure and coupler are one process each", table[6])
 
-    # Seen to fail: with each of the refusals left out.
     def test_what_cannot_be_reckoned_is_refused(self):
         for words, sentence in ((["dry_plate", "--ranks", "4"], "has no fluid"), (["piston", "--cluster", "x"], "add --ranks"),
                                 (["piston", "--ranks", "4", "--cluster", "/no/such/file"], "cannot be read")):

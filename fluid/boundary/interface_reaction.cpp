@@ -1,0 +1,61 @@
+// The reaction of the interface to a uniform pressure p is -2 V_i p on a particle times
+//   sum_k s_k/f_k A_k w~_ik n_k,    f_k = sum_i 2 V_i w~_ik
+// over front- and back-facing faces, with the borne shares of corners. f_k is what particles and images fill of the half space before a
+// face, s_k its wet share: the reaction of a load s_k p A_k, taken from whatever particles there are. With schemes of means it is exactly
+// that of the coupler. "riemann" has f_k in place of s_k in the load; what it gives back beyond this sum pushes particles off a face before
+// which there are too many, and lets others come where there are too few, until its load is p A_k as well.
+
+#include "fluid/boundary/interface_reaction.hpp"
+
+#include "sph/wet_share.hpp"
+
+namespace tern::fluid {
+
+template <int D>
+void find_interface_reaction(const Constants<D>& constants, const Ranks& ranks, const InterfaceParticles<D>& particles,
+                             const std::vector<int>& at_structure, Boundary<D>& boundary) {
+  const Faces<D>& faces = boundary.surface;
+  const FaceRows& rows = boundary.surface_rows;
+  BoundarySums<D>& sums = boundary.sums;
+
+  std::vector<double>& share = sums.reaction_share;  // f_k, then s_k / f_k
+  share.assign(faces.size(), 0);
+  for (const int i : at_structure)
+    for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry)
+      share[rows.face[entry]] += 2 * constants.volume * rows.weight[entry] / faces.area[rows.face[entry]];
+  for (const auto& of_thread : sums.back_facing)
+    for (const BackFacing& back : of_thread) share[back.face] += 2 * constants.volume * back.weight / faces.area[back.face];
+  const double support = constants.faces.support();
+  for (std::size_t m = 0; m < particles.image_of.size(); ++m) {
+    const int i = at_structure[particles.image_of[m]];
+    for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry) {
+      const int k = rows.face[entry];
+      const Vector<D> offset = particles.image_position[m] - faces.position[k];
+      const double distance = offset.norm();
+      if (offset.dot(faces.normal[k]) > 0 && distance < support)
+        share[k] += 2 * constants.volume * constants.faces.surface_weight(distance);
+    }
+  }
+  ranks.sum(std::span(share));
+  if (at_structure.empty()) return;
+  for (std::size_t k = 0; k < share.size(); ++k) {
+    const double filled = sums.borne_share[k] * share[k], wet = wet_share(filled);
+    share[k] = wet > 0 ? sums.borne_share[k] * wet / filled : 0;
+  }
+
+  sums.reaction.resize(rows.begin.size());
+  for (const int i : at_structure) {
+    sums.reaction[i].setZero();
+    for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry)
+      sums.reaction[i] -= share[rows.face[entry]] * rows.weight[entry] * faces.normal[rows.face[entry]];
+  }
+  for (const auto& of_thread : sums.back_facing)
+    for (const BackFacing& back : of_thread) sums.reaction[back.particle] -= share[back.face] * back.weight * faces.normal[back.face];
+}
+
+template void find_interface_reaction<2>(const Constants<2>&, const Ranks&, const InterfaceParticles<2>&, const std::vector<int>&,
+                                         Boundary<2>&);
+template void find_interface_reaction<3>(const Constants<3>&, const Ranks&, const InterfaceParticles<3>&, const std::vector<int>&,
+                                         Boundary<3>&);
+
+}  // namespace tern::fluid
