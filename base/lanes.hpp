@@ -3,7 +3,6 @@
 // registers elsewhere, with the same bits: lanes never mix.
 
 #include <cstddef>
-#include <cstring>
 
 #include <Eigen/Core>
 
@@ -17,14 +16,13 @@ inline constexpr int lane_count = 4;
 
 using Lanes = double __attribute__((vector_size(lane_count * sizeof(double))));
 
-/// Reads four consecutive doubles at any alignment.
-inline Lanes load(const double* p) {
-  Lanes v;
-  std::memcpy(&v, p, sizeof v);
-  return v;
-}
+/// The same at any alignment. (A copy by memcpy goes through the stack where registers are short.)
+using LanesInMemory = double __attribute__((vector_size(lane_count * sizeof(double)), aligned(alignof(double)), may_alias));
 
-inline void store(double* p, const Lanes& v) { std::memcpy(p, &v, sizeof v); }
+/// Reads four consecutive doubles at any alignment.
+inline Lanes load(const double* p) { return *reinterpret_cast<const LanesInMemory*>(p); }
+
+inline void store(double* p, const Lanes& v) { *reinterpret_cast<LanesInMemory*>(p) = v; }
 
 inline Lanes broadcast(double x) { return Lanes{x, x, x, x}; }
 

@@ -12,8 +12,8 @@ namespace tern {
 
 /// Cost of one particle in one step in 2D [CPU s], h/dx 1.5 (fluid) and 1.1 (structure). The defaults were measured on one core
 /// of a 2-core x86-64 server: 1.9 and 2.0 us for the fluid of the dam break (to 0.35 s) and of the tank at rest (6.4 s), 70
-/// (quiet) to 100 ns (busy) for the plate of bench-structure_substep. 3D: three times that for the fluid, estimated; 14 times
-/// for the structure (bending_column_3d, 1.1 us).
+/// (quiet) to 100 ns (busy) for the plate of bench-structure_substep. 3D: three times that for the fluid, estimated; 3 to 12
+/// times for the structure (solid_work).
 struct Costs {
   double fluid = 2.0e-6;
   double structure = 8.0e-8;                                ///< per sub-step
@@ -22,7 +22,7 @@ struct Costs {
   std::string measured;                                     ///< date, empty for the defaults
 };
 inline constexpr double implicit_window = 19;        ///< cost of a window in implicit steps, in sub-steps
-inline constexpr double implicit_window_in_3d = 80;  ///< the same in 3D, of some thousand particles; of some hundred it is 25
+inline constexpr double implicit_window_in_3d = 150;  ///< the same in 3D, of some thousand particles; of some hundred it is 45
 
 /// Mass behind the faces of a body, in layers of fluid particles: at most so many, and windows are half as long; or, how it answers is not
 /// learnt, and every window is repeated. A plate of just this mass is one of them, whatever its rounding.

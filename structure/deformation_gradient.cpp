@@ -12,7 +12,7 @@ namespace {
 
 /// One component of the block at `row`: gradient and second derivatives of the displacement d, and gradient of the velocity v.
 /// Component by component, so that all sums stay in registers.
-template <int D, bool with_velocity>
+template <int D, bool with_velocity, bool with_curvature>
 inline void gradients_of_component(const Stencil<D>& stencil, const Neighbour<D>* neighbour, const std::int32_t* offset, const double* d,
                                    const double* v, Lanes (&gradient)[D], Lanes (&second)[curvature_components<D>],
                                    Lanes (&velocity_gradient)[D]) {
@@ -21,7 +21,8 @@ inline void gradients_of_component(const Stencil<D>& stencil, const Neighbour<D>
     const Neighbour<D>& n = neighbour[k];
     const Lanes moved = load(d + offset[k]) - own_d;
     for (int b = 0; b < D; ++b) gradient[b] += moved * n.gradient[b];
-    for (int c = 0; c < curvature_components<D>; ++c) second[c] += moved * n.curvature[c];
+    if constexpr (with_curvature)
+      for (int c = 0; c < curvature_components<D>; ++c) second[c] += moved * n.curvature[c];
     if constexpr (with_velocity) {
       const Lanes jump = load(v + offset[k]) - own_v;
       for (int b = 0; b < D; ++b) velocity_gradient[b] += jump * n.gradient[b];
@@ -29,32 +30,43 @@ inline void gradients_of_component(const Stencil<D>& stencil, const Neighbour<D>
   }
 }
 
+/// All derivatives of a block. Without `with_curvature` those of second order are left at the zero that they always are there.
+template <int D, bool with_velocity, bool with_curvature>
+inline void gradients_of_block(const Reference<D>& reference, const Block& block, const Stencil<D>& stencil, const State<D>& state,
+                               Workspace<D>& work) {
+  const Neighbour<D>* neighbour = reference.neighbours.data() + stencil.first;
+  const std::int32_t* offset = reference.row_offset.data() + stencil.first;
+  Lanes f[D][D], material_gradient[D][D] = {};
+  for (int a = 0; a < D; ++a) {
+    Lanes gradient[D] = {}, second[curvature_components<D>] = {};
+    gradients_of_component<D, with_velocity, with_curvature>(stencil, neighbour, offset, state.displacement[a].data() + block.row,
+                                                             state.velocity[a].data() + block.row, gradient, second, material_gradient[a]);
+    for (int b = 0; b < D; ++b) {
+      store(work.displacement_gradient[a][b].data() + block.row, gradient[b]);
+      f[a][b] = gradient[b] + (a == b ? 1.0 : 0.0);
+    }
+    if constexpr (with_curvature)
+      for (int c = 0; c < curvature_components<D>; ++c) store(work.curvature[a][c].data() + block.row, second[c]);
+  }
+  if constexpr (with_velocity) {
+    Lanes inverse_transposed[D][D];
+    const Lanes inverse_j = 1 / cofactor(f, inverse_transposed);
+    for (int a = 0; a < D; ++a)
+      for (int b = 0; b < D; ++b) {
+        Lanes l = material_gradient[a][0] * inverse_transposed[b][0];
+        for (int c = 1; c < D; ++c) l += material_gradient[a][c] * inverse_transposed[b][c];
+        store(work.velocity_gradient[a][b].data() + block.row, l * inverse_j);
+      }
+  }
+}
+
 template <int D, bool with_velocity>
 void gradients(const Reference<D>& reference, const State<D>& state, Workspace<D>& work) {
   for_each_deforming_block(reference, [&](std::ptrdiff_t, const Block& block, const Stencil<D>& stencil) {
-    const Neighbour<D>* neighbour = reference.neighbours.data() + stencil.first;
-    const std::int32_t* offset = reference.row_offset.data() + stencil.first;
-    Lanes f[D][D], material_gradient[D][D] = {};
-    for (int a = 0; a < D; ++a) {
-      Lanes gradient[D] = {}, second[curvature_components<D>] = {};
-      gradients_of_component<D, with_velocity>(stencil, neighbour, offset, state.displacement[a].data() + block.row,
-                                               state.velocity[a].data() + block.row, gradient, second, material_gradient[a]);
-      for (int b = 0; b < D; ++b) {
-        store(work.displacement_gradient[a][b].data() + block.row, gradient[b]);
-        f[a][b] = gradient[b] + (a == b ? 1.0 : 0.0);
-      }
-      for (int c = 0; c < curvature_components<D>; ++c) store(work.curvature[a][c].data() + block.row, second[c]);
-    }
-    if constexpr (with_velocity) {
-      Lanes inverse_transposed[D][D];
-      const Lanes inverse_j = 1 / cofactor(f, inverse_transposed);
-      for (int a = 0; a < D; ++a)
-        for (int b = 0; b < D; ++b) {
-          Lanes l = material_gradient[a][0] * inverse_transposed[b][0];
-          for (int c = 1; c < D; ++c) l += material_gradient[a][c] * inverse_transposed[b][c];
-          store(work.velocity_gradient[a][b].data() + block.row, l * inverse_j);
-        }
-    }
+    if (stencil.has_curvature)
+      gradients_of_block<D, with_velocity, true>(reference, block, stencil, state, work);
+    else
+      gradients_of_block<D, with_velocity, false>(reference, block, stencil, state, work);
   });
 }
 

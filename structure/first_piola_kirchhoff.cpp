@@ -118,14 +118,12 @@ std::ptrdiff_t stresses_of_blocks(const Reference<D>& reference, Workspace<D>& w
     if (!block.deforms) return;
     const Body& body = reference.bodies[block.body];
     const Material& material = body.material;
-    Lanes gradient[D][D], f[D][D], inverse_transposed[D][D], stress[D][D], second[D][pairs], double_stress[D][pairs] = {};
-    for (int a = 0; a < D; ++a) {
+    Lanes gradient[D][D], f[D][D], inverse_transposed[D][D], stress[D][D];
+    for (int a = 0; a < D; ++a)
       for (int b = 0; b < D; ++b) {
         gradient[a][b] = load(h[a][b] + block.row);
         f[a][b] = gradient[a][b] + (a == b ? 1.0 : 0.0);
       }
-      for (int c = 0; c < pairs; ++c) second[a][c] = load(k[a][c] + block.row);
-    }
     const Lanes j = cofactor(f, inverse_transposed);
     if (!all_positive_and_finite(j)) {
       for (auto lowest = failed.load(); n < lowest && !failed.compare_exchange_weak(lowest, n);) {}
@@ -135,14 +133,19 @@ std::ptrdiff_t stresses_of_blocks(const Reference<D>& reference, Workspace<D>& w
     for (int a = 0; a < D; ++a)
       for (int b = 0; b < D; ++b) inverse_transposed[a][b] *= inverse_j;
     std::visit([&](const auto& law) { law.template stress<D>(gradient, f, inverse_transposed, j, stress); }, material.law);
-    strain_gradient<D>(material, body.spacing * body.spacing / 12, inverse_transposed, second, stress, double_stress);
     // Energy belongs to free particles: what a particle on the face of a clamp thinks of its neighbours exerts no force.
     const Lanes zero = {};
     const auto has_energy = block.has_face ? load(reference.volume.data() + block.row) > zero : zero == zero;
-    for (int a = 0; a < D; ++a) {
-      for (int b = 0; b < D; ++b) store(p[a][b] + block.row, has_energy ? stress[a][b] : zero);
-      for (int c = 0; c < pairs; ++c) store(q[a][c] + block.row, has_energy ? double_stress[a][c] : zero);
+    if (reference.stencils[block.stencil].has_curvature) {  // Q is zero elsewhere
+      Lanes second[D][pairs], double_stress[D][pairs] = {};
+      for (int a = 0; a < D; ++a)
+        for (int c = 0; c < pairs; ++c) second[a][c] = load(k[a][c] + block.row);
+      strain_gradient<D>(material, body.spacing * body.spacing / 12, inverse_transposed, second, stress, double_stress);
+      for (int a = 0; a < D; ++a)
+        for (int c = 0; c < pairs; ++c) store(q[a][c] + block.row, has_energy ? double_stress[a][c] : zero);
     }
+    for (int a = 0; a < D; ++a)
+      for (int b = 0; b < D; ++b) store(p[a][b] + block.row, has_energy ? stress[a][b] : zero);
   });
   return failed;
 }

@@ -220,6 +220,8 @@ struct Entry {
   std::int64_t slot = 0;
 };
 
+bool is_zero(const Lanes& x) { return x[0] == 0 && x[1] == 0 && x[2] == 0 && x[3] == 0; }
+
 /// Collects the stencils of the blocks and stores equal ones once.
 template <int D>
 class StencilStore {
@@ -251,6 +253,8 @@ class StencilStore {
         reference_.neighbours.push_back(entry.neighbour);
         reference_.pairs.push_back(entry.pair);
         if (offset < 0) ++stencil.later;
+        for (int c = 0; c < curvature_components<D>; ++c)
+          stencil.has_curvature |= !is_zero(entry.neighbour.curvature[c]) || !is_zero(entry.neighbour.mirror_curvature[c]);
       }
       reference_.stencils.push_back(stencil);
     }
@@ -373,6 +377,7 @@ Reference<D> build_reference(const StructureCase& structure) {
               .material = Material(input),
               .spacing = input.spacing,
               .smoothing_length = structure.numerics.smoothing_length_ratio * input.spacing,
+              .cell_volume = std::pow(input.spacing, D),
               .mass_damping = input.mass_damping,
               .shell = input.is_shell ? static_cast<std::int32_t>(reference.shells.size()) : -1,
               .first = points.size(),

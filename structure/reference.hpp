@@ -52,6 +52,7 @@ template <int D>
 struct Stencil {
   std::uint32_t first = 0, count = 0;                 ///< range of Reference::neighbours, pairs, row_offset and pair_slot
   std::uint32_t later = 0;                            ///< the first of those in later rows
+  bool has_curvature = false;                         ///< some k_ij or k_ji is not zero; there is none with two particles across
   Lanes gradient_sum[D] = {};                         ///< V_i sum_j V_j g_ij
   Lanes curvature_sum[curvature_components<D>] = {};  ///< V_i sum_j V_j k_ij
 };
@@ -71,6 +72,7 @@ struct Body {
   Material material;
   double spacing = 0;                ///< dx_s [m]
   double smoothing_length = 0;       ///< h_0 [m]
+  double cell_volume = 0;            ///< dx_s^D [m^D]
   double mass_damping = 0;           ///< [1/s]
   double stable_step_at_rest = 0;    ///< of explicit steps (stable_step.hpp) [s]
   std::int32_t shell = -1;           ///< index of Reference::shells; of a solid -1

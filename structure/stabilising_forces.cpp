@@ -17,6 +17,10 @@ namespace {
 /// Keeps 1/|x|^2 finite for lanes without neighbour, whose weight is zero.
 constexpr double smallest_square = 1e-300;
 
+/// Pairs whose moments are added one after the other.
+template <int D>
+constexpr std::uint32_t together = D == 2 ? 1 : 16;
+
 template <int D>
 struct Gradient {
   const double* rows[D][D];
@@ -52,13 +56,23 @@ void pair_forces(const Reference<D>& reference, double dt, State<D>& state, Work
     const Gradient<D> velocity_gradient(work.velocity_gradient, i);
 
     const double *d[D], *v[D];
+    double* drags[D];
     Lanes own_d[D], own_v[D], force[D] = {}, moment[D][D] = {}, dissipated = {}, stored = {};
     for (int a = 0; a < D; ++a) {
       d[a] = state.displacement[a].data();
       v[a] = state.velocity[a].data();
+      drags[a] = work.drag[a].data();
       own_d[a] = load(d[a] + i);
       own_v[a] = load(v[a] + i);
     }
+    // Pair after pair, and in 3D the moment of some of them after their forces: forces and moment at once do not stay in registers.
+    Lanes place_of[together<D>][D], drag_of[together<D>][D];
+    const auto add_moments = [&](std::uint32_t count) {
+      for (std::uint32_t k = 0; k < count; ++k)
+        for (int a = 0; a < D; ++a)
+          for (int b = 0; b < D; ++b) moment[a][b] += drag_of[k][a] * place_of[k][b];
+    };
+    std::uint32_t kept = 0;
     for (std::uint32_t k = stencil.later; k < stencil.first + stencil.count; ++k) {
       const Pair<D>& pair = reference.pairs[k];
       const std::ptrdiff_t j = i + reference.row_offset[k], place = reference.pair_slot[k] * rows + i;
@@ -90,12 +104,18 @@ void pair_forces(const Reference<D>& reference, double dt, State<D>& state, Work
         for (int a = 0; a < D; ++a) {
           drag[a] *= pair.diffusion;
           dissipated += drag[a] * reconstructed[a];
-          for (int b = 0; b < D; ++b) moment[a][b] += drag[a] * x[b];
-          store(work.drag[a].data() + place, drag[a]);
+          store(drags[a] + place, drag[a]);
+          drag_of[kept][a] = drag[a];
+          place_of[kept][a] = x[a];
           force[a] += drag[a];
+        }
+        if (++kept == together<D>) {
+          add_moments(kept);
+          kept = 0;
         }
       }
     }
+    add_moments(kept);
     for (int a = 0; a < D; ++a) store(state.internal_force[a].data() + i, force[a]);
     if constexpr (with_penalty) state.penalty_store[n] += dt * stored;
     if constexpr (with_diffusion) {
@@ -139,8 +159,7 @@ void collect(const Reference<D>& reference, State<D>& state, Workspace<D>& work)
       Lanes f[D][D], inverse_transposed[D][D];
       for (int a = 0; a < D; ++a)
         for (int b = 0; b < D; ++b) f[a][b] = load(work.displacement_gradient[a][b].data() + i) + (a == b ? 1.0 : 0.0);
-      const double volume = std::pow(reference.bodies[block.body].spacing, D);
-      const Lanes factor = -0.5 / (volume * cofactor(f, inverse_transposed));
+      const Lanes factor = -0.5 / (reference.bodies[block.body].cell_volume * cofactor(f, inverse_transposed));
       for (int a = 0; a < D; ++a)
         for (int b = 0; b < D; ++b) {
           Lanes p = moment[a][0] * inverse_transposed[0][b];

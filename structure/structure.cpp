@@ -64,7 +64,6 @@ struct Structure<D>::Parts {
     }
     if (scene.structure->numerics.integrator != Integrator::explicit_steps) {
       implicit = std::make_unique<ImplicitStep<D>>(reference);
-      choice = IntegratorChoice(implicit->costs());
     }
     always_implicit = scene.structure->numerics.integrator == Integrator::implicit_steps;
     const std::vector<double> stable = stable_steps_at_rest(reference);
@@ -141,7 +140,7 @@ struct Structure<D>::Parts {
     advance_window(reference, duration, sub_steps, implicit_window ? implicit.get() : nullptr, state, work);
     if (implicit_window) {
       const ImplicitCounts& after = implicit->memory().counts;
-      choice.add(implicit->costs().of(after.evaluations - before.evaluations, after.factors - before.factors));
+      choice.add(after.evaluations - before.evaluations, after.factors - before.factors, before.factors == 0 && after.factors > 0);
     }
     double total = 0, by_gravity = 0, by_loads = 0;
     for (int a = 0; a < D; ++a)
@@ -195,7 +194,7 @@ Surface<D> Structure<D>::trial(Ticks begin, Ticks duration) {
   p.sub_steps = std::max(1, static_cast<int>(std::ceil(seconds(duration) / dt)));
   if (p.implicit) {
     const bool was_implicit = p.implicit_window;
-    p.implicit_window = p.always_implicit || p.choice.prefers_implicit(p.sub_steps);
+    p.implicit_window = p.always_implicit || p.choice.prefers_implicit(p.implicit->costs(), p.sub_steps);
     if (was_implicit && !p.implicit_window) {
       p.all_forces();
       p.saved = p.state;

@@ -78,25 +78,72 @@ void damp(const Reference<D>& reference, double dt, State<D>& state) {
 template <int D>
 ImplicitCosts implicit_costs(const Reference<D>& reference, const Tangent<D>& tangent) {
   if (D == 2) return {};
-  // Nanoseconds, by bench-structure_substep: of a sub-step per block and neighbour, or per pair of particles of a shell; of a
-  // multiplication of the assembly and of the factor; of a solve per non-zero of the factor.
-  constexpr double of_neighbour = 80, of_shell_pair = 60, of_assembly = 1, of_factor = 0.5, of_solve = 1.2;
-  constexpr double share_of_elasticity = 0.6;                  // of a sub-step, which has the diffusion as well
-  constexpr double iterations = 10, windows_of_a_factor = 40;  // in quiet motion (docs/STRUCTURE.md)
+  // Nanoseconds, by bench-structure_substep: of a sub-step per block and neighbour with and without second derivatives, or per pair of
+  // particles of a shell; of a multiplication of the assembly and of the factor; of a solve per non-zero of the factor.
+  constexpr double of_neighbour = 55, of_first_order = 32, of_shell_pair = 60, of_assembly = 1, of_factor = 0.5, of_solve = 1.2;
+  constexpr double share_of_elasticity = 0.6;  // of a sub-step, which has the diffusion as well
   double sub_step = 0;
   for (const Block& block : reference.blocks)
-    if (block.deforms) sub_step += of_neighbour * reference.stencils[block.stencil].count;
+    if (const Stencil<D>& stencil = reference.stencils[block.stencil]; block.deforms)
+      sub_step += (stencil.has_curvature ? of_neighbour : of_first_order) * stencil.count;
   for (const ShellBody<D>& shell : reference.shells) sub_step += of_shell_pair * static_cast<double>(shell.layer.neighbour.size());
   ImplicitCosts costs;
   costs.evaluation = share_of_elasticity + of_solve * tangent.factor_size() / sub_step;
   costs.factor = (of_assembly * tangent.assembly_size() + of_factor * tangent.factor_work()) / sub_step;
-  costs.window = iterations * costs.evaluation + costs.factor / windows_of_a_factor;
   return costs;
 }
 
 template <int D>
+ImplicitStep<D>::ImplicitStep(const Reference<D>& reference) : tangent_(reference), costs_(implicit_costs(reference, tangent_)) {
+  const auto& rows = tangent_.free_rows();  // in the order of Reference::particle_row
+  std::size_t node = 0;
+  for (const Body& body : reference.bodies) {
+    const std::size_t first = node;
+    for (std::size_t p = body.first; p < body.first + body.count; ++p) node += reference.inverse_mass[reference.particle_row[p]] > 0;
+    if (node - first == body.count && node <= rows.size()) loose_.push_back({first, body.count, Matrix<D>::Identity()});
+  }
+}
+
+template <int D>
+void ImplicitStep<D>::find_turns(const Reference<D>& reference, const State<D>& state) {
+  if (memory_.factored_h == 0) return;
+  const auto& rows = tangent_.free_rows();
+  const auto place = [&](const RowVectors<D>& displacement, std::int32_t row) {
+    Vector<D> x = reference.position_of(row);
+    for (int a = 0; a < D; ++a) x[a] += displacement[a][row];
+    return x;
+  };
+  for (LooseBody& body : loose_) {
+    Vector<D> then = Vector<D>::Zero(), now = Vector<D>::Zero();
+    for (std::size_t n = body.first; n < body.first + body.count; ++n) {
+      then += place(memory_.factored_displacement, rows[n]) / static_cast<double>(body.count);
+      now += place(state.displacement, rows[n]) / static_cast<double>(body.count);
+    }
+    Matrix<D> product = Matrix<D>::Zero();
+    for (std::size_t n = body.first; n < body.first + body.count; ++n)
+      product += (place(state.displacement, rows[n]) - now) * (place(memory_.factored_displacement, rows[n]) - then).transpose();
+    const Eigen::JacobiSVD<Matrix<D>> svd(product, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Vector<D> sign = Vector<D>::Ones();
+    sign[D - 1] = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+    body.turn = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+  }
+}
+
+template <int D>
+Eigen::VectorXd ImplicitStep<D>::turned(Eigen::VectorXd vector, bool back) const {
+  for (const LooseBody& body : loose_) {
+    const Matrix<D> turn = back ? Matrix<D>(body.turn.transpose()) : body.turn;
+    for (std::size_t n = body.first; n < body.first + body.count; ++n) {
+      auto part = vector.template segment<D>(static_cast<Eigen::Index>(n) * D);
+      part = (turn * part).eval();
+    }
+  }
+  return vector;
+}
+
+template <int D>
 Eigen::VectorXd ImplicitStep<D>::step_for(const Eigen::VectorXd& residual) {
-  Eigen::VectorXd step = residual;
+  Eigen::VectorXd step = turned(residual, true);
   std::vector<double> share(memory_.updates.size());
   for (std::size_t n = memory_.updates.size(); n-- > 0;) {
     share[n] = memory_.updates[n].moved.dot(step) / memory_.updates[n].product;
@@ -105,7 +152,7 @@ Eigen::VectorXd ImplicitStep<D>::step_for(const Eigen::VectorXd& residual) {
   step = tangent_.solve(step);
   for (std::size_t n = 0; n < memory_.updates.size(); ++n)
     step += (share[n] - memory_.updates[n].change.dot(step) / memory_.updates[n].product) * memory_.updates[n].moved;
-  return step;
+  return turned(std::move(step), false);
 }
 
 template <int D>
@@ -114,6 +161,7 @@ bool ImplicitStep<D>::renew(const Reference<D>& reference, double h, const State
   memory_.excess = 0;
   memory_.factored_displacement = state.displacement;
   memory_.factored_clamp_angle = state.clamp_angle;
+  for (LooseBody& body : loose_) body.turn.setIdentity();
   tangent_.assemble(reference, work, 1 / (h * h));
   memory_.factored_h = tangent_.factorise() ? h : 0;
   return memory_.factored_h > 0;
@@ -153,6 +201,7 @@ bool ImplicitStep<D>::solve(const Reference<D>& reference, double h, double spee
 
   Eigen::VectorXd d = gather<D>(rows, state.displacement), residual, next, next_residual;
   if (!evaluate(d, residual)) return false;
+  find_turns(reference, state);
   const double ratio = h * h / (memory_.factored_h * memory_.factored_h);
   const double worth_of_a_factor = std::round(costs_.factor / costs_.evaluation);  // in iterations
   bool outdated = !(ratio < largest_ratio && ratio * largest_ratio > 1) || memory_.excess > worth_of_a_factor;
@@ -186,6 +235,8 @@ bool ImplicitStep<D>::solve(const Reference<D>& reference, double h, double spee
       }
       if (update.product > 0) {
         if (memory_.updates.size() == most_updates) memory_.updates.erase(memory_.updates.begin());
+        update.moved = turned(std::move(update.moved), true);
+        update.change = turned(std::move(update.change), true);
         memory_.updates.push_back(std::move(update));
       }
     }

@@ -17,7 +17,7 @@ ImplicitCosts implicit_costs(const Reference<D>& reference, const Tangent<D>& ta
 template <int D>
 class ImplicitStep {
  public:
-  explicit ImplicitStep(const Reference<D>& reference) : tangent_(reference), costs_(implicit_costs(reference, tangent_)) {}
+  explicit ImplicitStep(const Reference<D>& reference);
 
   const ImplicitCosts& costs() const { return costs_; }
 
@@ -40,6 +40,17 @@ class ImplicitStep {
   /// Makes the tangent and its factor at the deformation in `work`, that of `state`; false when that is not possible.
   bool renew(const Reference<D>& reference, double h, const State<D>& state, const Workspace<D>& work);
 
+  /// A body that nothing holds, and its mean turn since the factor was made. A turned body has the turned tangent, R K R^T, so the factor
+  /// and the updates serve in the frame that turns with it. Without that, what turns a stiff body seems to strain it, and a turn by
+  /// 1/(omega h) outdates the factor.
+  struct LooseBody {
+    std::size_t first, count;  ///< among the free rows
+    Matrix<D> turn;
+  };
+  void find_turns(const Reference<D>& reference, const State<D>& state);
+  /// A vector in the frame of the factor (`back`), or one of that frame in space.
+  Eigen::VectorXd turned(Eigen::VectorXd vector, bool back) const;
+
   /// The quasi-Newton step for a residual.
   Eigen::VectorXd step_for(const Eigen::VectorXd& residual);
 
@@ -50,6 +61,7 @@ class ImplicitStep {
   Tangent<D> tangent_;
   ImplicitCosts costs_;
   ImplicitMemory<D> memory_;
+  std::vector<LooseBody> loose_;
 };
 
 }  // namespace tern::structure
