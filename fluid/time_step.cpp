@@ -115,6 +115,7 @@ void Fluid<D>::prepare_pressure() {
     compute_density_source(reference_, prediction_.bulk_speed, neighbours_, boundary_, correction_, state_.particle_class, density_source_);
   }
   find_enclosed_fluid(domain_, neighbours_, correction_, state_, system_);
+  flux_made_up_ = make_up_flux(at_structure_, state_.particle_class, boundary_);
   set_divergence_target(window_.duration, neighbours_, beside_structure_, packed_, density_source_, divergence_target_);
   assemble_pressure_matrix(reference_.constants, state_, neighbours_, boundary_, correction_, system_.matrix);
   system_.left_behind.clear();
@@ -131,7 +132,7 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
     if (first && load.repeats) prediction_.unprojected_velocity = prediction_.velocity;
     if (!first) return_to_unprojected_velocity(load.surface_velocity);
     const bool pushed = push(load.force);  // u* += dt a_dissipative
-    if (pushed || !first) {
+    if (pushed || !first || flux_made_up_) {
       // Elsewhere nothing has changed since see_surface().
       compute_divergence(&beside_structure_.list);
     }

@@ -38,9 +38,11 @@ void find_interface_reaction(const Constants<D>& constants, const Ranks& ranks, 
   }
   ranks.sum(std::span(share));
   if (at_structure.empty()) return;
+  sums.flux_share.resize(share.size());
   for (std::size_t k = 0; k < share.size(); ++k) {
     const double filled = sums.borne_share[k] * share[k], wet = wet_share(filled);
     share[k] = wet > 0 ? sums.borne_share[k] * wet / filled : 0;
+    sums.flux_share[k] = filled < 0.5 ? 1 : wet / filled;
   }
 
   sums.reaction.resize(rows.begin.size());
@@ -53,6 +55,27 @@ void find_interface_reaction(const Constants<D>& constants, const Ranks& ranks, 
     for (const BackFacing& back : of_thread) sums.reaction[back.particle] -= share[back.face] * back.weight * faces.normal[back.face];
 }
 
+template <int D>
+bool make_up_flux(const std::vector<int>& at_structure, const std::vector<ParticleClass>& particle_class, Boundary<D>& boundary) {
+  FaceRows& rows = boundary.surface_rows;
+  BoundarySums<D>& sums = boundary.sums;
+  bool any = false;
+  for (const int i : at_structure) {
+    if (!particle_class[i].has(ParticleClass::enclosed)) continue;
+    any = true;
+    for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry) {
+      const int k = rows.face[entry];
+      const double more = (sums.flux_share[k] - 1) * rows.weight[entry];
+      rows.weight[entry] += more;
+      sums.flux[i] += more * boundary.surface.normal[k].dot(boundary.surface.velocity[k]);
+      sums.surface_gradient[i] -= more * boundary.surface.normal[k];
+    }
+  }
+  return any;
+}
+
+template bool make_up_flux<2>(const std::vector<int>&, const std::vector<ParticleClass>&, Boundary<2>&);
+template bool make_up_flux<3>(const std::vector<int>&, const std::vector<ParticleClass>&, Boundary<3>&);
 template void find_interface_reaction<2>(const Constants<2>&, const Ranks&, const InterfaceParticles<2>&, const std::vector<int>&,
                                          Boundary<2>&);
 template void find_interface_reaction<3>(const Constants<3>&, const Ranks&, const InterfaceParticles<3>&, const std::vector<int>&,

@@ -2,6 +2,7 @@
 // What the interface gives back to particles under a uniform pressure.
 
 #include "fluid/boundary/boundary.hpp"
+#include "fluid/particle_class.hpp"
 #include "fluid/reference.hpp"
 #include "proto/interface.hpp"
 #include "ranks/ranks.hpp"
@@ -10,7 +11,13 @@ namespace tern::fluid {
 
 /// Sets boundary.sums.reaction of the particles `at_structure`. `particles`: these, with their images.
 template <int D>
-void find_interface_reaction(const Constants<D>& constants, const Ranks& ranks, const InterfaceParticles<D>& particles, const std::vector<int>& at_structure,
-                             Boundary<D>& boundary);
+void find_interface_reaction(const Constants<D>& constants, const Ranks& ranks, const InterfaceParticles<D>& particles,
+                             const std::vector<int>& at_structure, Boundary<D>& boundary);
+
+/// Makes the flux through faces up, for particles of enclosed fluid, as the load is made up: s_k/f_k of it, or all of it where less than half
+/// is filled. Says whether there are any. The level of an enclosed pressure answers the volume that bodies sweep, so its work on them has to
+/// be its work on the fluid. Elsewhere the flux of a face before which there are too many particles stays larger, and parts them from it.
+template <int D>
+bool make_up_flux(const std::vector<int>& at_structure, const std::vector<ParticleClass>& particle_class, Boundary<D>& boundary);
 
 }  // namespace tern::fluid

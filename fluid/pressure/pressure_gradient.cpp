@@ -1,9 +1,8 @@
 // Acceleration by the pressure gradient, a_i = -G_i / rho. With B_i = sum_F V_j (p_j - p_i) grad w_ij:
 //   blended:    G = C_i (B_i + H_i) + 2 p^_i E_i,   p^_i = min(theta (p_i - least p of the neighbours), rho h^2 / (5.4 dt^2))
 //   symmetric:  G = B_i + H_i + T_i C^F_i B_i + 2 p_i sum V grad w                  = sum V_j (p_j + p_i) grad w_ij
-//   beside the structure: the symmetric form less 2 (p_i - p^_i) E_i; enclosed fluid: less 2 p_i (E_i - E'_i)
-// E_i is sum V grad w over fluid and faces, what a uniform pressure of 1/2 does to the particle, with the interface's reaction; E'_i that
-// with what faces take from the half space as it is, as the divergence has it.
+//   beside the structure: the symmetric form less 2 (p_i - p^_i) E_i
+// E_i is sum V grad w over fluid and faces, what a uniform pressure of 1/2 does to the particle, with the interface's reaction.
 // A wall mirrors the pressure: along its normal p_w = p_i + rho (g - a_w) . (r_w - r_i), which gives H_i, along its face
 // with the fluid's own gradient, which C_i finds (blended form) or T_i completes (symmetric form). The symmetric form conserves momentum
 // pair by pair and is used at the free surface; the blended form is exact for linear fields but for its last term,
@@ -72,10 +71,6 @@ void apply_pressure_gradient(const Reference<D>& reference, double duration, con
           gradient = difference + 2 * p * kernel_gradient;
           if (!feels_level(constants, state.particle_class[i], at_structure))
             gradient -= 2 * (p - in_order) * (kernel_gradient + boundary.sums.reaction[i]);
-          else if (at_structure && state.particle_class[i].has(ParticleClass::enclosed))
-            gradient += 2 * p *
-                        (boundary.sums.surface_gradient[i] + boundary.sums.back_facing_gradient[i] - boundary.sums.unborne_gradient[i] -
-                         boundary.sums.reaction[i]);
         } else {
           gradient = correction.matrix[i] * difference;
           if constexpr (decltype(ordered)::value) (*order)[i] += scale * 2 * in_order * kernel_gradient;

@@ -43,11 +43,11 @@ void assemble_row(const Constants<D>& constants, double yields, const State<D>& 
   const double volume = constants.volume;
   const double full = constants.lattice.laplacian_weight / constants.lattice.gradient_moment;
   double constant = volume * missing_support(state, correction, i) * full + yields;
-  if (state.particle_class[i].has(ParticleClass::yields_to_level))
-    constant += 4 * volume *
-                (neighbours.kernel_gradient[i] + boundary.sums.wall_gradient[i] + boundary.sums.surface_gradient[i] +
-                 boundary.sums.back_facing_gradient[i])
-                    .squaredNorm();
+  if (state.particle_class[i].has(ParticleClass::yields_to_level)) {
+    Vector<D> closure = neighbours.kernel_gradient[i] + boundary.sums.wall_gradient[i];
+    if (boundary.sees_structure(i)) closure += boundary.sums.unborne_gradient[i] + boundary.sums.reaction[i];
+    constant += 4 * volume * closure.squaredNorm();
+  }
   double to_spray = 0;
   if (state.particle_class[i].has(ParticleClass::beside_spray))
     neighbours.for_each(i, [&](int j, float weight) {

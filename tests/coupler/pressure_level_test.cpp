@@ -80,8 +80,8 @@ std::vector<Vector<D>> accelerations(InterfaceScheme scheme, Place place, double
   }
   at_interface.velocity = particles.velocity;
   std::vector<Vector<D>> velocity(state.size(), Vector<D>::Zero());
-  apply_pressure_gradient(fluid.reference(), window, fluid.neighbours(), fluid.boundary(), fluid.correction(), state, &beside, true,
-                          velocity);
+  apply_pressure_gradient(fluid.reference(), window, fluid.neighbours(), fluid.boundary(), fluid.correction(), state, &beside, velocity,
+                          &velocity);
 
   Coupler<D> coupler(c, structure.surface_properties());
   coupler.first_exchange(0, window, surface, particles);

@@ -223,7 +223,6 @@ TEST(IntegratorChoice, InThreeDimensionsCountsWhatAFactorCosts) {
   EXPECT_EQ(implicit_costs<2>(flat, Tangent<2>(flat)).factor, ImplicitCosts{}.factor);
 }
 
-// Seen to fail: where the first factor counts as a sign of how many are needed, and a factor is charged to the window that made it.
 TEST(IntegratorChoice, ChargesAFactorToTheWindowsThatItServes) {
   const ImplicitCosts costs{.evaluation = 5, .factor = 4000};
   IntegratorChoice quiet, restless;
