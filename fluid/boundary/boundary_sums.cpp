@@ -74,7 +74,7 @@ namespace {
 template <int D>
 void close_round_corner(const Constants<D>& constants, const Vector<D>& x, const Vector<D>& gravity, const Faces<D>& faces,
                         const FaceRows& rows, std::ptrdiff_t i, const std::vector<int>& back_facing, HiddenSums<D>& hidden,
-                        std::vector<BackFacing>& kept, BoundarySums<D>& sums) {
+                        BoundarySums<D>& sums) {
   Matrix<D> across = Matrix<D>::Zero(), unborne = Matrix<D>::Zero();
   for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry) {
     const int k = rows.face[entry];
@@ -92,7 +92,6 @@ void close_round_corner(const Constants<D>& constants, const Vector<D>& x, const
     hidden.density -= angle * constants.faces.hidden_density(r);
     hidden.moment -= (angle * constants.faces.hidden_moment(r) / (r * r)) * d * d.transpose();
     unborne += 2 * sums.borne_share[k] * weight * faces.normal[k] * d.transpose();
-    kept.push_back({static_cast<int>(i), k, weight});
     sums.back_facing_gradient[i] -= weight * faces.normal[k];
     sums.unborne_gradient[i] -= (1 - sums.borne_share[k]) * weight * faces.normal[k];
   }
@@ -105,13 +104,11 @@ template <int D>
 void add_surface_sums(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
                       const Faces<D>& faces, const FaceFinder<D>& finder, const std::vector<std::uint8_t>& covered, FaceRows& rows,
                       BoundarySums<D>& sums) {
-  for (auto& of_thread : sums.back_facing) of_thread.clear();
   if (rows.face.empty()) return;
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(rows.begin.size()), count = static_cast<std::ptrdiff_t>(faces.size());
   const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
   sums.borne_share.resize(count);
   sums.corner_scratch.resize(threads);
-  sums.back_facing.resize(threads);
 #pragma omp parallel num_threads(threads)
   {
     CornerView<D> corners(faces, finder, covered, constants.faces, sums.corner_scratch[omp_get_thread_num()]);
@@ -124,8 +121,7 @@ void add_surface_sums(const Constants<D>& constants, const std::vector<Vector<D>
       const int* const seen = rows.face.data() + rows.begin[i];
       corners.look(position[i], seen, rows.count[i]);
       if (!corners.back_facing().empty() || std::any_of(seen, seen + rows.count[i], [&](int k) { return sums.borne_share[k] < 1; }))
-        close_round_corner<D>(constants, position[i], gravity[i], faces, rows, i, corners.back_facing(), hidden,
-                              sums.back_facing[omp_get_thread_num()], sums);
+        close_round_corner<D>(constants, position[i], gravity[i], faces, rows, i, corners.back_facing(), hidden, sums);
       sums.number_density[i] += hidden.density;
       sums.moment[i] += hidden.moment;
       sums.tangential[i] += hidden.moment - hidden.across;
