@@ -77,6 +77,7 @@ std::size_t bytes_of_a_step(Change&& change) {
 
 // Seen to fail: with the source of the density sized and computed although its coefficient is 0.
 TEST(FluidStep, HasNoArraysForATermThatIsOff) {
+  bytes_of_a_step([](FluidCase&) {});  // the first fluid of a process makes scratch that the others find
   const std::size_t plain = bytes_of_a_step([](FluidCase&) {}), particles = 800, number = sizeof(double);
   EXPECT_GE(bytes_of_a_step([](FluidCase& f) { f.numerics.density_relaxation = 0.02; }), plain + particles * number);
   // These three take their sums from arrays that every step has.
