@@ -85,6 +85,8 @@ def grids(dimension, particles):
 def around(inside, ranks, dimension, width):
     """Places within `width` of a part that others have, in the mean over parts: a part is a cube of so many, one of as many to each side
     as make `ranks`. Of the two faces across each side 2 (k-1)/k have a neighbour."""
+    if ranks == 1:
+        return 0.0
     side, k = inside ** (1 / dimension), ranks ** (1 / dimension)
     return (side + width * 2 * (k - 1) / k) ** dimension - inside
 

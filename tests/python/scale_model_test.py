@@ -22,6 +22,7 @@ class ModelTest(unittest.TestCase):
     def test_one_rank_costs_what_one_process_does(self):
         for fluid in scale_model.MEASURED.values():
             self.assertEqual(scale_model.efficiency(fluid, CLUSTER, 1, 50000), 1)
+            self.assertEqual(str(scale_model.around(50000, 1, fluid.dimension, scale_model.SUPPORT)), "0.0")  # not -0, not rounding
 
     def test_grids_are_divided_until_their_next_one_is_small(self):
         divided, whole = scale_model.grids(3, 21296)
