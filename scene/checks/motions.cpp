@@ -36,19 +36,25 @@ void check_motion(const std::optional<RigidMotion>& motion, const Setting& table
   }
 }
 
-/// The farthest that any corner of the shape comes between two instants [m].
-template <int D>
-double farthest_between(const RigidMotion& motion, const Shape& shape, double begin, double end) {
-  const Placement<D> before = placement<D>(motion, begin), after = placement<D>(motion, end);
+/// The largest of |way(x)| over the corners x of the box around the shape.
+template <int D, class Way>
+double largest_at_corners(const Shape& shape, Way&& way) {
   const Bounds<D> bounds = bounding_box<D>(shape);
-  double farthest = 0;
+  double largest = 0;
   for (int corner = 0; corner < (1 << D); ++corner) {
     Vector<D> x = bounds.min;
     for (int d = 0; d < D; ++d)
       if (corner & (1 << d)) x[d] = bounds.max[d];
-    farthest = std::max(farthest, (after(x) - before(x)).norm());
+    largest = std::max(largest, Vector<D>(way(x)).norm());
   }
-  return farthest;
+  return largest;
+}
+
+/// The farthest that any corner of the shape comes between two instants [m].
+template <int D>
+double farthest_between(const RigidMotion& motion, const Shape& shape, double begin, double end) {
+  const Placement<D> before = placement<D>(motion, begin), after = placement<D>(motion, end);
+  return largest_at_corners<D>(shape, [&](const Vector<D>& x) { return Vector<D>(after(x) - before(x)); });
 }
 
 /// What round-off leaves of the way of a point of the shape that stands still [m].
@@ -59,7 +65,7 @@ double noise(const Shape& shape) {
 }
 
 struct Jump {
-  double time, distance;  ///< [s], [m]
+  double time, size;  ///< [s], of a place [m] or of a velocity [m/s]
 };
 
 /// Change of the velocity of any corner of the shape from just before `begin` to just after `end` [m/s].
@@ -68,19 +74,11 @@ double change_of_velocity(const RigidMotion& motion, const Shape& shape, double 
   const double h = end - begin;
   const Placement<D> first = placement<D>(motion, begin - h), second = placement<D>(motion, begin), third = placement<D>(motion, end),
                      fourth = placement<D>(motion, end + h);
-  const Bounds<D> bounds = bounding_box<D>(shape);
-  double largest = 0;
-  for (int corner = 0; corner < (1 << D); ++corner) {
-    Vector<D> x = bounds.min;
-    for (int d = 0; d < D; ++d)
-      if (corner & (1 << d)) x[d] = bounds.max[d];
-    largest = std::max(largest, (fourth(x) - third(x) - second(x) + first(x)).norm() / h);
-  }
-  return largest;
+  return largest_at_corners<D>(shape, [&](const Vector<D>& x) { return Vector<D>(fourth(x) - third(x) - second(x) + first(x)); }) / h;
 }
 
 // Of a smooth motion the velocity changes half as much in half the time; after so many halvings next to nothing is left of it. A blow stays
-// what it is. distance: the change of velocity [m/s].
+// what it is.
 template <int D>
 std::optional<Jump> first_blow(const RigidMotion& motion, const Shape& shape, double end_time) {
   constexpr int halvings = 10;
@@ -141,12 +139,12 @@ void look_at_smoothness(Case& scene, const std::optional<RigidMotion>& motion, c
     scene.warnings.push_back(fmt::format(
         "{}: the velocity of the {} jumps by {:.3g} m/s at t = {:.6g} s: the forces there are those of a blow, and depend on the "
         "length of the step. Let the parts of its motion meet with the same slope.",
-        table.where, mover, blow->distance, blow->time));
+        table.where, mover, blow->size, blow->time));
   if (const auto& jump = jump_of_place)
     scene.warnings.push_back(
         fmt::format("{}: the {} jumps by {:.3g} m at t = {:.6g} s: its speed is infinite there, and fluid may get through it. Let the "
                     "parts of its motion meet.",
-                    table.where, mover, jump->distance, jump->time));
+                    table.where, mover, jump->size, jump->time));
   const double speed = starts_with_it ? 0 : speed_at_start<D>(*motion, shape, scene.end_time);
   if (speed > 0)
     scene.warnings.push_back(
