@@ -16,12 +16,12 @@ SolveResult conjugate_gradient(const Ranks& ranks, const Halo& ghosts, const Edg
     return ordered_dot(std::span(x).first(n), std::span(y).first(n));
   };
   double largest = 0;  // of |r|
-  // Sums over all ranks that can travel together do.
-  const auto measure_residual = [&](std::span<double> sums) {
-    sums[0] = own_dot(r, r);
+  // Both travel together.
+  const auto measure_residual = [&] {
+    double of_r = own_dot(r, r);
     largest = ordered_max(n, 0.0, [&](std::ptrdiff_t i) { return std::abs(r[i]); });
-    ranks.sum_and_most(sums, std::span(&largest, 1));
-    return std::sqrt(sums[0]);
+    ranks.sum_and_most(std::span(&of_r, 1), std::span(&largest, 1));
+    return std::sqrt(of_r);
   };
 
   SolveResult result;
@@ -39,8 +39,7 @@ SolveResult conjugate_gradient(const Ranks& ranks, const Halo& ghosts, const Edg
     add(p, q);
   }
   parallel_for(n, [&](std::ptrdiff_t i) { r[i] = b[i] - q[i]; });
-  double of_r_at_first = 0;
-  result.residual = measure_residual(std::span(&of_r_at_first, 1)) / norm_b;
+  result.residual = measure_residual() / norm_b;
   double rho = 0;
   while (result.residual > tolerance) {
     if (result.iterations == limit || !std::isfinite(result.residual)) return result;
@@ -61,8 +60,7 @@ SolveResult conjugate_gradient(const Ranks& ranks, const Halo& ghosts, const Edg
       r[i] -= alpha * q[i];
     });
     for (std::ptrdiff_t i = n; i < all; ++i) p[i] += alpha * d[i];
-    double of_r = 0;
-    result.residual = measure_residual(std::span(&of_r, 1)) / norm_b;
+    result.residual = measure_residual() / norm_b;
     ++result.iterations;
   }
   result.converged = true;
