@@ -68,6 +68,11 @@ def _camera(text):
     return numbers
 
 
+def _absolute(text):
+    """Of a file that a run that goes on elsewhere has to find again."""
+    return str(Path(text).resolve())
+
+
 def _count(text):
     try:
         value = int(text)
@@ -98,7 +103,8 @@ def _ranks_options(parser):
     parser.add_argument("--ranks", metavar="N", type=_count,
                         help="run the fluid in N processes (docs/SCALE.md); another N has other last digits")
     parser.add_argument("--oversubscribe", action="store_true", help="with --ranks: even where there are fewer cores")
-    parser.add_argument("--hosts", metavar="FILE", help="with --ranks: on these machines, one a line as NAME slots=K, this one first")
+    parser.add_argument("--hosts", metavar="FILE", type=_absolute,
+                        help="with --ranks: on these machines, one a line as NAME slots=K, this one first")
     parser.add_argument("--interface", metavar="NETWORK", help="with --hosts: the network interface between them, as ib0, or their "
                         "network, as 10.1.0.0/16; Open MPI listens there alone")
     parser.add_argument("--ports", metavar="FIRST-LAST", help="with --hosts: the ports that Open MPI opens on each machine (default: any)")
@@ -340,16 +346,12 @@ def _check_ranks(arguments):
     for name, needed in (("oversubscribe", "ranks"), ("hosts", "ranks"), ("interface", "hosts"), ("ports", "hosts")):
         if getattr(arguments, name) and not getattr(arguments, needed):
             raise Error(BAD_INPUT, f"--{name} is for a fluid in many processes; add --{needed}.")
-    if arguments.hosts:
-        arguments.hosts = str(Path(arguments.hosts).resolve())
 
 
 def _resume(arguments):
     if not (Path(arguments.run) / "run.json").exists():
         raise Error(BAD_INPUT, f"{arguments.run} holds no run: there is no run.json in it; name the results directory of one.")
     out = Path(arguments.run).resolve()
-    if arguments.hosts:
-        arguments.hosts = str(Path(arguments.hosts).resolve())
     request = run.resumed(out, arguments)
     request.case_options = request.case_options + _sets(arguments)
     request.retries = arguments.retries

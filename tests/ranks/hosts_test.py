@@ -238,10 +238,10 @@ class Namespaces(HostsTest):
 
     def test_two_machines_speak_over_the_network_that_is_named_and_listen_there_alone(self):
         one, two = self.names
-        self.assertEqual(self.run_case("one", "--until", "0.1", *COARSE, "--ranks", "4", *OVERSUBSCRIBED), (0, ""))
+        self.assertEqual(self.run_case("one", "--until", "0.6", *COARSE, "--ranks", "4", *OVERSUBSCRIBED), (0, ""))
         environment = self.agent(["ip", "netns", "exec", two, "unshare", "--uts"])
         process = self.popen("ip", "netns", "exec", one, ROOT / "tern", "run", CASE, "--quiet", "--out", self.directory / "two",
-                             "--until", "0.1", *COARSE, "--ranks", "4", "--hosts", self.directory / "hosts", "--interface",
+                             "--until", "0.6", *COARSE, "--ranks", "4", "--hosts", self.directory / "hosts", "--interface",
                              self.NETWORK + "0/24", "--ports", "21400-21404", *OVERSUBSCRIBED, env=environment)
         self.wait_for(process, "two")
         for last, name in enumerate(self.names, 1):
