@@ -18,6 +18,7 @@
 #include "base/timing.hpp"
 #include "fluid/boundary/interface_of_ranks.hpp"
 #include "fluid/boundary/interface_particles.hpp"
+#include "fluid/boundary/interface_reaction.hpp"
 #include "fluid/boundary/patches_of_ranks.hpp"
 #include "fluid/boundary/wall_contact.hpp"
 #include "fluid/correction_matrix.hpp"
@@ -95,6 +96,8 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   any_at_structure_ = false;
   if (boundary_.surface.size() == 0) return {};
   list_beside_structure(domain_, prediction_.position.size(), neighbours_, at_structure_, beside_structure_);
+  find_interface_reaction(constants, domain_.ranks(), own, prediction_.position, at_structure_, boundary_);
+  balance_weight(constants, neighbours_, state_.particle_class, prediction_.gravity, at_structure_, boundary_);
   if (domain_.alone()) {
     any_at_structure_ = !at_structure_.empty();
     return own;
@@ -113,6 +116,7 @@ void Fluid<D>::prepare_pressure() {
     compute_density_source(reference_, prediction_.bulk_speed, neighbours_, boundary_, correction_, state_.particle_class, density_source_);
   }
   find_enclosed_fluid(domain_, neighbours_, correction_, state_, system_);
+  flux_made_up_ = make_up_flux(at_structure_, state_.particle_class, boundary_);
   set_divergence_target(window_.duration, neighbours_, beside_structure_, packed_, density_source_, divergence_target_);
   assemble_pressure_matrix(reference_.constants, state_, neighbours_, boundary_, correction_, system_.matrix);
   system_.left_behind.clear();
@@ -129,7 +133,7 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
     if (first && load.repeats) prediction_.unprojected_velocity = prediction_.velocity;
     if (!first) return_to_unprojected_velocity(load.surface_velocity);
     const bool pushed = push(load.force);  // u* += dt a_dissipative
-    if (pushed || !first) {
+    if (pushed || !first || flux_made_up_) {
       // Elsewhere nothing has changed since see_surface().
       compute_divergence(&beside_structure_.list);
     }

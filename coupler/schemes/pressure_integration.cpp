@@ -7,11 +7,10 @@
 #include "sph/wet_share.hpp"
 
 namespace tern::coupler {
-namespace {
-
 template <int D>
-void pair_pressures(const PairView<D>& view, std::vector<double>& carried) {
-  std::vector<double> share(view.surface.position.size(), 0);
+void mean_pair_pressures(const PairView<D>& view, std::vector<double>& carried) {
+  thread_local std::vector<double> share;  // kept, so that a window allocates nothing
+  share.assign(view.surface.position.size(), 0);
   for (const auto& pair : view.pairs) share[pair.point] += -pair.b.dot(view.surface.normal[pair.point]);
   for (std::size_t k = 0; k < share.size(); ++k) {
     const double filled = share[k] / view.surface.area[k], wet = wet_share(filled);
@@ -20,13 +19,13 @@ void pair_pressures(const PairView<D>& view, std::vector<double>& carried) {
   for (std::size_t m = 0; m < view.pairs.size(); ++m) carried[m] = share[view.pairs[m].point] * carried[m];
 }
 
-}  // namespace
-
 template <int D>
 Scheme<D> pi() {
-  return {wet_share, pair_pressures<D>, nullptr};
+  return {wet_share, mean_pair_pressures<D>, nullptr};
 }
 
+template void mean_pair_pressures<2>(const PairView<2>&, std::vector<double>&);
+template void mean_pair_pressures<3>(const PairView<3>&, std::vector<double>&);
 template Scheme<2> pi<2>();
 template Scheme<3> pi<3>();
 

@@ -1,17 +1,17 @@
-// "riemann", pairs with dissipation (seed paper eq. 6): the pressure of a pair is that of its particle, and before the pressure solve
-// the dissipative part of a Riemann problem between both sides (riemann.hpp) acts on them.
+// "riemann", pairs with dissipation (seed paper eq. 6): before the pressure solve the dissipative part of a Riemann problem between both
+// sides (riemann.hpp) acts on the pairs. The pressure of a pair is that of its particle. A point has the mean of them, as with "pi":
+// what particles fill of the half space before it is 1 only where they are in order, and the level of the pressure times what it differs
+// from that would be a load.
 
 #include "coupler/schemes/riemann.hpp"
 
 #include "coupler/schemes/scheme.hpp"
 #include "coupler/state.hpp"
 #include "coupler/workspace.hpp"
+#include "sph/wet_share.hpp"
 
 namespace tern::coupler {
 namespace {
-
-/// As much as the pairs fill of the half space before a point.
-double load_share(double filled) { return filled; }
 
 template <int D>
 void add_dissipation(const Setup<D>& setup, Workspace<D>& window, Evaluations& evaluations) {
@@ -38,7 +38,7 @@ void add_dissipation(const Setup<D>& setup, Workspace<D>& window, Evaluations& e
 
 template <int D>
 Scheme<D> riemann() {
-  return {load_share, nullptr, add_dissipation<D>};
+  return {wet_share, mean_pair_pressures<D>, add_dissipation<D>};
 }
 
 template Scheme<2> riemann<2>();

@@ -38,6 +38,10 @@ struct Scheme {
 template <int D>
 const Scheme<D>& scheme_of(InterfaceScheme name);  ///< from registry.cpp
 
+/// Makes the carried pressures up for what the particles before every point fill: under a uniform pressure p the point has s_k p A_k.
+template <int D>
+void mean_pair_pressures(const PairView<D>& view, std::vector<double>& carried);
+
 /// Load of every surface point under a uniform pressure, over that pressure times its area.
 template <int D>
 std::vector<double> uniform_load(const Scheme<D>& scheme, std::span<const InterfacePair<D>> pairs, const Surface<D>& surface);

@@ -67,24 +67,28 @@ void set_wall_sums(const Constants<D>& constants, const std::vector<Vector<D>>& 
 
 namespace {
 
+/// What faces put on a particle at x where quantities vary linearly: -2 sum_k A_k w~ n_k (x_k - x)^T.
+template <int D>
+Matrix<D> linear_moment(const Vector<D>& x, const Faces<D>& faces, const FaceRows& rows, std::ptrdiff_t i) {
+  Matrix<D> sum = Matrix<D>::Zero();
+  for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry)
+    sum -= (2 * rows.weight[entry]) * faces.normal[rows.face[entry]] * (faces.position[rows.face[entry]] - x).transpose();
+  return sum;
+}
+
 /// Beside a corner: takes the cones behind back-facing faces from what is hidden from particle i at x, and sets what the interface does
-/// not bear of its sums. Turns `across` into what the faces put on a particle where quantities vary linearly,
-/// -2 sum_k A_k w~ n_k (x_k - x_i)^T:
-/// there is no one normal across which the fluid is mirrored.
+/// not bear of its sums.
 template <int D>
 void close_round_corner(const Constants<D>& constants, const Vector<D>& x, const Vector<D>& gravity, const Faces<D>& faces,
                         const FaceRows& rows, std::ptrdiff_t i, const std::vector<int>& back_facing, HiddenSums<D>& hidden,
-                        BoundarySums<D>& sums) {
-  Matrix<D> across = Matrix<D>::Zero(), unborne = Matrix<D>::Zero();
+                        std::vector<BackFacing>& kept, BoundarySums<D>& sums) {
+  Matrix<D> unborne = Matrix<D>::Zero();
   for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry) {
     const int k = rows.face[entry];
     const double left = 1 - sums.borne_share[k];
-    const Matrix<D> linear = -2 * rows.weight[entry] * faces.normal[k] * (faces.position[k] - x).transpose();
-    across += linear;
-    unborne += left * linear;
+    unborne -= (2 * left * rows.weight[entry]) * faces.normal[k] * (faces.position[k] - x).transpose();
     sums.unborne_gradient[i] -= left * rows.weight[entry] * faces.normal[k];
   }
-  if (!back_facing.empty()) hidden.across = across;
   for (int k : back_facing) {
     const Vector<D> d = faces.position[k] - x;
     const double r = d.norm(), angle = subtended_angle<D>(d, Vector<D>(-faces.normal[k]), faces.area[k]);
@@ -92,6 +96,7 @@ void close_round_corner(const Constants<D>& constants, const Vector<D>& x, const
     hidden.density -= angle * constants.faces.hidden_density(r);
     hidden.moment -= (angle * constants.faces.hidden_moment(r) / (r * r)) * d * d.transpose();
     unborne += 2 * sums.borne_share[k] * weight * faces.normal[k] * d.transpose();
+    kept.push_back({static_cast<int>(i), k, weight});
     sums.back_facing_gradient[i] -= weight * faces.normal[k];
     sums.unborne_gradient[i] -= (1 - sums.borne_share[k]) * weight * faces.normal[k];
   }
@@ -104,11 +109,14 @@ template <int D>
 void add_surface_sums(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
                       const Faces<D>& faces, const FaceFinder<D>& finder, const std::vector<std::uint8_t>& covered, FaceRows& rows,
                       BoundarySums<D>& sums) {
+  for (auto& of_thread : sums.back_facing) of_thread.clear();
   if (rows.face.empty()) return;
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(rows.begin.size()), count = static_cast<std::ptrdiff_t>(faces.size());
   const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
   sums.borne_share.resize(count);
   sums.corner_scratch.resize(threads);
+  sums.linear_moment.resize(n);
+  sums.back_facing.resize(threads);
 #pragma omp parallel num_threads(threads)
   {
     CornerView<D> corners(faces, finder, covered, constants.faces, sums.corner_scratch[omp_get_thread_num()]);
@@ -121,10 +129,14 @@ void add_surface_sums(const Constants<D>& constants, const std::vector<Vector<D>
       const int* const seen = rows.face.data() + rows.begin[i];
       corners.look(position[i], seen, rows.count[i]);
       if (!corners.back_facing().empty() || std::any_of(seen, seen + rows.count[i], [&](int k) { return sums.borne_share[k] < 1; }))
-        close_round_corner<D>(constants, position[i], gravity[i], faces, rows, i, corners.back_facing(), hidden, sums);
+        close_round_corner<D>(constants, position[i], gravity[i], faces, rows, i, corners.back_facing(), hidden,
+                              sums.back_facing[omp_get_thread_num()], sums);
       sums.number_density[i] += hidden.density;
       sums.moment[i] += hidden.moment;
+      const Matrix<D> linear = linear_moment(position[i], faces, rows, i);
+      if (!corners.back_facing().empty()) hidden.across = linear;  // there is no one normal across which the fluid is mirrored
       sums.tangential[i] += hidden.moment - hidden.across;
+      sums.linear_moment[i] = linear - hidden.across;
       sums.surface_gradient[i] = -hidden.gradient;
       sums.flux[i] += hidden.flux;
     }

@@ -9,6 +9,12 @@
 
 namespace tern::fluid {
 
+/// A particle and a face of the structure that is turned away from it past a corner (convex_corner.hpp).
+struct BackFacing {
+  int particle, face;
+  double weight;  ///< A_k w~ [1/m]
+};
+
 /// Sums over the hidden side of all faces a particle sees; zero away from faces. set_wall_sums() comes first.
 template <int D>
 struct BoundarySums {
@@ -20,9 +26,14 @@ struct BoundarySums {
   std::vector<Vector<D>> surface_gradient;      ///< sum_hidden V grad w behind the structure [1/m]
   std::vector<Vector<D>> back_facing_gradient;  ///< what back-facing faces take from that (convex_corner.hpp) [1/m]
   std::vector<Vector<D>> unborne_gradient;      ///< of both, what is not the interface's [1/m]
+  std::vector<Vector<D>> reaction;              ///< of both, as the interface has it under a uniform pressure; at the structure alone [1/m]
+  std::vector<Matrix<D>> linear_moment;         ///< -2 sum A w~ n d^T of the structure, less what M has of it; at the structure alone [-]
+  std::vector<double> flux_share;               ///< of each face of the structure, in the flux into enclosed fluid [-]
+  std::vector<double> reaction_share;           ///< of each face of the structure in that [-]
   std::vector<double> borne_share;              ///< of each face of the structure (convex_corner.hpp) [-]
   std::vector<CornerScratch> corner_scratch;    ///< by thread
-  std::vector<double> flux;                     ///< sum_k A_k w~_ik n_k . u_k of all faces [1/s]
+  std::vector<std::vector<BackFacing>> back_facing;  ///< by thread: particle by particle
+  std::vector<double> flux;                          ///< sum_k A_k w~_ik n_k . u_k of all faces [1/s]
 };
 
 /// Sums over the hidden side of the walls, and the weights of the rows. `gravity`: at each particle [m/s^2].

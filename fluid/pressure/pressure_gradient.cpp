@@ -1,10 +1,13 @@
 // Acceleration by the pressure gradient, a_i = -G_i / rho. With B_i = sum_F V_j (p_j - p_i) grad w_ij:
-//   blended:    G = C_i (B_i + H_i) + 2 min(theta (p_i - least p of the neighbours), rho h^2 / (5.4 dt^2)) sum V grad w
+//   blended:    G = C_i (B_i + H_i) + 2 p^_i E_i,   p^_i = min(theta (p_i - least p of the neighbours), rho h^2 / (5.4 dt^2))
 //   symmetric:  G = B_i + H_i + T_i C^F_i B_i + 2 p_i sum V grad w                  = sum V_j (p_j + p_i) grad w_ij
+//   beside the structure: the symmetric form less 2 (p_i - p^_i) E_i
+// E_i is sum V grad w over fluid and faces, what a uniform pressure of 1/2 does to the particle, with the interface's reaction.
 // A wall mirrors the pressure: along its normal p_w = p_i + rho (g - a_w) . (r_w - r_i), which gives H_i, along its face
 // with the fluid's own gradient, which C_i finds (blended form) or T_i completes (symmetric form). The symmetric form conserves momentum
-// pair by pair and is used at the free surface and at the structure; the blended form is exact for linear fields but for its last term,
-// which keeps particles in order, and used inside. There the level of the pressure means nothing, so that term does not know it.
+// pair by pair and is used at the free surface; the blended form is exact for linear fields but for its last term,
+// which keeps particles in order, and used inside. There the level of the pressure means nothing, so that term does not know it. Beside
+// the structure the interface has brought the level in, as the reaction to the load: it is taken out again.
 
 #include "fluid/pressure/pressure_gradient.hpp"
 
@@ -63,11 +66,17 @@ void apply_pressure_gradient(const Reference<D>& reference, double duration, con
           difference += boundary.sums.mirrored_hydrostatic[i];
         }
         Vector<D> gradient;
+        const double in_order = std::min(theta * (p - least), most);  // p^
         if (state.particle_class[i].has(ParticleClass::symmetric_gradient)) {
           gradient = difference + 2 * p * kernel_gradient;
+          if (!feels_level(constants, state.particle_class[i], at_structure))
+            gradient -= 2 * p * (kernel_gradient + boundary.sums.reaction[i]) -
+                        2 * in_order *
+                            (neighbours.kernel_gradient[i] + boundary.sums.wall_gradient[i] + boundary.sums.surface_gradient[i] +
+                             boundary.sums.back_facing_gradient[i]);
         } else {
           gradient = correction.matrix[i] * difference;
-          if constexpr (decltype(ordered)::value) (*order)[i] += scale * 2 * std::min(theta * (p - least), most) * kernel_gradient;
+          if constexpr (decltype(ordered)::value) (*order)[i] += scale * 2 * in_order * kernel_gradient;
         }
         velocity[i] += scale * gradient;
       });

@@ -9,6 +9,14 @@
 
 namespace tern::fluid {
 
+/// Whether the symmetric gradient of a particle knows the level of the pressure. Beside the structure it has differences alone, but for
+/// particles at a free surface, where the level is what the pressure is above that of the air, and for enclosed fluid, whose level is an
+/// unknown of its own.
+template <int D>
+bool feels_level(const Constants<D>& constants, ParticleClass own, bool at_structure) {
+  return !at_structure || !own.interior() || own.has(ParticleClass::enclosed) || constants.numerics.gradient == GradientForm::sum;
+}
+
 /// u -= dt/rho G for the pressure of the state: of the particles `only`, which see the structure, or, with nullptr, of all
 /// that do not. The part that keeps the particles in order is added to `order`: the velocity itself, a vector of its own, or, with
 /// nullptr, none.

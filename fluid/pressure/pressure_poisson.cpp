@@ -17,6 +17,7 @@
 
 #include "base/parallel.hpp"
 #include "fluid/pressure/divergence_target.hpp"
+#include "fluid/pressure/pressure_gradient.hpp"
 
 namespace tern::fluid {
 namespace {
@@ -42,11 +43,11 @@ void assemble_row(const Constants<D>& constants, double yields, const State<D>& 
   const double volume = constants.volume;
   const double full = constants.lattice.laplacian_weight / constants.lattice.gradient_moment;
   double constant = volume * missing_support(state, correction, i) * full + yields;
-  if (state.particle_class[i].has(ParticleClass::yields_to_level))
-    constant += 4 * volume *
-                (neighbours.kernel_gradient[i] + boundary.sums.wall_gradient[i] + boundary.sums.surface_gradient[i] +
-                 boundary.sums.back_facing_gradient[i])
-                    .squaredNorm();
+  if (state.particle_class[i].has(ParticleClass::yields_to_level)) {
+    Vector<D> closure = neighbours.kernel_gradient[i] + boundary.sums.wall_gradient[i];
+    if (boundary.sees_structure(i)) closure += boundary.sums.unborne_gradient[i] + boundary.sums.reaction[i];
+    constant += 4 * volume * closure.squaredNorm();
+  }
   double to_spray = 0;
   if (state.particle_class[i].has(ParticleClass::beside_spray))
     neighbours.for_each(i, [&](int j, float weight) {
@@ -55,9 +56,10 @@ void assemble_row(const Constants<D>& constants, double yields, const State<D>& 
   matrix.set_row(i, constant, to_spray);
 }
 
-/// Finds which enclosed regions bodies tie, and marks their particles with the symmetric gradient.
+/// Finds which enclosed regions bodies tie, and marks their particles with the symmetric gradient that feel the level.
 template <int D>
-void tie_to_bodies(const Ranks& ranks, const std::vector<int>& at_structure, State<D>& state, PressureSystem<D>& system) {
+void tie_to_bodies(const Constants<D>& constants, const Ranks& ranks, const Boundary<D>& boundary, const std::vector<int>& at_structure,
+                   State<D>& state, PressureSystem<D>& system) {
   std::vector<std::uint8_t>& yields = system.enclosed.tied;
   yields.assign(system.enclosed.size.size(), 0);
   for (std::size_t m = 0; m < at_structure.size(); ++m) {
@@ -70,7 +72,8 @@ void tie_to_bodies(const Ranks& ranks, const std::vector<int>& at_structure, Sta
   if (!system.body_tied.any()) return;
   for (std::size_t i = 0; i < state.size(); ++i) {
     ParticleClass& own = state.particle_class[i];
-    own.set(ParticleClass::yields_to_level, own.has(ParticleClass::symmetric_gradient) && system.body_tied.region[i] >= 0);
+    own.set(ParticleClass::yields_to_level, own.has(ParticleClass::symmetric_gradient) && system.body_tied.region[i] >= 0 &&
+                                                feels_level(constants, own, boundary.sees_structure(i)));
   }
 }
 
@@ -112,7 +115,7 @@ void complete_pressure_matrix(const Constants<D>& constants, const Ranks& ranks,
                               PressureSystem<D>& system) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(at_structure.size()), all = static_cast<std::ptrdiff_t>(state.size());
   system.yielding.assemble(constants, ranks, load.response, boundary, state.particle_class, prediction, at_structure);
-  tie_to_bodies(ranks, at_structure, state, system);
+  tie_to_bodies(constants, ranks, boundary, at_structure, state, system);
   parallel_for(n, [&](std::ptrdiff_t m) {
     assemble_row(constants, system.yielding.bound(m), state, neighbours, boundary, correction, at_structure[m], system.matrix);
   });

@@ -47,7 +47,29 @@ std::vector<double> loads(InterfaceScheme scheme, bool images, double& unbalance
   return load;
 }
 
-// Each point within one support of the wall has less than its load without images: over the face 0.278 dx are missing.
+/// What the pairs fill of the half space before each point of the face.
+std::vector<double> filled(bool images) {
+  const Corner corner(images);
+  InterfacePairs<2> pairs(1.5 * dx, dx);
+  pairs.find(corner.particles, corner.surface);
+  std::vector<double> share(corner.surface.position.size(), 0);
+  for (const auto& pair : pairs.all_pairs())
+    share[pair.point] -= pair.b.dot(corner.surface.normal[pair.point]) / corner.surface.area[pair.point];
+  return share;
+}
+
+// Each point within one support of the wall has less than its half space without images: over the face 0.278 dx are missing.
+// Seen to fail: with the images left out of the pairs.
+TEST(WallImages, FillTheHalfSpaceOfAFaceThatMeetsAWall) {
+  const auto without = filled(false), with = filled(true);
+  double missing = 0;
+  for (int k = 0; k < 30; ++k) {
+    EXPECT_NEAR(with[k], 1, 2e-4) << "point " << k;
+    missing += 0.5 * (1 - without[k]);
+  }
+  EXPECT_NEAR(missing, 0.278, 2e-3);
+}
+
 // Seen to fail: with the images left out of the pairs; with images before faces that their particles do not see.
 TEST(WallImages, CompleteTheLoadOfAFaceThatMeetsAWall) {
   for (const auto& [scheme, key, meaning] : interface_schemes) {
@@ -59,9 +81,6 @@ TEST(WallImages, CompleteTheLoadOfAFaceThatMeetsAWall) {
     for (int k = 0; k < 30; ++k) {
       EXPECT_NEAR(with[k], 1, 2e-4) << "point " << k;
       missing += 0.5 * (1 - without[k]);
-    }
-    if (scheme == InterfaceScheme::riemann) {
-      EXPECT_NEAR(missing, 0.278, 2e-3);
     }
     EXPECT_GT(missing, 0.05);
     for (int k = 40; k < 50; ++k) EXPECT_EQ(with[k], 0) << "no water between body and wall, point " << k;

@@ -1,0 +1,30 @@
+#pragma once
+// What the interface gives back to particles under a uniform pressure.
+
+#include "fluid/boundary/boundary.hpp"
+#include "fluid/neighbours.hpp"
+#include "fluid/particle_class.hpp"
+#include "fluid/reference.hpp"
+#include "proto/interface.hpp"
+#include "ranks/ranks.hpp"
+
+namespace tern::fluid {
+
+/// Sets boundary.sums.reaction of the particles `at_structure`. `particles`: these, with their images.
+template <int D>
+void find_interface_reaction(const Constants<D>& constants, const Ranks& ranks, const InterfaceParticles<D>& particles,
+                             const std::vector<Vector<D>>& position, const std::vector<int>& at_structure, Boundary<D>& boundary);
+
+/// Adds to what walls mirror for particles `at_structure` inside the fluid what the sums of fluid and faces lack of its weight: water at
+/// rest is at rest, whatever the particles' places. `gravity`: at each particle [m/s^2]. find_interface_reaction() comes first.
+template <int D>
+void balance_weight(const Constants<D>& constants, const Neighbours<D>& neighbours, const std::vector<ParticleClass>& particle_class,
+                    const std::vector<Vector<D>>& gravity, const std::vector<int>& at_structure, Boundary<D>& boundary);
+
+/// Makes the flux through faces up, for particles of enclosed fluid, as the load is made up: s_k/f_k of it, or all of it where less than half
+/// is filled. Says whether there are any. The level of an enclosed pressure answers the volume that bodies sweep, so its work on them has to
+/// be its work on the fluid. Elsewhere the flux of a face before which there are too many particles stays larger, and parts them from it.
+template <int D>
+bool make_up_flux(const std::vector<int>& at_structure, const std::vector<ParticleClass>& particle_class, Boundary<D>& boundary);
+
+}  // namespace tern::fluid
