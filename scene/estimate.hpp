@@ -45,7 +45,7 @@ struct BodyEstimate {
 
 struct Estimate {
   long fluid_particles = 0;
-  double gravity = 0;       ///< |g| at t = 0 in the middle of the fluid [m/s^2]
+  double gravity = 0;       ///< largest |g| at t = 0 in the fluid [m/s^2]
   bool settled = false;     ///< the fluid starts at rest, and nowhere has room to fall
   double speed = 0;         ///< of free fall to the lowest wall, of the start, of walls and clamps: mean of the largest [m/s]
   double gravity_step = 0;  ///< limit gravity_courant sqrt(dx/|g|) [s]; infinite without gravity

@@ -73,6 +73,39 @@ TEST(Estimate, CountsWhatMovesBesidesTheFluid) {
   EXPECT_NEAR(estimate(c).speed, 0.4, 1e-3);
 }
 
+// A blade that a small clamp turns is as fast as its ends. Seen to fail with the corners of the clamp alone (0.05 m/s).
+TEST(Estimate, CountsTheEndsOfABodyThatItsClampTurns) {
+  Case c = case_of("submerged_block");
+  c.gravity = {};
+  ClampCase hub;
+  hub.body = c.structure->bodies[0].name;
+  hub.motion.emplace();
+  hub.motion->rotation = Expression("t");
+  const Bounds<2> bounds = bounding_box<2>(c.structure->bodies[0].shape);
+  for (int d = 0; d < 2; ++d) {
+    hub.motion->pivot[d] = 0.5 * (bounds.min[d] + bounds.max[d]);
+    hub.region.min[d] = hub.motion->pivot[d] - 0.035, hub.region.max[d] = hub.motion->pivot[d] + 0.035;
+  }
+  c.structure->clamps.push_back(hub);
+  EXPECT_NEAR(estimate(c).speed, 0.5 * (bounds.max - bounds.min).norm(), 0.001);
+}
+
+// Water about a centre to which gravity draws: the fluid's own measures (fluid/reference.cpp). Seen to fail with gravity in the middle, where
+// it is 0: no limit at all.
+TEST(Estimate, OfAFieldAboutACentreTakesItsStrongestPlace) {
+  Case c = case_of("rotating_square_patch");
+  c.gravity = {Expression("-4*x"), Expression("-4*y"), Expression(0.0)};
+  c.fluid->bodies[0].velocity = {};
+  Shape& disc = c.fluid->bodies[0].shape;
+  disc = Shape();
+  disc.kind = Shape::Kind::ball;
+  disc.radius = 0.5;
+  const Estimate e = estimate(c);
+  EXPECT_NEAR(e.gravity, 4 * 0.5, 4 * c.fluid->spacing);
+  EXPECT_NEAR(e.speed, 0.5 * std::sqrt(e.gravity * 1), 0.02 * e.speed);
+  EXPECT_NEAR(e.gravity_step, c.fluid->numerics.gravity_courant * std::sqrt(c.fluid->spacing / e.gravity), 1e-12);
+}
+
 // A window does not reach beyond the next frame. Seen to fail: with one step for a scene in which nothing moves yet.
 TEST(Estimate, OfASceneAtRestHasAWindowPerFrameAtLeast) {
   Case c = case_of("submerged_block");
