@@ -78,8 +78,8 @@ TEST(WallForce, HasTheFrictionOfAViscousFluid) {
   }
 }
 
-// Water that turns with its round tank like a solid is not sheared: no torque on it, and no force. The velocity alone changes along the normal
-// of the wall, by omega x n. Seen to fail with mu du/dn for the traction: -5.0 N m in 2D, of -2 pi R^2 mu omega = -5.7.
+// Water that turns with its round tank like a solid is not sheared: no torque on it, and no force. The velocity alone changes along
+// the normal of the wall, by omega x n. Seen to fail with mu du/dn for the traction: -5.0 N m in 2D, of -2 pi R^2 mu omega = -5.7.
 template <int D>
 void expect_no_friction_of_a_solid_rotation() {
   constexpr double radius = 0.3, rate = 2, viscosity = 5;

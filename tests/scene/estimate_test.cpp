@@ -74,7 +74,7 @@ TEST(Estimate, CountsWhatMovesBesidesTheFluid) {
   EXPECT_NEAR(estimate(c).speed, 0.4, 1e-3);
 }
 
-// A ring that floats keeps the water out of its inside: nothing falls there. So does a closed line. Seen to fail with the ring for the shape.
+// A ring that floats keeps the water out of its inside: nothing falls there. Seen to fail with the ring for the shape.
 TEST(Estimate, OfAFloatingHullIsThatOfWaterAtRest) {
   Case c = case_of("floating_block");
   Shape& hull = c.structure->bodies[0].shape;
@@ -90,8 +90,8 @@ TEST(Estimate, OfAFloatingHullIsThatOfWaterAtRest) {
   EXPECT_FALSE(estimate(c).settled) << "it is open";
 }
 
-// 1.8 s of CPU for the shell of `dam_break_plate_3d` in implicit steps to 0.3 s. Seen to fail with the window of a solid in 3D (36 s), whose
-// factor has neighbours across as well.
+// 1.8 s of CPU for the shell of `dam_break_plate_3d` in implicit steps to 0.3 s. Seen to fail with the window of a solid in 3D,
+// whose factor has neighbours across as well.
 TEST(Estimate, KnowsWhatImplicitStepsOfAShellTakeIn3D) {
   const Estimate e = estimate(case_of("dam_break_plate_3d", {{{"structure.numerics.integrator", "implicit"}, {"end_time", "0.3"}}, ""}));
   EXPECT_GT(e.structure_cpu, 1.8 / 1.5);
@@ -123,8 +123,8 @@ TEST(Estimate, CountsTheEndsOfABodyThatItsClampTurns) {
   EXPECT_NEAR(estimate(c).speed, 0.5 * (bounds.max - bounds.min).norm(), 0.001);
 }
 
-// Water about a centre to which gravity draws: the fluid's own measures (fluid/reference.cpp). Seen to fail with gravity in the middle, where
-// it is 0: no limit at all.
+// Water about a centre to which gravity draws: the fluid's own measures (fluid/reference.cpp). Seen to fail with gravity in the
+// middle, where it is 0: no limit at all.
 TEST(Estimate, OfAFieldAboutACentreTakesItsStrongestPlace) {
   Case c = case_of("rotating_square_patch");
   c.gravity = {Expression("-4*x"), Expression("-4*y"), Expression(0.0)};

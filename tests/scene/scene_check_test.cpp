@@ -195,8 +195,8 @@ TEST_F(CaseFile, WarnsOfABodyFewerThanFourParticlesThick) {
   EXPECT_NE(c.warnings[0].find("2.99 particles across"), std::string::npos) << c.warnings[0];
 }
 
-// A slanting plate as thick as it says, but for the round-off of its corners, is neither refused as "2 particles across, but needs at least 2"
-// nor warned of as 4 with "4 is better". Seen to fail with both limits to the sixth digit.
+// A slanting plate as thick as it says, but for the round-off of its corners, is neither refused as "2 particles across, but needs
+// at least 2" nor warned of as 4 with "4 is better". Seen to fail with both limits to the sixth digit.
 TEST_F(CaseFile, TakesTheThicknessOfABodyToTheDigitsThatItShows) {
   const std::string slanting = "polygon = { vertices = [[0.55, 0.60], [0.7232, 0.70], [0.7132, 0.7173], [0.54, 0.6173]] }";
   const std::string text = replaced(replaced(replaced(with("box = { min = [0.7, -0.1], max = [0.8, 0.5] }", slanting),
