@@ -98,6 +98,21 @@ TEST(Estimate, KnowsWhatImplicitStepsOfAShellTakeIn3D) {
   EXPECT_LT(e.structure_cpu, 1.8 * 1.5);
 }
 
+// A thin sheet in little water: its points cost more than the particles. The same sheet in much water is held by the particles' cost. Seen to
+// fail without the cost of points.
+TEST(Estimate, ReckonsWithThePointsOfABodyIn3D) {
+  const Case c = case_of("dam_break_plate_3d");
+  const Estimate whole = estimate(c);
+  Case little = c;
+  little.fluid->bodies[0].shape.max = {0.05, 0.05, 0.05};
+  const Estimate part = estimate(little);
+  ASSERT_LT(part.fluid_particles, whole.fluid_particles / 10);
+  EXPECT_GT(part.fluid_cpu / part.steps / part.fluid_particles, 2 * whole.fluid_cpu / whole.steps / whole.fluid_particles);
+  Case dry = c;
+  dry.structure.reset();
+  EXPECT_NEAR(estimate(dry).fluid_cpu / estimate(dry).steps, whole.fluid_cpu / whole.steps / 1.4, 1e-6);
+}
+
 // Of a body of many particles the factor fills up. Seen to fail with the figure of some hundred for all.
 TEST(Estimate, KnowsThatImplicitStepsOfManyParticlesTakeMoreThanTheirShare) {
   const Estimate few = estimate(case_of("submerged_block")),
