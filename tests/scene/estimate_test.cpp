@@ -98,7 +98,7 @@ TEST(Estimate, KnowsWhatImplicitStepsOfAShellTakeIn3D) {
   EXPECT_LT(e.structure_cpu, 1.8 * 1.5);
 }
 
-// A thin sheet in little water: its points cost more than the particles. The same sheet in much water is held by the particles' cost. Seen to
+// A sheet in little water: its points cost more than the particles. In much water it costs no more than the particles hold. Seen to
 // fail without the cost of points.
 TEST(Estimate, ReckonsWithThePointsOfABodyIn3D) {
   const Case c = case_of("dam_break_plate_3d");
