@@ -21,8 +21,9 @@ struct Costs {
   std::vector<std::pair<std::string, double>> fluid_parts;  ///< name and share; empty if not measured
   std::string measured;                                     ///< date, empty for the defaults
 };
-inline constexpr double implicit_window = 19;        ///< cost of a window in implicit steps, in sub-steps
+inline constexpr double implicit_window = 19;         ///< cost of a window in implicit steps, in sub-steps, of at most a thousand particles
 inline constexpr double implicit_window_in_3d = 150;  ///< the same in 3D, of some thousand particles; of some hundred it is 45
+inline constexpr double implicit_window_of_shell_in_3d = 8;  ///< the same of a shell: `dam_break_plate_3d` to 0.3 s in implicit steps
 
 /// Mass behind the faces of a body, in layers of fluid particles: at most so many, and windows are half as long; or, how it answers is not
 /// learnt, and every window is repeated. A plate of just this mass is one of them, whatever its rounding.
@@ -45,7 +46,7 @@ struct BodyEstimate {
 
 struct Estimate {
   long fluid_particles = 0;
-  double gravity = 0;       ///< |g| at t = 0 in the middle of the fluid [m/s^2]
+  double gravity = 0;       ///< largest |g| at t = 0 in the fluid [m/s^2]
   bool settled = false;     ///< the fluid starts at rest, and nowhere has room to fall
   double speed = 0;         ///< of free fall to the lowest wall, of the start, of walls and clamps: mean of the largest [m/s]
   double gravity_step = 0;  ///< limit gravity_courant sqrt(dx/|g|) [s]; infinite without gravity

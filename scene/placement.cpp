@@ -346,12 +346,13 @@ class PlacementCheck {
         continue;
       }
       const double across = thin_section<D>(body) / body.spacing;
-      if (across < 2 - 1e-6) {
+      constexpr double shown = 0.005;  // half of the last digit that the sentences show
+      if (across < 2 - shown) {
         fail(where_body(i), fmt::format("'{}' is {:.3g} particles across at the spacing {} m, but needs at least 2 (better 4); use a "
                                         "spacing of at most {:.3g} m.",
                                         body.name, across, body.spacing, across * body.spacing / 2));
       }
-      if (across < 4 - 1e-6) {
+      if (across < 4 - shown) {
         scene_.warnings.push_back(
             fmt::format("{}: '{}' is {:.3g} particles across; its bending stiffness is off by 6 % with 3 and by 30 to "
                         "70 % with 2, a spacing of {:.3g} m gives 4.",

@@ -16,6 +16,7 @@ struct Wall {
   WallCase scene;
   std::size_t first = 0, last = 0;  ///< its patches: first .. last - 1
   Placement<D> place;
+  double turn_rate = 0;  ///< mean over the window [rad/s]
 };
 
 template <int D>

@@ -249,14 +249,18 @@ std::optional<double> Probe<D>::wall_pressure(const Vector<D>& x, const Vector<D
   return sum / weight;
 }
 
-// What add_viscosity() takes from the particles before the patch, mu sum_i 2 V A_k w~ (u_i - u_k)/y.
+// What add_viscosity() takes from the particles before the patch, mu sum_i 2 V A_k w~ (u_i - u_k)/y, but with velocities as seen by one who
+// turns with the wall, u_k + omega x d for u_k: the traction is mu (du/dn + grad(u . n)). Its second part does nothing to a fluid of one
+// viscosity, but is there on the wall, to which the fluid sticks: grad(u . n) = -omega x n.
 template <int D>
-Vector<D> Probe<D>::friction(const Faces<D>& faces, std::size_t k) const {
+Vector<D> Probe<D>::friction(const Wall<D>& wall, const Faces<D>& faces, std::size_t k) const {
   const Constants<D>& constants = fluid_.constants();
   Vector<D> force = Vector<D>::Zero();
   for_particles_before(faces.position[k], faces.normal[k], [&](int i, const Vector<D>& d, double) {
     const double height = seen_height(constants, d.dot(faces.normal[k]));
-    force += constants.faces.surface_weight(d.norm()) / height * (fluid_.state().velocity[i] - faces.velocity[k]);
+    Vector<D> of_wall = faces.velocity[k];
+    if (wall.scene.motion) of_wall += turning_velocity<D>(wall.turn_rate, wall.scene.motion->axis, d);
+    force += constants.faces.surface_weight(d.norm()) / height * (fluid_.state().velocity[i] - of_wall);
   });
   return 2 * constants.viscosity * constants.mass * faces.area[k] * force;
 }
@@ -296,7 +300,7 @@ std::optional<WallForce<D>> Probe<D>::force(const Wall<D>& wall, const Vector<D>
     if (!p) continue;
     if (!fluid_.has_pressure()) return std::nullopt;
     Vector<D> force = -*p * faces.area[k] * faces.normal[k];
-    if (fluid_.constants().viscosity > 0 && !fluid_.walls().slips(static_cast<int>(k))) force += friction(faces, k);
+    if (fluid_.constants().viscosity > 0 && !fluid_.walls().slips(static_cast<int>(k))) force += friction(wall, faces, k);
     const Vector<D> arm = faces.position[k] - about;
     total.force += force;
     if constexpr (D == 2)

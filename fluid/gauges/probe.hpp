@@ -56,7 +56,7 @@ class Probe {
   /// Nothing where the wall is dry.
   std::optional<double> wall_pressure(const Vector<D>& x, const Vector<D>& normal, double normal_acceleration) const;
   /// Of the fluid on the patch of a wall that it sticks to [N/m^(3-D)].
-  Vector<D> friction(const Faces<D>& faces, std::size_t k) const;
+  Vector<D> friction(const Wall<D>& wall, const Faces<D>& faces, std::size_t k) const;
   /// A body of the structure stands at x, as far as its faces near there tell.
   bool covered(const Vector<D>& x) const;
 

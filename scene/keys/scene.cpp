@@ -45,7 +45,8 @@ const Rows<Case>& domain_rows() {
       {"min", &Case::domain_min, "m", required, a_place, "Lower corner."},
       {"max", &Case::domain_max, "m", required, a_place, "Upper corner."},
       {"periodic", directions(), "", "[]", any,
-       "Directions in which the fluid repeats itself with the period max - min: what leaves on one side enters on the other."},
+       "Directions in which the fluid repeats itself with the period max - min: what leaves on one side enters on the other; without "
+       "elastic bodies."},
   };
   // clang-format on
   return rows;

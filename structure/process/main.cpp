@@ -32,7 +32,7 @@ struct Alone {
     ScopedTimer timer(compute_s);
     structure.trial(now, duration);
     watch_meetings(meetable, seconds(now + duration), structure.surface(), meeting);
-    return {duration, "output", -1};
+    return {duration, windows > 1 ? "sub-step" : "output", -1};
   }
   void save(StateWriter& file) const {
     file("structure", structure.state());
