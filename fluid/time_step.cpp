@@ -2,9 +2,9 @@
 // is one equation, in the file of its name; its last arguments are what it writes.
 //
 //   begin_window     r* = r^n + dt/2 u^n,  u* = u^n + dt g;  neighbours at r*
-//   see_surface      faces of walls and structure;  M, C, n;  free surface;  u* += dt nu lap u^n, noise damped;  div u*
+//   see_surface      faces of walls and structure;  M, C, n;  free surface;  u* += dt nu lap u^n;  div u*
 //   solve_pressure   u* += dt a_dissipative;  pressure Poisson equation, and once more for what is left;  u** = u* - dt grad p / rho
-//   end_window       u^{n+1} = u** + dt a_interface;  contacts;  r^{n+1} = r* + dt/2 u^{n+1};  shifting
+//   end_window       u^{n+1} = u** + dt a_interface, noise damped;  contacts;  r^{n+1} = r* + dt/2 u^{n+1};  shifting
 //
 // Drift, kick, drift: forces and incompressibility belong to the middle of the window, which makes the step time-symmetric
 // for conservative forces. With the pressure solved at r^n + dt u^n instead, a wave of frequency omega loses
@@ -79,13 +79,14 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
     state_.evaluations.viscosity += static_cast<long>(state_.size());
     add_viscosity<D>(constants, window_.duration, neighbours_, boundary_, prediction_.position, packed_.velocity, prediction_.velocity);
   }
-  compute_velocity_gradient(reference_.period, neighbours_, correction_, state_.particle_class, packed_);  // L
-  if (const double share = damped_share(reference_, window_.duration, prediction_.bulk_speed); share > 0) {
-    state_.evaluations.noise_damping += static_cast<long>(state_.size());
-    packed_.with_gradient([&](auto&... values) { domain_.particles().update(values...); });
-    damp_velocity_noise(share, reference_.period, neighbours_, state_.particle_class, packed_, prediction_.velocity);
-  }
-  compute_divergence(nullptr);  // div u*
+  divergence_.resize(state_.size());
+  compute_velocity_gradient(reference_.period, neighbours_, correction_, state_.particle_class, packed_,
+                            [&](std::ptrdiff_t i, const Matrix<D>& sum) {  // L, div u*
+                              divergence_[i] =
+                                  divergence_of(sum, prediction_.velocity[i], boundary_, correction_, state_.particle_class[i], i);
+                            });
+  // Only what differs from one particle to the next has a part in S.
+  if (constants.viscosity > 0 || !reference_.gravity.uniform()) compute_divergence(nullptr);
 
   pressure_prepared_ = false;
   prediction_.unprojected_velocity.clear();
@@ -213,6 +214,7 @@ void Fluid<D>::end_window(const InterfaceForce<D>& force) {
   ScopedTimer timer(timing_.correction);
   const Constants<D>& constants = reference_.constants;
   push(force.force);  // u^{n+1} = u** + dt a_interface
+  damp_noise();
   settle_wall_contacts(constants, window_.duration, boundary_, prediction_.position, prediction_.velocity);
   domain_.forget_ghosts(state_);
   check_speed(domain_.ranks(), window_, prediction_, boundary_.surface.velocity, state_);
@@ -234,6 +236,16 @@ void Fluid<D>::end_window(const InterfaceForce<D>& force) {
   ++windows_;
   if (!domain_.alone()) set_totals();
   check_that_some_are_left(window_, particles());
+}
+
+template <int D>
+void Fluid<D>::damp_noise() {
+  const double share = damped_share(reference_, window_.duration, prediction_.bulk_speed);
+  if (share == 0) return;
+  state_.evaluations.noise_damping += static_cast<long>(state_.size());
+  packed_.with_gradient([&](auto&... values) { domain_.particles().update(values...); });
+  by_axis<D>(state_.velocity, packed_.velocity);  // u^n, of which L is the gradient
+  damp_velocity_noise(share, reference_.period, neighbours_, state_.particle_class, packed_, prediction_.velocity);
 }
 
 template <int D>
@@ -278,6 +290,7 @@ void Fluid<D>::return_to_unprojected_velocity(const std::vector<Vector<D>>& surf
   template void Fluid<D>::drive_out_what_is_left();                                     \
   template void Fluid<D>::complete_velocity();                                          \
   template void Fluid<D>::end_window(const InterfaceForce<D>&);                         \
+  template void Fluid<D>::damp_noise();                                                 \
   template void Fluid<D>::pass_window();                                                \
   template void Fluid<D>::compute_divergence(const std::vector<int>*);                  \
   template bool Fluid<D>::push(const std::vector<Vector<D>>&);                          \
