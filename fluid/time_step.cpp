@@ -149,7 +149,8 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
       prepare_pressure_solve(constants, domain_, neighbours_, state_.particle_class, prediction_.position, at_structure_, system_);
       if (system_.sealed.any()) account_for_enclosed_fluid(reference_, window_, boundary_, system_.source, system_.sealed, state_);
     }
-    solve_pressure_poisson(constants, domain_, window_, prediction_.position, at_structure_, any_at_structure_, state_, system_);
+    solve_pressure_poisson(constants, domain_, window_, prediction_.position, at_structure_, any_at_structure_, first && load.repeats,
+                           state_, system_);
   }
   velocity_known_ = false;
   if (first) drive_out_what_is_left();
