@@ -20,8 +20,8 @@ constexpr double rounding = 1e-12;  ///< of a mean that is subtracted
 constexpr double of_what_is_left = 0.1;
 /// The correction of the pressure is solved for to this, because a part of what it answers to stays in any case.
 constexpr double of_correction = 0.1;
-/// Beside bodies a pass that is tested may leave so many times the tolerance, but no more than this. Its load errs by a third of that
-/// (hydrostatic_plate), and the test lets 3e-2 of the load through. A repeated pass is solved to the tolerance.
+/// Beside bodies a pass that is tested may leave so many times the tolerance, but no more than this. Its load errs by 4e-5
+/// of itself (hydrostatic_plate), and the test lets 3e-2 of the load through. A repeated pass is solved to the tolerance.
 constexpr double tested_by_tolerance = 1e2, tested = 1e-4;
 /// As long as the former is not known, or if a finer tolerance than this is asked for, the two may leave so many times the tolerance.
 constexpr double usual_tolerance = 1e-6, first_by_tolerance = 1e3, correction_by_tolerance = 1e5;
