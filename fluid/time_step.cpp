@@ -4,7 +4,7 @@
 //   begin_window     r* = r^n + dt/2 u^n,  u* = u^n + dt g;  neighbours at r*
 //   see_surface      faces of walls and structure;  M, C, n;  free surface;  u* += dt nu lap u^n;  div u*
 //   solve_pressure   u* += dt a_dissipative;  pressure Poisson equation, and once more for what is left;  u** = u* - dt grad p / rho
-//   end_window       u^{n+1} = u** + dt a_interface, noise damped;  contacts;  r^{n+1} = r* + dt/2 u^{n+1};  shifting
+//   end_window       u^{n+1} = u** + dt a_interface;  contacts;  r^{n+1} = r* + dt/2 u^{n+1};  velocity noise damped;  shifting
 //
 // Drift, kick, drift: forces and incompressibility belong to the middle of the window, which makes the step time-symmetric
 // for conservative forces. With the pressure solved at r^n + dt u^n instead, a wave of frequency omega loses
@@ -215,13 +215,17 @@ void Fluid<D>::end_window(const InterfaceForce<D>& force) {
   ScopedTimer timer(timing_.correction);
   const Constants<D>& constants = reference_.constants;
   push(force.force);  // u^{n+1} = u** + dt a_interface
-  damp_noise();
   settle_wall_contacts(constants, window_.duration, boundary_, prediction_.position, prediction_.velocity);
+  if (constants.numerics.noise_damping > 0) {  // its sums read u^n, of which L is the gradient
+    packed_.with_gradient([&](auto&... values) { domain_.particles().update(values...); });
+    by_axis<D>(state_.velocity, packed_.velocity);
+  }
   domain_.forget_ghosts(state_);
   check_speed(domain_.ranks(), window_, prediction_, boundary_.surface.velocity, state_);
   check_volume(window_, boundary_.surface.size() == 0 ? 0 : filling().volume_drift().known(), state_);
   state_.potential -= work_of_gravity(constants.mass, window_.duration, state_, prediction_);
   advance(window_.duration, prediction_, state_);  // r^{n+1} = r* + dt/2 u^{n+1}
+  damp_noise();
   move_off_faces(constants, boundary_, prediction_.position, state_.position);
   if (constants.numerics.shifting > 0) {
     state_.evaluations.shifting += static_cast<long>(state_.size());
@@ -244,9 +248,7 @@ void Fluid<D>::damp_noise() {
   const double share = damped_share(reference_, window_.duration, prediction_.bulk_speed);
   if (share == 0) return;
   state_.evaluations.noise_damping += static_cast<long>(state_.size());
-  packed_.with_gradient([&](auto&... values) { domain_.particles().update(values...); });
-  by_axis<D>(state_.velocity, packed_.velocity);  // u^n, of which L is the gradient
-  damp_velocity_noise(share, reference_.period, neighbours_, state_.particle_class, packed_, prediction_.velocity);
+  damp_velocity_noise(share, reference_.period, neighbours_, state_.particle_class, packed_, state_.velocity);
 }
 
 template <int D>
