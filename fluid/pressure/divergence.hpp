@@ -8,8 +8,8 @@
 
 namespace tern::fluid {
 
-/// div u of particle i, of its velocity and S_i (velocity_gradient.hpp) [1/s]. Where both have had the same added everywhere, S_i may be from
-/// before.
+/// div u of particle i, of its velocity and S_i (velocity_gradient.hpp) [1/s]. S_i may be from before the same was added to all
+/// velocities.
 template <int D>
 [[gnu::always_inline]] inline double divergence_of(const Matrix<D>& sum, const Vector<D>& velocity, const Boundary<D>& boundary,
                                                    const Corrections<D>& correction, ParticleClass particle_class, std::ptrdiff_t i) {

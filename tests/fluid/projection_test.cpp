@@ -69,8 +69,8 @@ std::vector<double> source_of_a_wave(const Expression& gravity) {
 }
 
 // Gravity that is the same everywhere has no part in the differences of velocities, so their sums are those of the velocity gradient. Any
-// other gravity has a part in them, and they are summed anew. Measured: 2e-16; 0.93 of the divergence of the gravity. Seen to fail: with the flux through walls of the velocity without gravity, and
-// with the sums of the velocity gradient for every gravity.
+// other gravity has a part in them, and they are summed anew. Measured: 2e-16; 0.93 of the divergence of the gravity. Seen to fail: with
+// the flux through walls of the velocity without gravity, and with the sums of the velocity gradient for every gravity.
 TEST(Projection, SumsVelocitiesAnewForAnUnevenGravityAlone) {
   const std::vector<double> even = source_of_a_wave(Expression(-gravity)), same = source_of_a_wave(Expression("-9.81+0*x")),
                             uneven = source_of_a_wave(Expression("-9.81*(1+0.1*y)"));

@@ -165,8 +165,8 @@ TEST(ForcesAtTheStructure, MeetTheSameVelocityInARepeatedWindow) {
   EXPECT_LT(std::sqrt(change / size), 0.2);
 }
 
-// A pass that the coupler tests is solved to a hundred times the tolerance, one that it does not test or repeats to the tolerance. Measured:
-// 2e-5, 1e-7, 2e-7. Seen to fail: with the tolerance for all, and with a hundred times it for all.
+// A pass that the coupler tests is solved to a hundred times the tolerance, one that it does not test or repeats to the tolerance.
+// Measured: 2e-5, 1e-7, 2e-7. Seen to fail: with the tolerance for all, and with a hundred times it for all.
 TEST(ForcesAtTheStructure, AreAnsweredRoughlyInAPassThatIsTested) {
   Fluid<2> fluid = waters(0.4, 0.4);
   const Surface<2> surface = plate();
