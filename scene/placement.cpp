@@ -352,12 +352,6 @@ class PlacementCheck {
                                         "spacing of at most {:.3g} m.",
                                         body.name, across, body.spacing, across * body.spacing / 2));
       }
-      if (across < 4 - shown) {
-        scene_.warnings.push_back(
-            fmt::format("{}: '{}' is {:.3g} particles across; its bending stiffness is off by 6 % with 3 and by 30 to "
-                        "70 % with 2, a spacing of {:.3g} m gives 4.",
-                        where_body(i), body.name, across, across * body.spacing / 4));
-      }
     }
   }
 

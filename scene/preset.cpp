@@ -12,7 +12,7 @@ namespace {
 
 using Options = std::vector<std::pair<std::string, std::string>>;
 
-// A body keeps at least this many particles across: fewer bend too easily (docs/STRUCTURE.md).
+// A body keeps at least this many particles across: a draft has the shape of its case.
 constexpr double least_across = 4;
 
 struct Group {

@@ -10,6 +10,7 @@
 
 #include "scene/geometry.hpp"
 #include "scene/plane_polygon.hpp"
+#include "scene/shell_sampling.hpp"
 
 namespace tern {
 namespace {
@@ -39,7 +40,9 @@ struct SurfacePoint {
 template <int D>
 class Sampler {
  public:
-  Sampler(const Shape& shape, double spacing) : shape_(shape), spacing_(spacing), bounds_(bounding_box<D>(shape)) {
+  /// `cuts`: of the faces of a ring or a line, over the length of its middle line, from 0 to 1; empty: each face evenly.
+  Sampler(const Shape& shape, double spacing, std::vector<double> cuts = {})
+      : shape_(shape), spacing_(spacing), bounds_(bounding_box<D>(shape)), cuts_(std::move(cuts)) {
     collect(shape, 1.0, leaves_);
     for (current_ = 0; current_ < leaves_.size(); ++current_) sample(*leaves_[current_].shape);
   }
@@ -174,6 +177,11 @@ class Sampler {
     add_curve(edge, length, count(length));
   }
 
+  /// A point in the middle of each piece of a whole face. `place`: length of the face up to a place of the middle line.
+  void add_pieces(const Curve& face, const std::function<double(double)>& place) {
+    for (std::size_t k = 0; k + 1 < cuts_.size(); ++k) add(face(0.5 * (cuts_[k] + cuts_[k + 1])), place(cuts_[k + 1]) - place(cuts_[k]));
+  }
+
   void sample_ring(const Shape& leaf) {
     const Vector<D> center(leaf.center[0], leaf.center[1]);
     const auto outwards = [](double angle) { return Vector<D>(std::cos(angle), std::sin(angle)); };
@@ -184,7 +192,10 @@ class Sampler {
         const Vector<D> n = outwards(leaf.begin + s * turn);
         return SurfacePoint<D>{center + r * n, side * n};
       };
-      add_curve(arc, r * turn, std::max(3L, count(r * turn)));
+      if (cuts_.empty())
+        add_curve(arc, r * turn, std::max(3L, count(r * turn)));
+      else
+        add_pieces(arc, [&](double s) { return s * r * turn; });
     }
     if (turn >= Shape::whole_turn * (1 - 1e-12)) return;
     for (const double angle : {leaf.begin, leaf.end}) {
@@ -209,8 +220,27 @@ class Sampler {
         const Vector<D> after = left_of(along[has_after ? i % segments : segments - 1]);
         offset.push_back(corner(i) + side * leaf.thickness / (1 + before.dot(after)) * 0.5 * (before + after));
       }
-      std::vector<double> place{0};
-      for (std::size_t i = 0; i < segments; ++i) place.push_back(place.back() + (offset[i + 1] - offset[i]).norm());
+      std::vector<double> place{0}, middle{0};
+      for (std::size_t i = 0; i < segments; ++i) {
+        place.push_back(place.back() + (offset[i + 1] - offset[i]).norm());
+        middle.push_back(middle.back() + (corner(i + 1) - corner(i)).norm());
+      }
+      if (!cuts_.empty()) {
+        const auto find = [&](double s) {  // segment, and share of it
+          const double at = s * middle.back();
+          const auto i = static_cast<std::size_t>(std::upper_bound(middle.begin() + 1, middle.end() - 1, at) - middle.begin()) - 1;
+          return std::pair{i, (at - middle[i]) / (middle[i + 1] - middle[i])};
+        };
+        const Curve face = [&](double s) {
+          const auto [i, share] = find(s);
+          return SurfacePoint<D>{offset[i] + share * (offset[i + 1] - offset[i]), side * left_of(along[i])};
+        };
+        add_pieces(face, [&](double s) {
+          const auto [i, share] = find(s);
+          return place[i] + share * (place[i + 1] - place[i]);
+        });
+        continue;
+      }
       const double length = place.back();
       const Curve curve = [&](double s) {
         const auto next = std::upper_bound(place.begin() + 1, place.end() - 1, s * length);
@@ -408,11 +438,49 @@ class Sampler {
   const Shape& shape_;
   double spacing_;
   Bounds<D> bounds_;
+  std::vector<double> cuts_;
   std::vector<Leaf> leaves_;
   std::size_t current_ = 0;
 };
 
+/// Where the particles of a curved shell end, over the whole length of its middle line, and parts of about `spacing` of each.
+std::vector<double> cuts_of(const MidSurface<2>& surface, double length, double spacing) {
+  std::vector<double> ends{0};  // of the cells, and of what is clamped
+  const auto end_at = [&](double s) {
+    if (s > ends.back() + 1e-9 * spacing) ends.push_back(s);
+  };
+  const double h = surface.spacing(0), first = surface.low[0] + (surface.edges[0][0] != EdgeKind::free ? 0.5 * h : 0);
+  end_at(surface.low[0]);
+  for (int n = 0; n <= surface.count[0]; ++n) end_at(first + n * h);
+  end_at(surface.high[0]);
+  end_at(length);
+  std::vector<double> cuts{0};
+  for (std::size_t n = 1; n < ends.size(); ++n) {
+    const long parts = std::max(1L, std::lround((ends[n] - ends[n - 1]) / spacing));
+    for (long k = 1; k <= parts; ++k)
+      cuts.push_back((ends[n - 1] + (ends[n] - ends[n - 1]) * static_cast<double>(k) / static_cast<double>(parts)) / length);
+  }
+  cuts.back() = 1;
+  return cuts;
+}
+
 }  // namespace
+
+template <int D>
+SurfacePoints<D> sample_shell_surface(const StructureBody& body, double spacing) {
+  if constexpr (D == 2) {
+    const Shape& shape = body.shape;
+    const MidSurface<2> surface = mid_surface<2>(body);
+    if (surface.kind == MidSurface<2>::Kind::round)
+      return Sampler<2>(shape, spacing, cuts_of(surface, shape.radius * (shape.end - shape.begin), spacing)).points;
+    if (surface.kind == MidSurface<2>::Kind::path)
+      return Sampler<2>(shape, spacing, cuts_of(surface, surface.corner_at.back(), spacing)).points;
+  }
+  return sample_surface<D>(body.shape, spacing);
+}
+
+template SurfacePoints<2> sample_shell_surface<2>(const StructureBody&, double);
+template SurfacePoints<3> sample_shell_surface<3>(const StructureBody&, double);
 
 template <int D>
 SurfacePoints<D> sample_surface(const Shape& shape, double spacing) {

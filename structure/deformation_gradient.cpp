@@ -1,5 +1,6 @@
 // Deformation gradient  F_i = I + H_i,  H_i = sum_j V_j (d_j - d_i) x g_ij,  from displacements, not positions, so that
 // round-off does not grow with the distance from the origin, and its own gradient, K_i^ab = sum_j V_j (d_j - d_i) k_ij^ab.
+// Where the neighbours do not determine second derivatives, both are completed (unseen_fields.hpp), and F_i below is that of the fit.
 // The velocity gradient l_i is that in the present place, l_i = (sum_j V_j (v_j - v_i) x g_ij) F_i^-1: in a rigid rotation it is the
 // spin, however the body is deformed.
 
@@ -12,7 +13,7 @@ namespace {
 
 /// One component of the block at `row`: gradient and second derivatives of the displacement d, and gradient of the velocity v.
 /// Component by component, so that all sums stay in registers.
-template <int D, bool with_velocity, bool with_curvature>
+template <int D, bool with_velocity>
 inline void gradients_of_component(const Stencil<D>& stencil, const Neighbour<D>* neighbour, const std::int32_t* offset, const double* d,
                                    const double* v, Lanes (&gradient)[D], Lanes (&second)[curvature_components<D>],
                                    Lanes (&velocity_gradient)[D]) {
@@ -21,8 +22,7 @@ inline void gradients_of_component(const Stencil<D>& stencil, const Neighbour<D>
     const Neighbour<D>& n = neighbour[k];
     const Lanes moved = load(d + offset[k]) - own_d;
     for (int b = 0; b < D; ++b) gradient[b] += moved * n.gradient[b];
-    if constexpr (with_curvature)
-      for (int c = 0; c < curvature_components<D>; ++c) second[c] += moved * n.curvature[c];
+    for (int c = 0; c < curvature_components<D>; ++c) second[c] += moved * n.curvature[c];
     if constexpr (with_velocity) {
       const Lanes jump = load(v + offset[k]) - own_v;
       for (int b = 0; b < D; ++b) velocity_gradient[b] += jump * n.gradient[b];
@@ -30,8 +30,35 @@ inline void gradients_of_component(const Stencil<D>& stencil, const Neighbour<D>
   }
 }
 
-/// All derivatives of a block. Without `with_curvature` those of second order are left at the zero that they always are there.
-template <int D, bool with_velocity, bool with_curvature>
+/// Completes the derivatives of a block, which the workspace has from the fit.
+template <int D>
+void complete_block(const Reference<D>& reference, const Block& block, const Stencil<D>& stencil, Workspace<D>& work) {
+  Lanes h[D][D], f[D][D], inverse_transposed[D][D], k[D][curvature_components<D>];
+  for (int a = 0; a < D; ++a) {
+    for (int b = 0; b < D; ++b) {
+      h[a][b] = load(work.displacement_gradient[a][b].data() + block.row);
+      store(work.fitted_gradient[a][b].data() + block.row, h[a][b]);
+      f[a][b] = h[a][b] + (a == b ? 1.0 : 0.0);
+    }
+  }
+  if (stencil.unseen == 0) return;
+  for (int a = 0; a < D; ++a)
+    for (int c = 0; c < curvature_components<D>; ++c) {
+      k[a][c] = load(work.curvature[a][c].data() + block.row);
+      store(work.fitted_curvature[a][c].data() + block.row, k[a][c]);
+    }
+  const Lanes inverse_j = 1 / cofactor(f, inverse_transposed);
+  for (int a = 0; a < D; ++a)
+    for (int b = 0; b < D; ++b) inverse_transposed[a][b] *= inverse_j;
+  complete<D>(reference.unseen.data() + stencil.first_unseen, stencil.unseen, f, inverse_transposed, h, k);
+  for (int a = 0; a < D; ++a) {
+    for (int b = 0; b < D; ++b) store(work.displacement_gradient[a][b].data() + block.row, h[a][b]);
+    for (int c = 0; c < curvature_components<D>; ++c) store(work.curvature[a][c].data() + block.row, k[a][c]);
+  }
+}
+
+/// All derivatives of a block.
+template <int D, bool with_velocity>
 inline void gradients_of_block(const Reference<D>& reference, const Block& block, const Stencil<D>& stencil, const State<D>& state,
                                Workspace<D>& work) {
   const Neighbour<D>* neighbour = reference.neighbours.data() + stencil.first;
@@ -39,14 +66,13 @@ inline void gradients_of_block(const Reference<D>& reference, const Block& block
   Lanes f[D][D], material_gradient[D][D] = {};
   for (int a = 0; a < D; ++a) {
     Lanes gradient[D] = {}, second[curvature_components<D>] = {};
-    gradients_of_component<D, with_velocity, with_curvature>(stencil, neighbour, offset, state.displacement[a].data() + block.row,
-                                                             state.velocity[a].data() + block.row, gradient, second, material_gradient[a]);
+    gradients_of_component<D, with_velocity>(stencil, neighbour, offset, state.displacement[a].data() + block.row,
+                                             state.velocity[a].data() + block.row, gradient, second, material_gradient[a]);
     for (int b = 0; b < D; ++b) {
       store(work.displacement_gradient[a][b].data() + block.row, gradient[b]);
       f[a][b] = gradient[b] + (a == b ? 1.0 : 0.0);
     }
-    if constexpr (with_curvature)
-      for (int c = 0; c < curvature_components<D>; ++c) store(work.curvature[a][c].data() + block.row, second[c]);
+    for (int c = 0; c < curvature_components<D>; ++c) store(work.curvature[a][c].data() + block.row, second[c]);
   }
   if constexpr (with_velocity) {
     Lanes inverse_transposed[D][D];
@@ -58,15 +84,13 @@ inline void gradients_of_block(const Reference<D>& reference, const Block& block
         store(work.velocity_gradient[a][b].data() + block.row, l * inverse_j);
       }
   }
+  if (!reference.unseen.empty()) complete_block(reference, block, stencil, work);
 }
 
 template <int D, bool with_velocity>
 void gradients(const Reference<D>& reference, const State<D>& state, Workspace<D>& work) {
   for_each_deforming_block(reference, [&](std::ptrdiff_t, const Block& block, const Stencil<D>& stencil) {
-    if (stencil.has_curvature)
-      gradients_of_block<D, with_velocity, true>(reference, block, stencil, state, work);
-    else
-      gradients_of_block<D, with_velocity, false>(reference, block, stencil, state, work);
+    gradients_of_block<D, with_velocity>(reference, block, stencil, state, work);
   });
 }
 

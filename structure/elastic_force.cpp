@@ -15,11 +15,11 @@ namespace {
 template <int D>
 constexpr int sums = D == 2 ? D + curvature_components<D> : 2;
 
-/// The elastic force on a block, with or without the double stresses Q. Each derivative vector is loaded once for all components.
-template <int D, bool with_curvature>
+/// The elastic force on a block. Each derivative vector is loaded once for all components.
+template <int D>
 inline void force_of_block(const Workspace<D>& work, std::int32_t row, const Stencil<D>& stencil, const Neighbour<D>* neighbour,
                            const std::int32_t* offset, Lanes (&force)[D]) {
-  constexpr int terms = with_curvature ? D + curvature_components<D> : D;
+  constexpr int terms = D + curvature_components<D>;
   const double* stress[D][terms];  // P, then Q
   Lanes sum[D][sums<D>] = {};
   for (int a = 0; a < D; ++a)
@@ -47,10 +47,7 @@ void elastic_force(const Reference<D>& reference, const Workspace<D>& work, Stat
     Lanes elastic[D], product = {};
     const Neighbour<D>* neighbour = reference.neighbours.data() + stencil.first;
     const std::int32_t* offset = reference.row_offset.data() + stencil.first;
-    if (stencil.has_curvature)
-      force_of_block<D, true>(work, block.row, stencil, neighbour, offset, elastic);
-    else
-      force_of_block<D, false>(work, block.row, stencil, neighbour, offset, elastic);
+    force_of_block<D>(work, block.row, stencil, neighbour, offset, elastic);
     for (int a = 0; a < D; ++a) {
       double* force = state.internal_force[a].data() + block.row;
       const Lanes stabilising = load(force), total = stabilising + elastic[a];

@@ -4,7 +4,8 @@
 // across a plate in bending, 1/n^2 of the stiffness. It also holds the zigzag motions that F_i alone does not see, and under
 // compression it stiffens as the neo-Hookean solid does.
 //   P = dW/dF = dPsi/dF - sum_a B_a^T Q_a,   Q_a = dW/d(dF/dX_a) = dx^2/12 S_a F^-T,   S_a = lambda tr(D_a) I + 2 mu D_a,
-// dPsi/dF is that of the material (structure/material/registry.hpp), F^-T = cof F / J.
+// dPsi/dF is that of the material (structure/material/registry.hpp), F^-T = cof F / J. Where the derivatives of the fit were completed
+// (unseen_fields.hpp), P and Q become the derivatives of W over those of the fit.
 
 #include <fmt/format.h>
 
@@ -15,6 +16,7 @@
 
 #include "base/error.hpp"
 #include "structure/cofactor.hpp"
+#include "structure/strain_gradient.hpp"
 #include "structure/time_step.hpp"
 
 namespace tern::structure {
@@ -67,32 +69,19 @@ template <int D>
                   particle, body.name, place, j, time_s, std::sqrt(squared), likely_cause(state, body, row, j), body.spacing));
 }
 
-/// Adds the part of the strain gradient K to P, and gives Q. `factor` = dx^2/12.
+/// Turns the stresses of a block into those of its fit.
 template <int D>
-[[gnu::always_inline]] inline void strain_gradient(const Hooke& hooke, double factor, const Lanes (&inverse_transposed)[D][D],
-                                                   const Lanes (&k)[D][curvature_components<D>], Lanes (&p)[D][D],
-                                                   Lanes (&q)[D][curvature_components<D>]) {
-  for (int direction = 0; direction < D; ++direction) {
-    Lanes b[D][D], d[D][D], s[D][D];
-    for (int i = 0; i < D; ++i)
-      for (int l = 0; l < D; ++l) {
-        b[i][l] = k[i][curvature_index<D>(direction, 0)] * inverse_transposed[l][0];
-        for (int m = 1; m < D; ++m) b[i][l] += k[i][curvature_index<D>(direction, m)] * inverse_transposed[l][m];
-      }
-    for (int i = 0; i < D; ++i)
-      for (int l = 0; l <= i; ++l) d[i][l] = d[l][i] = (0.5 * factor) * (b[i][l] + b[l][i]);
-    hooke.strain_stress<D>(d, s);
-    for (int m = 0; m < D; ++m) {
-      Lanes stress[D];
-      for (int i = 0; i < D; ++i) {
-        stress[i] = s[i][0] * inverse_transposed[0][m];
-        for (int l = 1; l < D; ++l) stress[i] += s[i][l] * inverse_transposed[l][m];
-        q[i][curvature_index<D>(direction, m)] += stress[i];
-      }
-      for (int i = 0; i < D; ++i)
-        for (int l = 0; l < D; ++l) p[i][m] -= b[l][i] * stress[l];
-    }
+void stresses_of_fit(const Reference<D>& reference, const Stencil<D>& stencil, const Workspace<D>& work, std::int32_t row,
+                     Lanes (&stress)[D][D], Lanes (&double_stress)[D][curvature_components<D>]) {
+  Lanes g[D][D], inverse_transposed[D][D], k[D][curvature_components<D>];
+  for (int a = 0; a < D; ++a) {
+    for (int b = 0; b < D; ++b) g[a][b] = load(work.fitted_gradient[a][b].data() + row) + (a == b ? 1.0 : 0.0);
+    for (int c = 0; c < curvature_components<D>; ++c) k[a][c] = load(work.fitted_curvature[a][c].data() + row);
   }
+  const Lanes inverse_j = 1 / cofactor(g, inverse_transposed);
+  for (int a = 0; a < D; ++a)
+    for (int b = 0; b < D; ++b) inverse_transposed[a][b] *= inverse_j;
+  stress_of_fit<D>(reference.unseen.data() + stencil.first_unseen, stencil.unseen, g, inverse_transposed, k, stress, double_stress);
 }
 
 /// Stresses of all blocks; returns the lowest one that failed, or their number.
@@ -136,14 +125,14 @@ std::ptrdiff_t stresses_of_blocks(const Reference<D>& reference, Workspace<D>& w
     // Energy belongs to free particles: what a particle on the face of a clamp thinks of its neighbours exerts no force.
     const Lanes zero = {};
     const auto has_energy = block.has_face ? load(reference.volume.data() + block.row) > zero : zero == zero;
-    if (reference.stencils[block.stencil].has_curvature) {  // Q is zero elsewhere
-      Lanes second[D][pairs], double_stress[D][pairs] = {};
-      for (int a = 0; a < D; ++a)
-        for (int c = 0; c < pairs; ++c) second[a][c] = load(k[a][c] + block.row);
-      strain_gradient<D>(material, body.spacing * body.spacing / 12, inverse_transposed, second, stress, double_stress);
-      for (int a = 0; a < D; ++a)
-        for (int c = 0; c < pairs; ++c) store(q[a][c] + block.row, has_energy ? double_stress[a][c] : zero);
-    }
+    Lanes second[D][pairs], double_stress[D][pairs] = {};
+    for (int a = 0; a < D; ++a)
+      for (int c = 0; c < pairs; ++c) second[a][c] = load(k[a][c] + block.row);
+    strain_gradient<D>(material, body.spacing * body.spacing / 12, inverse_transposed, second, stress, double_stress);
+    if (const Stencil<D>& stencil = reference.stencils[block.stencil]; stencil.unseen > 0)
+      stresses_of_fit(reference, stencil, work, block.row, stress, double_stress);
+    for (int a = 0; a < D; ++a)
+      for (int c = 0; c < pairs; ++c) store(q[a][c] + block.row, has_energy ? double_stress[a][c] : zero);
     for (int a = 0; a < D; ++a)
       for (int b = 0; b < D; ++b) store(p[a][b] + block.row, has_energy ? stress[a][b] : zero);
   });

@@ -27,10 +27,24 @@ struct DerivativeVectors {
   std::array<double, curvature_components<D>> curvature{};  ///< k_ij [1/m^(D+2)]
 };
 
-/// For the neighbours at `offsets` = X_j - X_i [m], each of volume `volume` [m^D]: exact for quadratic fields (C2); where
-/// the neighbours do not determine a quadratic, exact for linear fields only (C1), with zero second derivatives. Empty
-/// when they do not even determine a linear field.
+/// A quadratic field that is zero at the particle and at all of its neighbours: n . X (n . X - dx) where there are two layers, dx apart
+/// in the direction n. Its derivatives at the particle.
 template <int D>
-std::vector<DerivativeVectors<D>> derivative_vectors(std::span<const Vector<D>> offsets, double volume, double smoothing_length);
+struct VanishingField {
+  Vector<D> gradient = Vector<D>::Zero();                   ///< [m]
+  std::array<double, curvature_components<D>> curvature{};  ///< orthonormal to those of the others
+};
+
+template <int D>
+struct DerivativeFit {
+  std::vector<DerivativeVectors<D>> vectors;  ///< one per neighbour
+  std::vector<VanishingField<D>> vanishing;
+};
+
+/// For the neighbours at `offsets` = X_j - X_i [m], each of volume `volume` [m^D]: exact for quadratic fields (C2). Where the neighbours
+/// do not determine a quadratic, exact for those quadratic fields whose second derivatives are orthogonal to those of all vanishing
+/// fields, linear fields among them. Empty when the neighbours do not even determine a linear field.
+template <int D>
+DerivativeFit<D> derivative_fit(std::span<const Vector<D>> offsets, double volume, double smoothing_length);
 
 }  // namespace tern::structure

@@ -179,12 +179,18 @@ Vector<D> offset_between(const Lattice<D>& lattice, const Cell<D>& cell, const C
   return spacing * x;
 }
 
-/// Derivative vectors for every occurring neighbourhood; one entry per offset, zero where there is no neighbour.
 template <int D>
-std::vector<std::vector<DerivativeVectors<D>>> derivatives_of(const std::vector<Cell<D>>& cells, const std::vector<Cell<D>>& offsets,
-                                                              const Body& body, Lattice<D>& lattice) {
+struct Neighbourhood {
+  std::vector<DerivativeVectors<D>> derivatives;  ///< one per offset, zero where there is no neighbour
+  std::vector<UnseenField<D, double>> unseen;     ///< of a free particle
+};
+
+/// Every neighbourhood that occurs.
+template <int D>
+std::vector<Neighbourhood<D>> neighbourhoods_of(const std::vector<Cell<D>>& cells, const std::vector<Cell<D>>& offsets, const Body& body,
+                                                Lattice<D>& lattice) {
   std::map<std::vector<Content>, std::uint32_t> known;
-  std::vector<std::vector<DerivativeVectors<D>>> derivatives;
+  std::vector<Neighbourhood<D>> neighbourhoods;
   lattice.pattern.assign(lattice.row.size(), 0);
   for (const auto& cell : cells) {
     const Content own = lattice.content_of(cell);
@@ -195,21 +201,23 @@ std::vector<std::vector<DerivativeVectors<D>>> derivatives_of(const std::vector<
       contents.push_back(lattice.content_of(shifted<D>(cell, offset)));
       if (contents.back() != hidden) relative.push_back(offset_between<D>(lattice, cell, offset, body.spacing));
     }
-    const auto [entry, is_new] = known.try_emplace(contents, static_cast<std::uint32_t>(derivatives.size()));
+    const auto [entry, is_new] = known.try_emplace(contents, static_cast<std::uint32_t>(neighbourhoods.size()));
     lattice.pattern[lattice.index(cell)] = entry->second;
     if (!is_new) continue;
-    const auto found = derivative_vectors<D>(relative, std::pow(body.spacing, D), body.smoothing_length);
-    if (found.empty() && own == free_particle)
+    const DerivativeFit<D> fit = derivative_fit<D>(relative, std::pow(body.spacing, D), body.smoothing_length);
+    if (fit.vectors.empty() && own == free_particle)
       throw BadInput(
           fmt::format("Body '{}': a particle has {} neighbours within {:.3g} m, which do not span {} dimensions, so no strain can be "
                       "computed there; make the spacing ({:.3g} m) at most half of the smallest thickness (a quarter is recommended).",
                       body.name, relative.size(), 2 * body.smoothing_length, D, body.spacing));
-    derivatives.emplace_back(offsets.size());
-    if (found.empty()) continue;
+    Neighbourhood<D>& neighbourhood = neighbourhoods.emplace_back();
+    neighbourhood.derivatives.resize(offsets.size());
+    if (fit.vectors.empty()) continue;
     for (std::size_t o = 0, n = 0; o < offsets.size(); ++o)
-      if (contents[o + 1] != hidden) derivatives.back()[o] = found[n++];
+      if (contents[o + 1] != hidden) neighbourhood.derivatives[o] = fit.vectors[n++];
+    if (own == free_particle) neighbourhood.unseen = unseen_fields<D>(fit.vanishing, body.material);
   }
-  return derivatives;
+  return neighbourhoods;
 }
 
 /// One neighbour of a block before it is stored.
@@ -220,7 +228,19 @@ struct Entry {
   std::int64_t slot = 0;
 };
 
-bool is_zero(const Lanes& x) { return x[0] == 0 && x[1] == 0 && x[2] == 0 && x[3] == 0; }
+/// Adds those of one of the four particles.
+template <int D>
+void add_unseen(const std::vector<UnseenField<D, double>>& of_particle, int lane, std::vector<UnseenField<D>>& fields) {
+  if (fields.size() < of_particle.size()) fields.resize(of_particle.size(), UnseenField<D>{});
+  for (std::size_t r = 0; r < of_particle.size(); ++r) {
+    for (int b = 0; b < D; ++b) fields[r].gradient[b][lane] = of_particle[r].gradient[b];
+    for (int n = 0; n < curvature_components<D>; ++n) {
+      fields[r].curvature[n][lane] = of_particle[r].curvature[n];
+      for (int c = 0; c < D; ++c)
+        for (int m = 0; m < D; ++m) fields[r].amplitude[c][m][n][lane] = of_particle[r].amplitude[c][m][n];
+    }
+  }
+}
 
 /// Collects the stencils of the blocks and stores equal ones once.
 template <int D>
@@ -230,9 +250,10 @@ class StencilStore {
 
   /// `entries` by row offset.
   std::uint32_t add(const std::map<std::int32_t, Entry<D>>& entries, const Lanes (&gradient_sum)[D],
-                    const Lanes (&curvature_sum)[curvature_components<D>]) {
+                    const Lanes (&curvature_sum)[curvature_components<D>], const std::vector<UnseenField<D>>& unseen) {
     std::string content(reinterpret_cast<const char*>(gradient_sum), sizeof gradient_sum);
     content.append(reinterpret_cast<const char*>(curvature_sum), sizeof curvature_sum);
+    content.append(reinterpret_cast<const char*>(unseen.data()), unseen.size() * sizeof(UnseenField<D>));
     for (const auto& [offset, entry] : entries) {
       content.append(reinterpret_cast<const char*>(&offset), sizeof offset);
       content.append(reinterpret_cast<const char*>(&entry.slot), sizeof entry.slot);
@@ -253,9 +274,10 @@ class StencilStore {
         reference_.neighbours.push_back(entry.neighbour);
         reference_.pairs.push_back(entry.pair);
         if (offset < 0) ++stencil.later;
-        for (int c = 0; c < curvature_components<D>; ++c)
-          stencil.has_curvature |= !is_zero(entry.neighbour.curvature[c]) || !is_zero(entry.neighbour.mirror_curvature[c]);
       }
+      stencil.first_unseen = static_cast<std::uint32_t>(reference_.unseen.size());
+      stencil.unseen = static_cast<std::uint32_t>(unseen.size());
+      reference_.unseen.insert(reference_.unseen.end(), unseen.begin(), unseen.end());
       reference_.stencils.push_back(stencil);
     }
     return static_cast<std::uint32_t>(found->second);
@@ -272,7 +294,7 @@ void add_blocks(const std::vector<Cell<D>>& cells, const StructureNumerics& nume
   const Body& body = reference.bodies[body_index];
   const Kernel<D> kernel(body.smoothing_length);
   const auto offsets = offsets_within<D>(kernel.support() / body.spacing);
-  const auto derivatives = derivatives_of<D>(cells, offsets, body, lattice);
+  const auto neighbourhoods = neighbourhoods_of<D>(cells, offsets, body, lattice);
   const double volume = std::pow(body.spacing, D);
   reference.pair_slots = std::max(reference.pair_slots, static_cast<std::int32_t>(offsets.size() / 2));
 
@@ -289,18 +311,21 @@ void add_blocks(const std::vector<Cell<D>>& cells, const StructureNumerics& nume
     Block block{row, 0, body_index};
     std::map<std::int32_t, Entry<D>> entries;
     Lanes gradient_sum[D] = {}, curvature_sum[curvature_components<D>] = {};
+    std::vector<UnseenField<D>> unseen;
     for (int lane = 0; lane < lane_count; ++lane) {
       const Cell<D>* cell = cell_of_row[row - first_row + lane];
       if (cell == nullptr || lattice.content_of(*cell) == hidden) continue;
       block.deforms = true;
       const bool is_free = lattice.content_of(*cell) == free_particle;
       block.has_face |= !is_free;
-      const auto& own = derivatives[lattice.pattern[lattice.index(*cell)]];
+      const Neighbourhood<D>& neighbourhood = neighbourhoods[lattice.pattern[lattice.index(*cell)]];
+      const auto& own = neighbourhood.derivatives;
+      add_unseen(neighbourhood.unseen, lane, unseen);
       for (std::size_t o = 0; o < offsets.size(); ++o) {
         const Content other = lattice.content_of(shifted<D>(*cell, offsets[o]));
         if (other == hidden) continue;
         const auto n = lattice.index(shifted<D>(*cell, offsets[o]));
-        const auto& mirror = derivatives[lattice.pattern[n]][offsets.size() - 1 - o];
+        const auto& mirror = neighbourhoods[lattice.pattern[n]].derivatives[offsets.size() - 1 - o];
         Entry<D>& entry = entries[lattice.row[n] - lane - row];
         entry.slot = static_cast<std::int64_t>(std::min(o, offsets.size() - 1 - o));
         for (int a = 0; a < D; ++a) {
@@ -321,7 +346,7 @@ void add_blocks(const std::vector<Cell<D>>& cells, const StructureNumerics& nume
         entry.pair.diffusion[lane] = numerics.riemann_diffusion * body.material.density * volume * volume * kernel.gradient_weight(r) * r;
       }
     }
-    block.stencil = store.add(entries, gradient_sum, curvature_sum);
+    block.stencil = store.add(entries, gradient_sum, curvature_sum, unseen);
     blocks.emplace(std::pair{(**first_cell)[lattice.line_direction()] / lane_count, row}, block);
   }
   for (const auto& [place, block] : blocks) reference.blocks.push_back(block);

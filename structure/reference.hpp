@@ -25,6 +25,7 @@
 #include "structure/gradient_vectors.hpp"
 #include "structure/material/registry.hpp"
 #include "structure/shell/shell_layer.hpp"
+#include "structure/unseen_fields.hpp"
 
 namespace tern::structure {
 
@@ -52,7 +53,7 @@ template <int D>
 struct Stencil {
   std::uint32_t first = 0, count = 0;                 ///< range of Reference::neighbours, pairs, row_offset and pair_slot
   std::uint32_t later = 0;                            ///< the first of those in later rows
-  bool has_curvature = false;                         ///< some k_ij or k_ji is not zero; there is none with two particles across
+  std::uint32_t first_unseen = 0, unseen = 0;         ///< range of Reference::unseen
   Lanes gradient_sum[D] = {};                         ///< V_i sum_j V_j g_ij
   Lanes curvature_sum[curvature_components<D>] = {};  ///< V_i sum_j V_j k_ij
 };
@@ -115,6 +116,7 @@ struct Reference {
   std::vector<std::int32_t> row_offset;  ///< first row of the neighbours minus first row of the block
   std::vector<std::int32_t> pair_slot;   ///< which array of Workspace::pair_force the pair is in: one per lattice offset
   std::int32_t pair_slots = 0;
+  std::vector<UnseenField<D>> unseen;  ///< what neighbours do not say of second derivatives, of all stencils
   std::vector<Clamp> clamps;
   std::vector<ShellBody<D>> shells;
   bool has_penalty = false, has_diffusion = false, has_damping = false;

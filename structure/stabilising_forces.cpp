@@ -52,7 +52,7 @@ void pair_forces(const Reference<D>& reference, double dt, State<D>& state, Work
     const std::ptrdiff_t i = block.row;
     const Material& material = reference.bodies[block.body].material;
     const double pressure_speed = material.pressure_wave_speed(), shear_speed = material.shear_wave_speed();
-    const Gradient<D> displacement_gradient(work.displacement_gradient, i);
+    const Gradient<D> displacement_gradient(fitted_gradient(work), i);
     const Gradient<D> velocity_gradient(work.velocity_gradient, i);
 
     const double *d[D], *v[D];
@@ -158,7 +158,7 @@ void collect(const Reference<D>& reference, State<D>& state, Workspace<D>& work)
     if constexpr (with_diffusion) {
       Lanes f[D][D], inverse_transposed[D][D];
       for (int a = 0; a < D; ++a)
-        for (int b = 0; b < D; ++b) f[a][b] = load(work.displacement_gradient[a][b].data() + i) + (a == b ? 1.0 : 0.0);
+        for (int b = 0; b < D; ++b) f[a][b] = load(fitted_gradient(work)[a][b].data() + i) + (a == b ? 1.0 : 0.0);
       const Lanes factor = -0.5 / (reference.bodies[block.body].cell_volume * cofactor(f, inverse_transposed));
       for (int a = 0; a < D; ++a)
         for (int b = 0; b < D; ++b) {

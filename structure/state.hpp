@@ -83,6 +83,8 @@ template <int D>
 struct Workspace {
   RowMatrices<D> displacement_gradient;  ///< H = F - I
   RowCurvatures<D> curvature;            ///< K = d2u/dX dX [1/m]
+  RowMatrices<D> fitted_gradient;        ///< H of the fit where some particles' is completed (unseen_fields.hpp), else empty
+  RowCurvatures<D> fitted_curvature;     ///< K of the fit of those particles
   RowCurvatures<D> double_stress;        ///< Q = dW/dK, W the energy density of a particle's cell [N/m]
   RowMatrices<D> velocity_gradient;      ///< dv/dx [1/s], for the reconstruction in the diffusion
   RowMatrices<D> diffusion_stress;       ///< what the diffusion adds to P for its reconstruction [Pa]
@@ -118,6 +120,12 @@ Workspace<D> workspace_for(const Reference<D>& reference) {
   for (auto* curvatures : {&work.curvature, &work.double_stress})
     for (auto& component : *curvatures)
       for (auto& pair : component) pair.assign(reference.rows, 0);
+  if (!reference.unseen.empty()) {
+    for (auto& component : work.fitted_gradient)
+      for (auto& direction : component) direction.assign(reference.rows, 0);
+    for (auto& component : work.fitted_curvature)
+      for (auto& pair : component) pair.assign(reference.rows, 0);
+  }
   for (auto& axis : work.external_force) axis.assign(reference.rows, 0);
   work.clamp_spin.assign(reference.clamps.size(), 0);
   if (reference.has_diffusion)

@@ -140,7 +140,7 @@ struct Structure<D>::Parts {
     advance_window(reference, duration, sub_steps, implicit_window ? implicit.get() : nullptr, state, work);
     if (implicit_window) {
       const ImplicitCounts& after = implicit->memory().counts;
-      choice.add(after.evaluations - before.evaluations, after.factors - before.factors, before.factors == 0 && after.factors > 0);
+      choice.add(implicit->costs(), sub_steps, after.evaluations - before.evaluations, after.factors - before.factors);
     }
     double total = 0, by_gravity = 0, by_loads = 0;
     for (int a = 0; a < D; ++a)

@@ -91,4 +91,10 @@ Matrix<D> deformation_gradient_of(const Workspace<D>& work, std::int32_t row) {
   return f;
 }
 
+/// H of the fit of all rows.
+template <int D>
+const RowMatrices<D>& fitted_gradient(const Workspace<D>& work) {
+  return work.fitted_gradient[0][0].empty() ? work.displacement_gradient : work.fitted_gradient;
+}
+
 }  // namespace tern::structure

@@ -78,14 +78,13 @@ void damp(const Reference<D>& reference, double dt, State<D>& state) {
 template <int D>
 ImplicitCosts implicit_costs(const Reference<D>& reference, const Tangent<D>& tangent) {
   if (D == 2) return {};
-  // Nanoseconds, by bench-structure_substep: of a sub-step per block and neighbour with and without second derivatives, or per pair of
-  // particles of a shell; of a multiplication of the assembly and of the factor; of a solve per non-zero of the factor.
-  constexpr double of_neighbour = 55, of_first_order = 32, of_shell_pair = 60, of_assembly = 1, of_factor = 0.5, of_solve = 1.2;
+  // Nanoseconds, by bench-structure_substep: of a sub-step per block and neighbour, or per pair of particles of a shell; of a
+  // multiplication of the assembly and of the factor; of a solve per non-zero of the factor.
+  constexpr double of_neighbour = 55, of_shell_pair = 60, of_assembly = 1, of_factor = 0.5, of_solve = 1.2;
   constexpr double share_of_elasticity = 0.6;  // of a sub-step, which has the diffusion as well
   double sub_step = 0;
   for (const Block& block : reference.blocks)
-    if (const Stencil<D>& stencil = reference.stencils[block.stencil]; block.deforms)
-      sub_step += (stencil.has_curvature ? of_neighbour : of_first_order) * stencil.count;
+    if (block.deforms) sub_step += of_neighbour * reference.stencils[block.stencil].count;
   for (const ShellBody<D>& shell : reference.shells) sub_step += of_shell_pair * static_cast<double>(shell.layer.neighbour.size());
   ImplicitCosts costs;
   costs.evaluation = share_of_elasticity + of_solve * tangent.factor_size() / sub_step;

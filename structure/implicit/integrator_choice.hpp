@@ -13,35 +13,55 @@ struct ImplicitCosts {
   double of(double evaluations, double factors) const { return evaluation * evaluations + factor * factors; }
 };
 
+/// How often a factor is needed cannot be known before: it serves a thousand windows or one. Implicit steps are therefore taken on credit.
+/// A ledger has what they have cost more than explicit ones would have, factors included; what they save pays it off. Where it exceeds two
+/// factors, explicit steps follow that cost as much, and every time that nothing was paid off in between, twice as much. So neither way
+/// can cost much more than the cheaper one, whatever the motion does.
 class IntegratorChoice {
  public:
-  /// Whether a window of so many explicit sub-steps is cheaper in implicit steps. Now and then the more expensive way is
-  /// tried again, for the motion may have become quieter.
+  /// Whether a window of so many explicit sub-steps is to be done in implicit steps. Now and then the way that seems more expensive is
+  /// tried, for the motion may have become quieter.
   bool prefers_implicit(const ImplicitCosts& costs, int sub_steps) {
     ++windows_;
-    return costs.of(evaluations_, factors_) * (windows_ % trial_interval == 0 ? 0.5 : 1) < sub_steps;
+    if (pause_ > 0) {
+      pause_ -= sub_steps;
+      return false;
+    }
+    return costs.of(evaluations_, 1 / windows_of_a_factor) * (windows_ % trial_interval == 0 ? 0.5 : 1) < sub_steps;
   }
 
-  /// After a window in implicit steps, or a part of its passes: what it took. The first factor of all says nothing of how often one is
-  /// needed. A factor serves many windows: charged to the one that made it, it would keep the others from having it.
-  void add(long evaluations, long factors, bool first) {
+  /// After a window of so many explicit sub-steps in implicit steps, or a part of its passes: what it took.
+  void add(const ImplicitCosts& costs, int sub_steps, long evaluations, long factors) {
     evaluations_ += (static_cast<double>(evaluations) - evaluations_) / memory;
-    factors_ += (static_cast<double>(factors - first) - factors_) / windows_of_a_factor;
+    debt_ += costs.of(static_cast<double>(evaluations), static_cast<double>(factors)) - sub_steps;
+    if (debt_ <= 0) {
+      debt_ = 0;
+      length_ = 1;
+    } else if (debt_ > credit * costs.factor) {
+      pause_ = length_ * debt_;
+      debt_ = 0;
+      length_ = length_ < longest ? 2 * length_ : length_;
+    }
   }
 
   /// visit(name, member of each) for every member, as of a State.
   template <class Visit, class... Choices>
   static void for_each_field(Visit&& visit, Choices&... choice) {
     visit("evaluations_a_window", choice.evaluations_...);
-    visit("factors_a_window", choice.factors_...);
+    visit("debt", choice.debt_...);
+    visit("pause", choice.pause_...);
+    visit("length_of_a_pause", choice.length_...);
     visit("windows", choice.windows_...);
   }
 
  private:
-  static constexpr double memory = 10, windows_of_a_factor = 40;
+  static constexpr double memory = 10, windows_of_a_factor = 40;  // in quiet motion (docs/STRUCTURE.md)
+  static constexpr double credit = 2;                             // factors: the one that begins, and another
+  static constexpr double longest = 16;
   static constexpr long trial_interval = 50;
-  // Running means of an implicit window. They begin as in quiet motion (docs/STRUCTURE.md).
-  double evaluations_ = 10, factors_ = 1 / windows_of_a_factor;
+  double evaluations_ = 10;      // running mean of an implicit window; as in quiet motion
+  double debt_ = 0, pause_ = 0;  // in explicit sub-steps
+  double length_ = 1;            // of the next pause, over the debt
   long windows_ = 0;
 };
 

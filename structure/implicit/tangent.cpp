@@ -1,21 +1,23 @@
 // Tangent of the elastic force. With c = dx^2/12, G_a = dF/dX_a, Fi = F^-1, B_a = G_a Fi, D_a = sym(B_a), S_a = C:D_a (C Hooke's law),
 //   d2W = dF:d2Psi:dF + c sum_a [ dD_a:C:dD_a - 2 S_a:(dB_a dF Fi) ],   dB_a = (dG_a - B_a dF) Fi,   dD_a = sym(dB_a),
-// d2Psi is that of the material (structure/material/registry.hpp).
+// d2Psi is that of the material (structure/material/registry.hpp). Where the derivatives G, K of the fit are completed (unseen_fields.hpp),
+// with F and K' linear in a_r = A_r k, k = G^-1 K, the chain rule adds
+//   dW:d2(F, K') = 2 sum_r w_r . (dG da_r - G A_r (G^-1 dG dk)),   da_r = A_r dk,   dk = G^-1 (dK - dG k).
 
 #include "structure/implicit/tangent.hpp"
 
 #include <algorithm>
 #include <map>
 
+#include "structure/cofactor.hpp"
 #include "structure/shell/shell_hessian.hpp"
+#include "structure/strain_gradient.hpp"
 #include "structure/time_step.hpp"
 
 namespace tern::structure {
 
 template <int D>
-Eigen::Matrix<double, D * D + D * curvature_components<D>, D * D + D * curvature_components<D>> energy_hessian(const Body& body,
-                                                                                                               const Workspace<D>& work,
-                                                                                                               std::int32_t row) {
+CellHessian<D> energy_hessian(const Body& body, const Workspace<D>& work, std::int32_t row) {
   constexpr int first = D * D, pairs = curvature_components<D>, size = first + D * pairs;
   const Material& m = body.material;
   const Matrix<D> f = deformation_gradient_of<D>(work, row), inverse = f.inverse();
@@ -60,6 +62,81 @@ Eigen::Matrix<double, D * D + D * curvature_components<D>, D * D + D * curvature
 }
 
 template <int D>
+CellHessian<D> energy_hessian_of_fit(const std::vector<UnseenField<D, double>>& unseen, const Body& body, const Workspace<D>& work,
+                                     std::int32_t row) {
+  constexpr int first = D * D, pairs = curvature_components<D>, size = first + D * pairs;
+  using Change = Eigen::Matrix<double, 1, size>;  // of a number over (dG, dK)
+  // P and Q, four times the same.
+  Lanes h[D][D], f[D][D], inverse_transposed[D][D], k_full[D][pairs], p[D][D], q[D][pairs] = {};
+  Matrix<D> g;
+  for (int a = 0; a < D; ++a) {
+    for (int b = 0; b < D; ++b) {
+      h[a][b] = broadcast(work.displacement_gradient[a][b][row]);
+      f[a][b] = h[a][b] + (a == b ? 1.0 : 0.0);
+      g(a, b) = work.fitted_gradient[a][b][row] + (a == b ? 1.0 : 0.0);
+    }
+    for (int n = 0; n < pairs; ++n) k_full[a][n] = broadcast(work.curvature[a][n][row]);
+  }
+  const Lanes j = cofactor(f, inverse_transposed);
+  for (auto& rows : inverse_transposed)
+    for (Lanes& entry : rows) entry /= j;
+  std::visit([&](const auto& law) { law.template stress<D>(h, f, inverse_transposed, j, p); }, body.material.law);
+  strain_gradient<D>(body.material, body.spacing * body.spacing / 12, inverse_transposed, k_full, p, q);
+
+  const Matrix<D> inverse = g.inverse();
+  double pulled[D][pairs];
+  Change pulled_change[D][pairs];
+  for (int m = 0; m < D; ++m)
+    for (int n = 0; n < pairs; ++n) {
+      pulled[m][n] = 0;
+      for (int i = 0; i < D; ++i) pulled[m][n] += inverse(m, i) * work.fitted_curvature[i][n][row];
+    }
+  for (int m = 0; m < D; ++m)
+    for (int n = 0; n < pairs; ++n) {
+      Change& change = pulled_change[m][n];
+      change.setZero();
+      for (int i = 0; i < D; ++i) {
+        change[first + i * pairs + n] += inverse(m, i);
+        for (int c = 0; c < D; ++c) change[i * D + c] -= inverse(m, i) * pulled[c][n];
+      }
+    }
+  CellHessian<D> to_full = CellHessian<D>::Identity(), half = CellHessian<D>::Zero();
+  for (const UnseenField<D, double>& field : unseen) {
+    double a[D];
+    amplitude_of<D>(field, pulled, a);
+    Change a_change[D], turned[D];  // da, and d(G a)
+    for (int c = 0; c < D; ++c) {
+      a_change[c].setZero();
+      for (int m = 0; m < D; ++m)
+        for (int n = 0; n < pairs; ++n) a_change[c] += field.amplitude[c][m][n] * pulled_change[m][n];
+    }
+    Vector<D> w = Vector<D>::Zero();
+    for (int i = 0; i < D; ++i) {
+      turned[i].setZero();
+      for (int c = 0; c < D; ++c) {
+        turned[i] += g(i, c) * a_change[c];
+        turned[i][i * D + c] += a[c];
+        w[i] += p[i][c][0] * field.gradient[c];
+      }
+      for (int n = 0; n < pairs; ++n) w[i] += q[i][n][0] * field.curvature[n];
+      for (int b = 0; b < D; ++b) to_full.row(i * D + b) += field.gradient[b] * turned[i];
+      for (int n = 0; n < pairs; ++n) to_full.row(first + i * pairs + n) += field.curvature[n] * turned[i];
+      for (int c = 0; c < D; ++c) half.row(i * D + c) += w[i] * a_change[c];
+    }
+    const Vector<D> s = g.transpose() * w;
+    for (int m = 0; m < D; ++m)
+      for (int n = 0; n < pairs; ++n) {
+        double t = 0;
+        for (int c = 0; c < D; ++c) t += s[c] * field.amplitude[c][m][n];
+        for (int i = 0; i < D; ++i)
+          for (int c = 0; c < D; ++c) half.row(i * D + c) -= t * inverse(m, i) * pulled_change[c][n];
+      }
+  }
+  const CellHessian<D> hessian = energy_hessian<D>(body, work, row);
+  return to_full.transpose() * hessian * to_full + half + half.transpose();
+}
+
+template <int D>
 Tangent<D>::Tangent(const Reference<D>& reference) {
   std::vector<std::int32_t> node_of_row(reference.rows, -1);
   for (const auto row : reference.particle_row) {
@@ -69,15 +146,15 @@ Tangent<D>::Tangent(const Reference<D>& reference) {
   }
   const auto nodes = static_cast<std::int32_t>(free_rows_.size());
 
-  const auto add_particle = [&](std::int32_t row, std::uint32_t body, const auto& column) {
+  const auto add_particle = [&](std::int32_t row, std::uint32_t body, const auto& column) -> Particle& {
     const auto rows = column.begin()->second.size();
-    Particle particle{row, body, Eigen::MatrixXd(rows, static_cast<Eigen::Index>(column.size())), {}, {}};
+    Particle particle{row, body, {}, Eigen::MatrixXd(rows, static_cast<Eigen::Index>(column.size())), {}, {}};
     for (const auto& [node, values] : column) {
       particle.derivative.col(static_cast<Eigen::Index>(particle.node.size())) = values;
       particle.node.push_back(node);
     }
     assembly_size_ += static_cast<double>(column.size() * column.size()) * D * D * static_cast<double>(rows) / 2;
-    particles_.push_back(std::move(particle));
+    return particles_.emplace_back(std::move(particle));
   };
   for (const ShellBody<D>& shell : reference.shells)
     for (std::size_t i = 0; i < shell.layer.size(); ++i) {
@@ -110,7 +187,9 @@ Tangent<D>::Tangent(const Reference<D>& reference) {
         if (node >= 0) column[node] = values;
       }
       column[node_of_row[row]] = own;
-      add_particle(row, block.body, column);
+      Particle& particle = add_particle(row, block.body, column);
+      for (std::uint32_t r = stencil.first_unseen; r < stencil.first_unseen + stencil.unseen; ++r)
+        particle.unseen.push_back(of_lane<D>(reference.unseen[r], lane));
     }
   }
 
@@ -191,7 +270,9 @@ void Tangent<D>::assemble(const Reference<D>& reference, const Workspace<D>& wor
                              shell->layer.particles.area[i], [](int component, int s) { return D * s + component; });
       continue;
     }
-    add<operators>(particle, energy_hessian<D>(body, work, particle.row), reference.volume[particle.row],
+    const CellHessian<D> hessian = particle.unseen.empty() ? energy_hessian<D>(body, work, particle.row)
+                                                           : energy_hessian_of_fit<D>(particle.unseen, body, work, particle.row);
+    add<operators>(particle, hessian, reference.volume[particle.row],
                    [](int component, int s) { return s < D ? component * D + s : D * D + component * curvature_components<D> + s - D; });
   }
   for (std::size_t n = 0; n < free_rows_.size(); ++n)
@@ -206,7 +287,5 @@ bool Tangent<D>::factorise() {
 
 template class Tangent<2>;
 template class Tangent<3>;
-template Eigen::Matrix<double, 10, 10> energy_hessian<2>(const Body&, const Workspace<2>&, std::int32_t);
-template Eigen::Matrix<double, 27, 27> energy_hessian<3>(const Body&, const Workspace<3>&, std::int32_t);
 
 }  // namespace tern::structure

@@ -40,6 +40,7 @@ class Tangent {
   struct Particle {
     std::int32_t row = 0;
     std::uint32_t body = 0;
+    std::vector<UnseenField<D, double>> unseen;
     Eigen::MatrixXd derivative;       // of the free particles it sees, itself included: a row for each operator
     std::vector<std::int32_t> node;   // which those are, ascending
     std::vector<std::int32_t> place;  // per pair node[j] >= node[l]: position of j below the diagonal of column l, -1: on it
@@ -56,10 +57,16 @@ class Tangent {
   double factor_size_ = 0, factor_work_ = 0, assembly_size_ = 0;
 };
 
+template <int D>
+using CellHessian = Eigen::Matrix<double, D * D + D * curvature_components<D>, D * D + D * curvature_components<D>>;
+
 /// d2W/dq2 of a particle's cell, q = (H_00, H_01, ..., K_0^00, K_0^01, ...), see first_piola_kirchhoff.cpp.
 template <int D>
-Eigen::Matrix<double, D * D + D * curvature_components<D>, D * D + D * curvature_components<D>> energy_hessian(const Body& body,
-                                                                                                               const Workspace<D>& work,
-                                                                                                               std::int32_t row);
+CellHessian<D> energy_hessian(const Body& body, const Workspace<D>& work, std::int32_t row);
+
+/// The same over the derivatives of the fit, which `unseen` completes (unseen_fields.hpp).
+template <int D>
+CellHessian<D> energy_hessian_of_fit(const std::vector<UnseenField<D, double>>& unseen, const Body& body, const Workspace<D>& work,
+                                     std::int32_t row);
 
 }  // namespace tern::structure

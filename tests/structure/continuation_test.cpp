@@ -103,7 +103,15 @@ Case shaken(Integrator integrator) {
   return c;
 }
 
-/// The same as a shell, its clamp turned to and fro.
+/// A plate whose tip is shot off: so restless that its implicit steps pause.
+Case struck() {
+  Case c = plate();
+  c.structure->numerics.integrator = Integrator::automatic;
+  c.structure->bodies[0].velocity[0] = Expression("y > 0.08 ? 40 : 0");
+  return c;
+}
+
+/// The shaken strip as a shell, its clamp turned to and fro.
 Case turned(Integrator integrator = Integrator::explicit_steps) {
   Case c = shaken(integrator);
   c.structure->bodies[0].is_shell = true;
@@ -210,7 +218,8 @@ TEST(Continuation, NeedsEveryFieldOfTheState) {
                                                         {free_strip(), {1e-3, 3, 1}},
                                                         {turned(), {1e-4, 3, 2}},
                                                         {rare, rare_implicit_windows(rare)},
-                                                        {rare, {rare_implicit_windows(rare).window_s, 50, 2}}};
+                                                        {rare, {rare_implicit_windows(rare).window_s, 50, 2}},
+                                                        {struck(), {2.5e-4, 8, 2}}};
   std::set<std::string> names;
   const CompleteState<2> any = Structure<2>(rare).state();
   CompleteState<2>::for_each_field([&](const char* name, const auto&) { names.insert(name); }, any);

@@ -20,7 +20,7 @@ double gradient_error_of_a_quadratic_field() {
     if constexpr (D == 3) x[2] = n / 16;
     if (x.norm() < 1.3 * reach) offsets.push_back(0.1 * x);
   }
-  const auto g = derivative_vectors<D>(offsets, 0.01, 0.13);
+  const auto g = derivative_fit<D>(offsets, 0.01, 0.13).vectors;
   Matrix<D> curvature = Matrix<D>::Identity();
   curvature(0, 1) = curvature(1, 0) = -0.7;
   Vector<D> slope = Vector<D>::LinSpaced(1.0, 2.0), sum = Vector<D>::Zero();

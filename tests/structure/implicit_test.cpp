@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "fixtures/structure_scenes.hpp"
 #include "structure/complete_state.hpp"
+#include "structure/energy.hpp"
 #include "structure/implicit/implicit_step.hpp"
 
 namespace tern::structure::testing {
@@ -13,7 +16,8 @@ namespace {
 template <int D>
 double tangent_error(StructureCase structure) {
   structure.numerics.riemann_diffusion = structure.numerics.hourglass_penalty = 0;
-  if (!structure.bodies[0].is_shell) structure.bodies[0].clamps = {box({-1, -1, -1}, {2.5, 2.5, 2.5})};
+  if (!structure.bodies[0].is_shell && structure.bodies[0].clamps.empty())
+    structure.bodies[0].clamps = {box({-1, -1, -1}, {2.5, 2.5, 2.5})};
   const auto reference = build_reference<D>(structure);
   auto state = state_at_rest(reference, 0);
   auto work = workspace_for(reference);
@@ -54,6 +58,81 @@ TEST(Tangent, IsTheDerivativeOfTheElasticForce) {
     structure.bodies[0].material = law;
     EXPECT_LT(tangent_error<3>(structure), 1e-8);
   }
+}
+
+// Seen to fail: without the part of the tangent that dW/d(F, K') has where the derivatives are completed.
+TEST(Tangent, IsTheDerivativeOfTheElasticForceInTwoLayers) {
+  for (const std::string& law : material_keys())
+    for (const bool bar : {false, true}) {
+      StructureBody thin = body("thin", {0, 0, 0}, {7, 2, bar ? 2.0 : 4.0}, 1);
+      thin.material = law;
+      thin.clamps = {box({-1, -1, -1}, {1.5, 5, 5})};
+      if (!bar) {
+        EXPECT_LT(tangent_error<2>(*scene(2, {thin}).structure), 1e-8) << law;
+      }
+      EXPECT_LT(tangent_error<3>(*scene(3, {thin}).structure), 1e-8) << law;
+    }
+}
+
+/// Lowest frequency of a body [rad/s], from its tangent at rest.
+template <int D>
+double lowest_frequency(const StructureBody& b) {
+  const auto reference = build_reference<D>(*scene(D, {b}).structure);
+  const auto work = workspace_for(reference);
+  Tangent<D> tangent(reference);
+  tangent.assemble(reference, work, 0);
+  EXPECT_TRUE(tangent.factorise());
+  Eigen::VectorXd v = Eigen::VectorXd::LinSpaced(tangent.unknowns(), 1, 2);
+  double square = 0;
+  for (int n = 0; n < 60; ++n) {
+    const Eigen::VectorXd next = tangent.solve(reference.mass[tangent.free_rows()[0]] * v);
+    square = v.dot(v) / v.dot(next);
+    v = next.normalized();
+  }
+  return std::sqrt(square);
+}
+
+/// A bar of length over thickness 10, clamped at one end: first frequency over that of Euler and Bernoulli.
+template <int D>
+double bending_of_a_bar(int across, int wide, double poisson_ratio) {
+  const double length = 10 * across;
+  StructureBody b = body("bar", {-1, 0, 0}, {length, 1.0 * across, 1.0 * wide}, 1);
+  b.poisson_ratio = poisson_ratio;
+  b.clamps = {box({-2, -1, -1}, {0, 99, 99})};
+  const double modulus = D == 2 ? b.young_modulus / (1 - poisson_ratio * poisson_ratio) : b.young_modulus;
+  return lowest_frequency<D>(b) / (1.875104 * 1.875104 / (length * length) * across * std::sqrt(modulus / (12 * b.density)));
+}
+
+// A solid of two layers bends as one of four does, at every Poisson's ratio. Bars of a wide section are stiffer than a thin one by up to
+// 1/sqrt(1 - nu^2). Seen to fail: with linear terms alone (0.571, 0.668 and 0.850 in 2D), and with the amplitudes at zero (0.989, 1.09
+// and 1.69).
+TEST(TwoLayers, BendAsFourDo) {
+  for (const double poisson_ratio : {0.0, 0.3, 0.45}) {
+    EXPECT_NEAR(bending_of_a_bar<2>(2, 0, poisson_ratio), bending_of_a_bar<2>(4, 0, poisson_ratio), 0.01) << poisson_ratio;
+    EXPECT_NEAR(bending_of_a_bar<3>(2, 2, poisson_ratio), bending_of_a_bar<3>(4, 4, poisson_ratio), 0.01) << poisson_ratio;
+  }
+}
+
+// 10 spacings of a bar of two by two turned by a right angle and curled into an arc of a radian: what a rotation adds to the energy of the
+// arc is round-off. Seen to fail: with amplitudes of K in place of k = G^-1 K.
+TEST(TwoLayers, DoNotSeeARotation) {
+  StructureCase structure = *scene(3, {body("bar", {0, 0, 0}, {10, 2, 2}, 1)}).structure;
+  const auto reference = build_reference<3>(structure);
+  auto state = state_at_rest(reference, 0);
+  auto work = workspace_for(reference);
+  const auto energy = [&](const Matrix<3>& turn) {
+    set_rows<3>(reference, state.displacement, [&](const Vector<3>& x) {
+      const double angle = 0.1 * x[0], radius = 11 - x[1];
+      return Vector<3>(turn * Vector<3>(radius * std::sin(angle), 11 - radius * std::cos(angle), x[2]) - x);
+    });
+    displacement_gradients(reference, state, work);
+    return energies_of(reference, state, work).strain;
+  };
+  const double arc = energy(Matrix<3>::Identity());
+  const Matrix<3> turn = Eigen::AngleAxisd(1.7, Vector<3>(1, 2, -1).normalized()).toRotationMatrix();
+  EXPECT_NEAR(energy(turn), arc, 1e-10 * arc);
+  // E I kappa^2 L/2, without strain along z, where nothing moves.
+  EXPECT_NEAR(arc, 0.5 * 1e6 / 0.91 * 16.0 / 12 * 0.01 * 10, 0.03 * arc);
 }
 
 /// A shell of unit spacing, clamped at one edge and hinged at another, or bent and free.
@@ -223,14 +302,37 @@ TEST(IntegratorChoice, InThreeDimensionsCountsWhatAFactorCosts) {
   EXPECT_EQ(implicit_costs<2>(flat, Tangent<2>(flat)).factor, ImplicitCosts{}.factor);
 }
 
-TEST(IntegratorChoice, ChargesAFactorToTheWindowsThatItServes) {
+/// What `windows` of 200 explicit sub-steps cost, over the cost of explicit ones. Implicit ones take 10 evaluations, and a factor where
+/// needs_factor(n, was_implicit).
+double cost_of_choice(int windows, const std::function<bool(int, bool)>& needs_factor) {
   const ImplicitCosts costs{.evaluation = 5, .factor = 4000};
-  IntegratorChoice quiet, restless;
-  EXPECT_TRUE(quiet.prefers_implicit(costs, 200));
-  quiet.add(10, 1, true);
-  EXPECT_TRUE(quiet.prefers_implicit(costs, 200));
-  for (int n = 0; n < 10; ++n) restless.add(10, 1, n == 0);
-  EXPECT_FALSE(restless.prefers_implicit(costs, 200));
+  constexpr int sub_steps = 200;
+  IntegratorChoice choice;
+  bool was_implicit = false;
+  double cost = 0;
+  for (int n = 0; n < windows; ++n) {
+    if (choice.prefers_implicit(costs, sub_steps)) {
+      const long factors = needs_factor(n, was_implicit) ? 1 : 0;
+      cost += costs.of(10, static_cast<double>(factors));
+      choice.add(costs, sub_steps, 10, factors);
+      was_implicit = true;
+    } else {
+      cost += sub_steps;
+      was_implicit = false;
+    }
+  }
+  return cost / (windows * sub_steps);
+}
+
+// A factor takes as long as 20 windows. A quiet body needs one when implicit steps begin: a quarter of the explicit cost. One that was
+// restless for 20 windows is hardly worse later. With a factor every 40 windows implicit steps cost 0.75. One that always is restless costs
+// little more than explicit steps. Seen to fail: with a running mean of factors a window in place of the ledger (1.04 for the body that was
+// restless at first, 1.02 with a factor every 40 windows: explicit steps for ever).
+TEST(IntegratorChoice, ComesNearToTheCheaperWayWhateverTheMotionDoes) {
+  EXPECT_LT(cost_of_choice(2000, [](int, bool was) { return !was; }), 0.27);
+  EXPECT_LT(cost_of_choice(2000, [](int n, bool was) { return !was || n < 20; }), 0.35);
+  EXPECT_LT(cost_of_choice(2000, [](int n, bool was) { return !was || n % 40 == 0; }), 0.8);
+  EXPECT_LT(cost_of_choice(2000, [](int, bool) { return true; }), 1.2);
 }
 
 // 1000 explicit sub-steps a window, in which it turns by 3 degrees. Seen to fail: without the frame that turns with the body, with 45
