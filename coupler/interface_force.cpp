@@ -46,10 +46,9 @@ void settle_contacts(const Setup<D>& setup, const InterfacePressure<D>& pressure
   LumpMotion<D> answered(window.answer.lumps, window.answer.mass, window.duration);  // to what exceeds the assumed load
   if (iterates)
     for (std::size_t k = 0; k < surface.position.size(); ++k) answered.push(k, window.load.force[k] - window.assumed_load.force[k]);
-  for (const auto& pair : window.pairs.pairs()) {
+  window.pairs.for_each_standing([&](const InterfacePair<D>& pair) {
     const int i = pair.particle, k = pair.point;
     const Vector<D>& n = surface.normal[k];
-    if (!stands_over<D>(surface.position[k], n, surface.area[k], particles.position[i])) continue;
     const Vector<D> velocity = pressure.velocity[i] + (window.duration / particles.mass[i]) * on_particles[i];
     const double permitted =
         permitted_approach((particles.position[i] - surface.position[k]).dot(n), setup.contact_distance, window.duration);
@@ -62,7 +61,7 @@ void settle_contacts(const Setup<D>& setup, const InterfacePressure<D>& pressure
       behind = answered.mass(k);
       expected += answered.velocity(k).dot(n);
     }
-    if (expected <= 0) continue;
+    if (expected <= 0) return;
     const double mass = particles.mass[i] * behind / (particles.mass[i] + behind);
     const Vector<D> force = -(mass * expected / window.duration) * n;
     add_pair_force(pair, force, window.load, on_particles);
@@ -72,7 +71,7 @@ void settle_contacts(const Setup<D>& setup, const InterfacePressure<D>& pressure
     }
     window.audit.contact_dissipation += 0.5 * mass * expected * (approach + 2 * permitted);
     ++window.audit.contacts;
-  }
+  });
 }
 
 template void add_pressure<2>(const Setup<2>&, const InterfacePressure<2>&, Workspace<2>&, Evaluations&);

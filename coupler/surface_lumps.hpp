@@ -63,6 +63,13 @@ class LumpMotion {
     for (std::size_t s = k * lumps_.per_point; s < (k + 1) * lumps_.per_point; ++s) force_[lumps_.lump[s]] += lumps_.share[s] * force;
   }
 
+  /// The same pushes on lumps of these masses.
+  LumpMotion with(std::span<const double> mass) const {
+    LumpMotion other = *this;
+    other.mass_ = mass;
+    return other;
+  }
+
   /// How much faster point k is by all pushes [m/s].
   Vector<D> velocity(std::size_t k) const {
     Vector<D> sum = Vector<D>::Zero();

@@ -7,15 +7,20 @@
 
 namespace tern {
 
+/// Within the support. Faces in one plane with x make no corner.
+template <int D>
+bool CornerView<D>::is_turned(const Vector<D>& x, int k) const {
+  const Vector<D> d = structure_.position[k] - x;
+  return d.dot(structure_.normal[k]) > 1e-6 * kernel_.support() && d.squaredNorm() < kernel_.support() * kernel_.support();
+}
+
 template <int D>
 template <class Turned>
 void CornerView<D>::find(const Vector<D>& x, Turned&& behind_plate) {
   back_facing_.clear();
   turned_.clear();  // the far faces of plates
-  const double support = kernel_.support();
-  finder_.for_each_around(x, [&](int k) {
-    const Vector<D> d = structure_.position[k] - x;
-    if (d.dot(structure_.normal[k]) <= 1e-6 * support || d.squaredNorm() >= support * support) return;  // in one plane: no corner
+  finder_.for_each_turned_around(x, [&](int k) {
+    if (!is_turned(x, k)) return;
     if (behind_plate(k))
       turned_.push_back(k);
     else if (covered_.empty() || !covered_[k])
@@ -30,14 +35,23 @@ void CornerView<D>::find(const Vector<D>& x, Turned&& behind_plate) {
   back_facing_.erase(std::remove_if(back_facing_.begin(), back_facing_.end(), beyond_plate), back_facing_.end());
 }
 
+/// For an x that sees faces of one normal, and what lies behind their plane.
+template <int D>
+void CornerView<D>::find_behind(const Vector<D>& normal, const Vector<D>& x) {
+  back_facing_.clear();
+  const auto is_back_facing = [&](int k) { return is_turned(x, k) && passes_corner<D>(normal, structure_.normal[k]); };
+  if (!finder_.any_turned_around(x, normal, plate_cosine, is_back_facing)) return;  // as beside a plate, away from its edges
+  find(x, [&](int k) { return !passes_corner<D>(normal, structure_.normal[k]); });
+}
+
 template <int D>
 void CornerView<D>::look(const Vector<D>& x, const int* seen, int seen_count) {
   // Most particles see one flat face: whatever is hidden from them lies behind it.
   const Vector<D>& normal = structure_.normal[seen[0]];
   const bool flat =
       std::all_of(seen, seen + seen_count, [&](int face) { return (structure_.normal[face] - normal).squaredNorm() < 1e-12; });
+  if (flat) return find_behind(normal, x);
   find(x, [&](int k) {
-    if (flat) return !passes_corner<D>(normal, structure_.normal[k]);
     return std::any_of(seen, seen + seen_count, [&](int face) {
       return !passes_corner<D>(structure_.normal[face], structure_.normal[k]) &&
              patch_separates(structure_, face, x, structure_.position[k]);
@@ -48,7 +62,7 @@ void CornerView<D>::look(const Vector<D>& x, const int* seen, int seen_count) {
 template <int D>
 double CornerView<D>::borne_share(int k) {
   const Vector<D>& x = structure_.position[k];
-  find(x, [&](int other) { return !passes_corner<D>(structure_.normal[k], structure_.normal[other]); });
+  find_behind(structure_.normal[k], x);
   double behind = 0;
   for (int other : back_facing_) {
     const Vector<D> d = structure_.position[other] - x;

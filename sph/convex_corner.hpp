@@ -11,11 +11,14 @@
 
 namespace tern {
 
+/// Product of two normals from which the faces are those of a plate: faces at less than 53 degrees.
+inline constexpr double plate_cosine = -0.6;
+
 /// Whether a line that enters a body through a face of the first normal and leaves it through one of the second passes a corner
-/// of it rather than a plate: faces at 53 degrees or more.
+/// of it rather than a plate.
 template <int D>
 bool passes_corner(const Vector<D>& in, const Vector<D>& out) {
-  return in.dot(out) > -0.6;
+  return in.dot(out) > plate_cosine;
 }
 
 /// Kept by the caller, so that a step allocates nothing.
@@ -49,6 +52,8 @@ class CornerView {
  private:
   template <class Turned>
   void find(const Vector<D>& x, Turned&& behind_plate);
+  bool is_turned(const Vector<D>& x, int k) const;
+  void find_behind(const Vector<D>& normal, const Vector<D>& x);
 
   const Faces<D>& structure_;
   const FaceFinder<D>& finder_;

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
+#include "base/parallel.hpp"
 #include "base/vector.hpp"
 #include "sph/cell_grid.hpp"
 #include "sph/near_points.hpp"
@@ -85,11 +87,20 @@ class FaceFinder {
     grid_.reset(min, max, support);
     contents_.template fill<D>(grid_, faces.position);
     limit2_ = near_limit2<D>(support, (max_ - min_).maxCoeff());
+    near2_ = surely_near_limit2<D>(support, (max_ - min_).maxCoeff());
+    // A product of a normal with a way is off by what the coordinates are off, and by as much of the support as digits of the normal are.
+    slack_ = static_cast<float>(1e-6 * support + std::sqrt(double(D)) * 0x3p-24 * (max_ - min_).maxCoeff());
     for (int c = 0; c < D; ++c) {
       coordinate_[c].resize(faces.size() + near_lanes);
-      for (std::size_t m = 0; m < faces.size(); ++m)
-        coordinate_[c][m] = static_cast<float>(faces.position[contents_.order[m]][c] - min_[c]);
+      normal_[c].resize(faces.size() + near_lanes);
     }
+    parallel_for(static_cast<std::ptrdiff_t>(faces.size()), [&](std::ptrdiff_t m) {
+      const int k = contents_.order[m];
+      for (int c = 0; c < D; ++c) {
+        coordinate_[c][m] = static_cast<float>(faces.position[k][c] - min_[c]);
+        normal_[c][m] = static_cast<float>(faces.normal[k][c]);
+      }
+    });
   }
 
   /// Calls visit(k) for all faces that may be within the support of x, in whatever direction they look.
@@ -103,42 +114,114 @@ class FaceFinder {
     });
   }
 
+  /// Calls visit(k) for all faces within the support of x that may be turned away from it.
+  template <class Visit>
+  void for_each_turned_around(const Vector<D>& x, Visit&& visit) const {
+    std::array<int, candidates + near_lanes> near;
+    for_ranges_around(x, [&](int begin, int end, const std::array<float, D>& from) {
+      int found = 0;
+      for (int m = begin; m < end; m += near_lanes) found = append_places(bits_before(turned_bits(m, from), m, end), m, found, near.data());
+      for (int m = 0; m < found; ++m) visit(contents_.order[near[m]]);
+    });
+  }
+
+  /// Whether holds(k) is true for any of them whose normal has a product above `least` with `direction`, a unit vector.
+  template <class Holds>
+  bool any_turned_around(const Vector<D>& x, const Vector<D>& direction, double least, Holds&& holds) const {
+    std::array<float, D> along;
+    for (int c = 0; c < D; ++c) along[c] = static_cast<float>(direction[c]);
+    bool found = false;
+    for_ranges_around(x, [&](int begin, int end, const std::array<float, D>& from) {
+      for (int m = begin; m < end && !found; m += near_lanes) {
+        const unsigned turned = turned_bits(m, from);
+        if (turned == 0) continue;
+        unsigned bits = bits_before(turned & direction_bits<D>(normal_, m, along, static_cast<float>(least - 1e-6)), m, end);
+        for (; bits != 0 && !found; bits &= bits - 1) found = holds(contents_.order[m + std::countr_zero(bits)]);
+      }
+    });
+    return found;
+  }
+
   /// Appends to `seen` the faces that x sees.
   void see(const Faces<D>& faces, const Vector<D>& x, std::vector<int>& seen) const {
     if (faces.size() == 0) return;
-    for (int c = 0; c < D; ++c)
-      if (x[c] < min_[c] || x[c] > max_[c]) return;
     const auto first = seen.size();
-    std::array<float, D> from;
-    for (int c = 0; c < D; ++c) from[c] = static_cast<float>(x[c] - min_[c]);
-    bool cuts = false;
     std::array<int, candidates + near_lanes> near;
-    grid_.for_rows_around(x, [&](int low, int high) {
-      for (int begin = contents_.start[low], end = contents_.start[high + 1]; begin < end; begin += candidates) {
-        const int found = keep_near<D>(coordinate_, begin, std::min(begin + candidates, end), -1, from, {}, limit2_, 0, near.data());
-        for (int m = 0; m < found; ++m) {
-          const int k = contents_.order[near[m]];
+    for_ranges_around(x, [&](int begin, int end, const std::array<float, D>& from) {
+      int found = 0;
+      for (int m = begin; m < end; m += near_lanes) {
+        const PatchBits facing = patch_bits<D>(coordinate_, normal_, m, from, near2_, limit2_, -1, slack_);
+        unsigned bits = bits_before(facing.may, m, end);
+        for (unsigned open = bits & ~facing.sure; open != 0; open &= open - 1) {
+          const int k = contents_.order[m + std::countr_zero(open)];
           const Vector<D> d = faces.position[k] - x;
-          if (d.squaredNorm() >= support_ * support_ || d.dot(faces.normal[k]) >= 0) continue;
-          seen.push_back(k);
-          cuts = cuts || faces.two_sided[k];
+          if (d.squaredNorm() >= support_ * support_ || d.dot(faces.normal[k]) >= 0) bits &= ~(open & -open);
         }
+        found = append_places(bits, m, found, near.data());
       }
+      const std::size_t before = seen.size();
+      seen.resize(before + static_cast<std::size_t>(found));
+      for (int m = 0; m < found; ++m) seen[before + static_cast<std::size_t>(m)] = contents_.order[near[m]];
     });
-    if (cuts) remove_hidden(faces, x, seen, first);
+    if (first < seen.size() && any_behind_another(faces, x, seen, first)) remove_hidden(faces, x, seen, first);
   }
 
  private:
   static constexpr int candidates = 256;  ///< tested at a time
 
+  unsigned turned_bits(int first, const std::array<float, D>& from) const {
+    return patch_bits<D>(coordinate_, normal_, first, from, near2_, limit2_, 1, slack_).may;
+  }
+
+  /// Calls visit(begin, end, x from the corner of the box) for ranges of the patches in the order of the cells, of at most `candidates`,
+  /// which have all that are within the support of x.
+  template <class Visit>
+  void for_ranges_around(const Vector<D>& x, Visit&& visit) const {
+    if (contents_.order.empty()) return;
+    for (int c = 0; c < D; ++c)
+      if (x[c] < min_[c] || x[c] > max_[c]) return;
+    std::array<float, D> from;
+    for (int c = 0; c < D; ++c) from[c] = static_cast<float>(x[c] - min_[c]);
+    grid_.for_rows_around(x, [&](int low, int high) {
+      for (int begin = contents_.start[low], end = contents_.start[high + 1]; begin < end; begin += candidates)
+        visit(begin, std::min(begin + candidates, end), from);
+    });
+  }
+
+  /// A patch that hides another has it behind its plane, by its depth (below). False where that cannot be because all patches have next
+  /// to one normal n and one height: the product of the way from one to the other with the normal of the first is that with n but for the
+  /// way, at most two supports, times the difference of the normals.
+  bool any_behind_another(const Faces<D>& faces, const Vector<D>& x, const std::vector<int>& seen, std::size_t first) const {
+    const Vector<D>& n = faces.normal[seen[first]];
+    double low = 1e300, high = -1e300, turn2 = 0, area = 1e300;  // area: no patch hides another where none has two sides
+    for (auto m = first; m < seen.size(); ++m) {
+      const int k = seen[m];
+      const double height = (x - faces.position[k]).dot(n);
+      low = std::min(low, height);
+      high = std::max(high, height);
+      if (!faces.two_sided[k]) continue;
+      turn2 = std::max(turn2, (faces.normal[k] - n).squaredNorm());
+      area = std::min(area, faces.area[k]);
+    }
+    return high - low + 2 * support_ * std::sqrt(turn2) >= 0.999 * least_depth(area);
+  }
+
+  /// A patch hidden by another of the same surface lies clearly behind it: a tenth of a patch tells it from a neighbour.
+  static double least_depth(double area) { return 0.1 * (D == 2 ? area : std::sqrt(area)); }
+
   void remove_hidden(const Faces<D>& faces, const Vector<D>& x, std::vector<int>& seen, std::size_t first) const {
     // A hidden patch may not be dropped before all have been asked: it may be the one that hides another. Until then it is
     // marked by its complement.
-    // Each is held against each, and few hide one: a first look at all of them, patch_separates without branch and division and a
-    // shade less strict, so that its rounding decides nothing, leaves those to the exact question.
+    // Each is held against each, and few hide one. Two looks at all of them, without branch and division and a shade less strict, so
+    // that rounding decides nothing, leave those to the exact question. The first one asks only which lie behind another that lies
+    // before them, in single precision. The second is patch_separates.
     using Lanes = std::array<double, candidates>;
+    using ShortLanes = std::array<float, candidates>;
     std::array<Lanes, D> position, normal, from;
+    std::array<ShortLanes, D> away, facing;
     Lanes front, depth, reach2;
+    ShortLanes sunk;
+    const float rounding = static_cast<float>(1e-5 * support_);
     std::array<int, candidates> cutter;
     for (auto next = first; next < seen.size();) {
       int cutters = 0;
@@ -150,10 +233,12 @@ class FaceFinder {
           position[c][cutters] = faces.position[k][c];
           normal[c][cutters] = faces.normal[k][c];
           from[c][cutters] = d[c];
+          away[c][cutters] = static_cast<float>(-d[c]);
+          facing[c][cutters] = static_cast<float>(faces.normal[k][c]);
         }
         front[cutters] = d.dot(faces.normal[k]);
-        // A patch hidden by another of the same surface lies clearly behind it: a tenth of a patch tells it from a neighbour.
-        depth[cutters] = 0.1 * (D == 2 ? faces.area[k] : std::sqrt(faces.area[k]));
+        depth[cutters] = least_depth(faces.area[k]);
+        sunk[cutters] = static_cast<float>(depth[cutters]) - rounding;
         reach2[cutters] = 1.001 * patch_reach2<D>(faces.area[k]);
         cutter[cutters++] = k;
       }
@@ -161,7 +246,22 @@ class FaceFinder {
         const int k = seen[m];
         if (k < 0) continue;
         const Vector<D>& place = faces.position[k];
-        std::int64_t perhaps = 0;  // as wide as the numbers
+        std::array<float, D> at, up;
+        for (int c = 0; c < D; ++c) {
+          at[c] = static_cast<float>(place[c] - x[c]);
+          up[c] = static_cast<float>(faces.normal[k][c]);
+        }
+        std::int32_t behind_one = 0;  // as wide as the numbers
+        for (int o = 0; o < cutters; ++o) {
+          float before = 0, above = 0;
+          for (int c = 0; c < D; ++c) {
+            before += (away[c][o] - at[c]) * up[c];
+            above += (away[c][o] - at[c]) * facing[c][o];
+          }
+          behind_one += (before > -rounding) & (above > sunk[o]);
+        }
+        if (behind_one == 0) continue;
+        std::int64_t perhaps = 0;
         for (int o = 0; o < cutters; ++o) {
           double behind = 0, offset2 = 0;
           for (int c = 0; c < D; ++c) behind += (place[c] - position[c][o]) * normal[c][o];
@@ -188,7 +288,8 @@ class FaceFinder {
   Vector<D> min_ = Vector<D>::Zero(), max_ = Vector<D>::Zero();
   double support_ = 0;
   std::array<std::vector<float>, D> coordinate_;  ///< of the patches in the order of the cells, from min_, by axis
-  float limit2_ = 0;
+  std::array<std::vector<float>, D> normal_;      ///< the same
+  float near2_ = 0, limit2_ = 0, slack_ = 0;
 };
 
 }  // namespace tern

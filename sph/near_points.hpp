@@ -2,6 +2,7 @@
 // Points nearer to a place than a distance, among points that lie one after the other: the candidates of a row of cells.
 // In single precision, one array per axis, so that many distances are computed at a time.
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -36,6 +37,13 @@ float near_limit2(double distance, double extent) {
   return static_cast<float>(limit * limit);
 }
 
+/// Square of the distance in single precision within which no point lies that is not nearer than `distance`.
+template <int D>
+float surely_near_limit2(double distance, double extent) {
+  const double limit = std::max(0.0, (1 - 1e-6) * distance - std::sqrt(double(D)) * 0x3p-24 * extent);
+  return static_cast<float>(limit * limit);
+}
+
 /// Bit m: point first + m is nearer than the square root of `limit2` to x + shift. Reads `near_lanes` coordinates.
 template <int D>
 unsigned near_bits(const std::array<std::vector<float>, D>& coordinate, int first, const std::array<float, D>& x,
@@ -62,6 +70,83 @@ unsigned near_bits(const std::array<std::vector<float>, D>& coordinate, int firs
 #endif
 }
 
+/// Of `near_lanes` patches: those that may be near and turned as asked, and those that are for sure.
+struct PatchBits {
+  unsigned may = 0, sure = 0;
+};
+
+/// Bit m: patch first + m is nearer to x than the square root of `limit2`, and the product of its normal with the way to it is above
+/// `least`. `side` 1: the product, of patches that are turned away from x; -1: its negative, of those that look at x.
+/// Of `near2` and `limit2`, and of -`slack` and `slack` for the product, the one of each leaves what rounding leaves open to `may`.
+template <int D>
+PatchBits patch_bits(const std::array<std::vector<float>, D>& coordinate, const std::array<std::vector<float>, D>& normal, int first,
+                     const std::array<float, D>& x, float near2, float limit2, float side, float slack) {
+#ifdef __AVX2__
+  __m256 distance2 = _mm256_setzero_ps(), product = _mm256_setzero_ps();
+  for (int c = 0; c < D; ++c) {
+    const __m256 d = _mm256_sub_ps(_mm256_loadu_ps(coordinate[c].data() + first), _mm256_set1_ps(x[c]));
+    distance2 = _mm256_fmadd_ps(d, d, distance2);
+    product = _mm256_fmadd_ps(d, _mm256_loadu_ps(normal[c].data() + first), product);
+  }
+  product = _mm256_mul_ps(product, _mm256_set1_ps(side));
+  const auto bits = [&](float limit, float least) {
+    return static_cast<unsigned>(_mm256_movemask_ps(_mm256_and_ps(_mm256_cmp_ps(distance2, _mm256_set1_ps(limit), _CMP_LT_OQ),
+                                                                  _mm256_cmp_ps(product, _mm256_set1_ps(least), _CMP_GT_OQ))));
+  };
+  return {bits(limit2, -slack), bits(near2, slack)};
+#else
+  PatchBits bits;
+  for (int m = 0; m < near_lanes; ++m) {
+    float distance2 = 0, product = 0;
+    for (int c = 0; c < D; ++c) {
+      const float d = coordinate[c][first + m] - x[c];
+      distance2 += d * d;
+      product += d * normal[c][first + m];
+    }
+    product *= side;
+    bits.may |= static_cast<unsigned>((distance2 < limit2) & (product > -slack)) << m;
+    bits.sure |= static_cast<unsigned>((distance2 < near2) & (product > slack)) << m;
+  }
+  return bits;
+#endif
+}
+
+/// Bit m: the normal of patch first + m has a product above `least` with `direction`.
+template <int D>
+unsigned direction_bits(const std::array<std::vector<float>, D>& normal, int first, const std::array<float, D>& direction, float least) {
+#ifdef __AVX2__
+  __m256 product = _mm256_setzero_ps();
+  for (int c = 0; c < D; ++c) product = _mm256_fmadd_ps(_mm256_set1_ps(direction[c]), _mm256_loadu_ps(normal[c].data() + first), product);
+  return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(product, _mm256_set1_ps(least), _CMP_GT_OQ)));
+#else
+  unsigned bits = 0;
+  for (int m = 0; m < near_lanes; ++m) {
+    float product = 0;
+    for (int c = 0; c < D; ++c) product += direction[c] * normal[c][first + m];
+    bits |= static_cast<unsigned>(product > least) << m;
+  }
+  return bits;
+#endif
+}
+
+/// Those of `bits` that belong to points first .. last - 1.
+inline unsigned bits_before(unsigned bits, int first, int last) {
+  return last - first < near_lanes ? bits & ((1u << (last - first)) - 1) : bits;
+}
+
+/// Appends the places first + m of the bits m that are set to `near`, which holds `found`; returns the new number. May write up to
+/// `near_lanes` entries more than it keeps.
+inline int append_places(unsigned bits, int first, int found, int* near) {
+#ifdef __AVX2__
+  const __m128i places = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(set_bits[bits].data()));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(near + found), _mm256_add_epi32(_mm256_set1_epi32(first), _mm256_cvtepu8_epi32(places)));
+  return found + std::popcount(bits);
+#else
+  for (; bits != 0; bits &= bits - 1) near[found++] = first + std::countr_zero(bits);
+  return found;
+#endif
+}
+
 /// Appends to `near`, which holds `found` points so far, those of the points first .. last - 1 other than i that are nearer
 /// than the square root of `limit2` to x + shift; returns the new number. May read `near_lanes` coordinates beyond the last
 /// and write up to as many entries more than it keeps.
@@ -69,16 +154,9 @@ template <int D>
 int keep_near(const std::array<std::vector<float>, D>& coordinate, int first, int last, int i, const std::array<float, D>& x,
               const std::array<float, D>& shift, float limit2, int found, int* near) {
   for (int k = first; k < last; k += near_lanes) {
-    unsigned bits = near_bits<D>(coordinate, k, x, shift, limit2);
-    if (last - k < near_lanes) bits &= (1u << (last - k)) - 1;
+    unsigned bits = bits_before(near_bits<D>(coordinate, k, x, shift, limit2), k, last);
     if (static_cast<unsigned>(i - k) < near_lanes) bits &= ~(1u << (i - k));
-#ifdef __AVX2__
-    const __m128i places = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(set_bits[bits].data()));
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(near + found), _mm256_add_epi32(_mm256_set1_epi32(k), _mm256_cvtepu8_epi32(places)));
-    found += std::popcount(bits);
-#else
-    for (; bits != 0; bits &= bits - 1) near[found++] = k + std::countr_zero(bits);
-#endif
+    found = append_places(bits, k, found, near);
   }
   return found;
 }

@@ -118,12 +118,9 @@ void LearntResponse<D>::learn(const Setup<D>& setup, const Workspace<D>& window,
     const std::vector<double> guessed = lump_masses(lumps, window.responding_mass, surface.area);
     std::vector<double> learnt = guessed;
     for (std::size_t a = 0; a < lumps.count; ++a) learnt[a] /= quickness(width, a);
-    LumpMotion<D> of_guess(lumps, guessed, window.duration), of_learnt(lumps, learnt, window.duration);
-    for (std::size_t k = 0; k < points; ++k) {
-      const Vector<D> push = window.answered_load.force[k] - window.assumed_load.force[k];
-      of_guess.push(k, push);
-      of_learnt.push(k, push);
-    }
+    LumpMotion<D> of_guess(lumps, guessed, window.duration);
+    for (std::size_t k = 0; k < points; ++k) of_guess.push(k, window.answered_load.force[k] - window.assumed_load.force[k]);
+    const LumpMotion<D> of_learnt = of_guess.with(learnt);
     std::vector<double> answer(lumps.count, 0), square(lumps.count, 0), error(setup.body_density.size(), 0);
     double sum = 0;
     for (std::size_t k = 0; k < points; ++k) {

@@ -1,6 +1,9 @@
 #include "coupler/schemes/interface_pairs.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
 
 #include <omp.h>
 
@@ -23,6 +26,7 @@ template <int D>
 void InterfacePairs<D>::find(const InterfaceParticles<D>& particles, const Surface<D>& surface) {
   pairs_.clear();
   particle_pairs_ = back_facing_pairs_ = 0;
+  for (Found& found : found_) found.standing.clear();
   if (particles.id.empty()) return;
   faces_.position = surface.position;
   faces_.normal = surface.normal;
@@ -34,34 +38,40 @@ void InterfacePairs<D>::find(const InterfaceParticles<D>& particles, const Surfa
   look(particles);
   find_borne_shares();
 
-  const auto pair = [&](int i, int k, const Vector<D>& offset) {
-    const double weight = borne_share_[k] * kernel_.surface_weight(offset.norm());
-    return InterfacePair<D>{i, k, Vector<D>(-2 * particles.volume[i] * surface.area[k] * weight * surface.normal[k]), offset};
-  };
-  // Where the pairs of each thread's particles begin, those they see and, behind all of these, those past corners.
   const auto n = static_cast<std::ptrdiff_t>(particles.id.size());
+  place_.assign(particles.position.begin(), particles.position.end());
+  place_.insert(place_.end(), particles.image_position.begin(), particles.image_position.end());
+  particle_.resize(particles.id.size());
+  std::iota(particle_.begin(), particle_.end(), 0);
+  particle_.insert(particle_.end(), particles.image_of.begin(), particles.image_of.end());
+
+  // Pairs of particles with points that they see come first, thread by thread. Behind all of these come those past corners.
   const int threads = static_cast<int>(found_.size());
-  std::vector<std::size_t> begin, begin_past;
+  begin_.clear();
+  begin_past_.clear();
   for (const Found& found : found_) {
-    begin.push_back(particle_pairs_);
+    begin_.push_back(particle_pairs_);
     particle_pairs_ += found.seen.size();
   }
   for (const Found& found : found_) {
-    begin_past.push_back(particle_pairs_ + back_facing_pairs_);
+    begin_past_.push_back(particle_pairs_ + back_facing_pairs_);
     back_facing_pairs_ += found.back_facing.size();
   }
   pairs_.resize(particle_pairs_ + back_facing_pairs_);
   first_.resize(particles.id.size() + 1);
   first_.back() = particle_pairs_;
   for_ranges(n, threads, [&](int thread, std::ptrdiff_t first, std::ptrdiff_t last) {
-    const Found& found = found_[thread];
+    Found& found = found_[thread];
+    found.standing.clear();
     std::size_t seen = 0, past = 0;
     for (std::ptrdiff_t i = first; i < last; ++i) {
-      const Vector<D>& x = particles.position[i];
-      const auto add = [&](std::size_t to, int k) { pairs_[to] = pair(static_cast<int>(i), k, x - surface.position[k]); };
-      first_[i] = begin[thread] + seen;
-      for (int m = 0; m < found.seen_count[i - first]; ++m, ++seen) add(begin[thread] + seen, found.seen[seen]);
-      for (int m = 0; m < found.back_facing_count[i - first]; ++m, ++past) add(begin_past[thread] + past, found.back_facing[past]);
+      first_[i] = begin_[thread] + seen;
+      const int count = found.seen_count[i - first], count_past = found.back_facing_count[i - first];
+      weigh(particles, static_cast<int>(i), found.seen.data() + seen, count, pairs_.data() + first_[i], first_[i], &found.standing);
+      weigh(particles, static_cast<int>(i), found.back_facing.data() + past, count_past, pairs_.data() + begin_past_[thread] + past, 0,
+            nullptr);
+      seen += static_cast<std::size_t>(count);
+      past += count_past;
     }
   });
   // A face that the particle does not see, such as one that lies on the wall, is none before its image either.
@@ -71,8 +81,43 @@ void InterfacePairs<D>::find(const InterfaceParticles<D>& particles, const Surfa
       const int k = pairs_[seen].point;
       const Vector<D> offset = particles.image_position[m] - surface.position[k];
       if (offset.dot(surface.normal[k]) > 0 && offset.squaredNorm() < kernel_.support() * kernel_.support())
-        pairs_.push_back(pair(static_cast<int>(i), k, offset));
+        pairs_.push_back({static_cast<std::uint32_t>(particles.id.size() + m), k,
+                          weight(particles.volume[i], surface.area[k], borne_share_[k], offset.norm())});
     }
+  }
+}
+
+/// What the normal is multiplied with.
+template <int D>
+double InterfacePairs<D>::weight(double volume, double area, double borne_share, double distance) const {
+  return -2 * volume * area * (borne_share * kernel_.surface_weight(distance));
+}
+
+/// Pairs of a particle with these points. `standing`: appends of those the number from `first` on that stand over their patch
+/// (stands_over()); null: nobody asks.
+template <int D>
+void InterfacePairs<D>::weigh(const InterfaceParticles<D>& particles, int particle, const int* points, std::ptrdiff_t count, Kept* pairs,
+                              std::size_t first, std::vector<std::size_t>* standing) const {
+  constexpr std::ptrdiff_t together = 64;
+  std::array<double, together> distance2, height, area, share, weights, beside;
+  const Vector<D>& x = particles.position[particle];
+  const double volume = particles.volume[particle];
+  for (std::ptrdiff_t done = 0; done < count; done += together) {
+    const std::ptrdiff_t here = std::min(together, count - done);
+    for (std::ptrdiff_t m = 0; m < here; ++m) {
+      const int k = points[done + m];
+      const Vector<D> d = x - faces_.position[k];
+      distance2[m] = d.squaredNorm();
+      height[m] = d.dot(faces_.normal[k]);
+      area[m] = faces_.area[k];
+      share[m] = borne_share_[k];
+    }
+    for (std::ptrdiff_t m = 0; m < here; ++m) weights[m] = weight(volume, area[m], share[m], std::sqrt(distance2[m]));
+    for (std::ptrdiff_t m = 0; m < here; ++m) pairs[done + m] = {static_cast<std::uint32_t>(particle), points[done + m], weights[m]};
+    if (standing == nullptr) continue;
+    for (std::ptrdiff_t m = 0; m < here; ++m) beside[m] = distance2[m] - height[m] * height[m] - patch_reach2<D>(area[m]);
+    for (std::ptrdiff_t m = 0; m < here; ++m)
+      if (beside[m] < 0) standing->push_back(first + static_cast<std::size_t>(done + m));
   }
 }
 

@@ -17,7 +17,7 @@ const Scheme<D>& scheme_of(InterfaceScheme scheme) {
 }
 
 template <int D>
-std::vector<double> uniform_load(const Scheme<D>& scheme, std::span<const InterfacePair<D>> pairs, const Surface<D>& surface) {
+std::vector<double> uniform_load(const Scheme<D>& scheme, PairRange<D> pairs, const Surface<D>& surface) {
   std::vector<double> filled(surface.position.size(), 0);
   for (const auto& pair : pairs) filled[pair.point] -= pair.b.dot(surface.normal[pair.point]) / surface.area[pair.point];
   for (double& f : filled) f = scheme.load_share(f);
@@ -26,7 +26,7 @@ std::vector<double> uniform_load(const Scheme<D>& scheme, std::span<const Interf
 
 template const Scheme<2>& scheme_of<2>(InterfaceScheme);
 template const Scheme<3>& scheme_of<3>(InterfaceScheme);
-template std::vector<double> uniform_load<2>(const Scheme<2>&, std::span<const InterfacePair<2>>, const Surface<2>&);
-template std::vector<double> uniform_load<3>(const Scheme<3>&, std::span<const InterfacePair<3>>, const Surface<3>&);
+template std::vector<double> uniform_load<2>(const Scheme<2>&, PairRange<2>, const Surface<2>&);
+template std::vector<double> uniform_load<3>(const Scheme<3>&, PairRange<3>, const Surface<3>&);
 
 }  // namespace tern::coupler

@@ -2,7 +2,6 @@
 // Interface schemes: how the pressures of fluid particles become forces on faces and on the particles. One file each, one line in
 // scene/interface_schemes.hpp.
 
-#include <span>
 #include <vector>
 
 #include "coupler/schemes/interface_pairs.hpp"
@@ -19,7 +18,7 @@ struct Evaluations;
 template <int D>
 struct PairView {
   const Kernel<D>& kernel;
-  std::span<const InterfacePair<D>> pairs;
+  PairRange<D> pairs;
   const Surface<D>& surface;
   const InterfaceParticles<D>& particles;
 };
@@ -44,6 +43,6 @@ void mean_pair_pressures(const PairView<D>& view, std::vector<double>& carried);
 
 /// Load of every surface point under a uniform pressure, over that pressure times its area.
 template <int D>
-std::vector<double> uniform_load(const Scheme<D>& scheme, std::span<const InterfacePair<D>> pairs, const Surface<D>& surface);
+std::vector<double> uniform_load(const Scheme<D>& scheme, PairRange<D> pairs, const Surface<D>& surface);
 
 }  // namespace tern::coupler

@@ -10,7 +10,7 @@ namespace {
 /// Velocity divergence at the surface points, sum V_i (u_i - u_k) . grad w_ki over the fluid they see [1/s]. The section
 /// behind a point moves with it and adds nothing.
 template <int D>
-std::vector<double> divergence_at_surface(const Kernel<D>& kernel, std::span<const InterfacePair<D>> pairs, const Surface<D>& surface,
+std::vector<double> divergence_at_surface(const Kernel<D>& kernel, PairRange<D> pairs, const Surface<D>& surface,
                                           const InterfaceParticles<D>& particles) {
   std::vector<double> divergence(surface.position.size(), 0);
   for (const auto& pair : pairs) {

@@ -40,21 +40,29 @@ void see_boundary(const Constants<D>& constants, const Period<D>& period, const 
   const std::span<const Vector<D>> viewers = std::span(position).first(neighbours.rows());
   see_walls<D>(constants.spacing, viewers, boundary);
   see_faces<D>(viewers, boundary.surface, boundary.surface_finder, boundary.surface_rows);
-  // What parts two particles is seen by one of them, which may be of another rank.
+  // What parts two particles is seen by one of them, which may be of another rank. What the own ones see is known.
   thread_local FaceRows seen_by_all;
-  const auto rows_of_all = [&](const Faces<D>& faces, const FaceFinder<D>& finder, const FaceRows& own) -> const FaceRows& {
+  const auto rows_of_all = [&](const FaceRows& own, auto&& append_others) -> const FaceRows& {
     if (position.size() == viewers.size()) return own;
-    see_faces<D>(position, faces, finder, seen_by_all);
+    seen_by_all.begin = own.begin;
+    seen_by_all.count = own.count;
+    seen_by_all.face = own.face;
+    append_others();
     return seen_by_all;
   };
-  if (const FaceRows& seen = rows_of_all(boundary.surface, boundary.surface_finder, boundary.surface_rows); !seen.face.empty()) {
+  const auto append_surface = [&] {
+    append_seen(position.size(), viewers.size(), seen_by_all,
+                [&](std::size_t i, std::vector<int>& seen) { boundary.surface_finder.see(boundary.surface, position[i], seen); });
+  };
+  if (const FaceRows& seen = rows_of_all(boundary.surface_rows, append_surface); !seen.face.empty()) {
     hide_walls_behind_structure<D>(position, boundary.seen_walls(), boundary.surface, boundary.surface_rows, boundary.wall_rows);
     cut_pairs_through_faces<D>(constants, period, position, boundary.surface, seen, true, neighbours);
     find_covered_faces<D>(boundary.surface, boundary.walls.faces(), boundary.wall_finder, 0.5 * constants.spacing, boundary.covered_faces);
   }
   if (!boundary.walls.any_two_sided()) return;
-  cut_pairs_through_faces<D>(constants, period, position, boundary.seen_walls(),
-                             rows_of_all(boundary.seen_walls(), boundary.wall_finder, boundary.wall_rows), false, neighbours);
+  const auto append_walls = [&] { see_two_sided_walls<D>(constants.spacing, position, viewers.size(), boundary, seen_by_all); };
+  cut_pairs_through_faces<D>(constants, period, position, boundary.seen_walls(), rows_of_all(boundary.wall_rows, append_walls), false,
+                             neighbours);
 }
 
 template <int D>

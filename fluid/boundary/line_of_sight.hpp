@@ -57,6 +57,18 @@ void list_seen(int n, FaceRows& rows, See&& see) {
   }
 }
 
+/// Appends the rows of particles first .. n - 1 to those of the ones before.
+template <class See>
+void append_seen(std::size_t n, std::size_t first, FaceRows& rows, See&& see) {
+  rows.begin.resize(n);
+  rows.count.resize(n);
+  for (std::size_t i = first; i < n; ++i) {
+    rows.begin[i] = static_cast<int>(rows.face.size());
+    see(i, rows.face);
+    rows.count[i] = static_cast<int>(rows.face.size()) - rows.begin[i];
+  }
+}
+
 /// Fills `rows` with the faces that particles at these positions see, in their order, without the weights.
 template <int D>
 void see_faces(std::span<const Vector<D>> position, const Faces<D>& faces, const FaceFinder<D>& finder, FaceRows& rows);

@@ -30,6 +30,12 @@ struct Box {
   double distance(const Vector<3>& x) const { return (low - x).cwiseMax(x - high).cwiseMax(0).norm(); }
 };
 
+Box box_around(const std::vector<Vector<3>>& places) {
+  Box box;
+  for (const Vector<3>& x : places) box.low = box.low.cwiseMin(x), box.high = box.high.cwiseMax(x);
+  return box;
+}
+
 View look(const Walls<3>& walls, const Box& structure, double support, double blend, const Vector<3>& x) {
   View view;
   double slack = structure.distance(x) - support;
@@ -80,9 +86,7 @@ void see_walls(double spacing, std::span<const Vector<D>> position, Boundary<D>&
   if constexpr (D == 3) {
     if (!boundary.walls.planes().empty()) {
       const double support = boundary.wall_finder.support();
-      Box structure;
-      for (const Vector<3>& x : boundary.surface.position)
-        structure.low = structure.low.cwiseMin(x), structure.high = structure.high.cwiseMax(x);
+      const Box structure = box_around(boundary.surface.position);
       rows.plane.resize(position.size());
       rows.plane_share.resize(position.size());
       list_seen(static_cast<int>(position.size()), rows, [&](int i, std::vector<int>& seen) {
@@ -105,6 +109,25 @@ void see_walls(double spacing, std::span<const Vector<D>> position, Boundary<D>&
     }
   }
   see_faces<D>(position, faces, boundary.wall_finder, rows);
+}
+
+template <int D>
+void see_two_sided_walls(double spacing, std::span<const Vector<D>> position, std::size_t first, const Boundary<D>& boundary,
+                         FaceRows& rows) {
+  const Faces<D>& faces = boundary.seen_walls();
+  const auto see = [&](std::size_t i, std::vector<int>& seen) { boundary.wall_finder.see(faces, position[i], seen); };
+  if constexpr (D == 3) {
+    if (!boundary.walls.planes().empty()) {
+      const double support = boundary.wall_finder.support();
+      const Box structure = box_around(boundary.surface.position);
+      append_seen(position.size(), first, rows, [&](std::size_t i, std::vector<int>& seen) {
+        const View view = look(boundary.walls, structure, support, blended * spacing, position[i]);
+        if (!view.empty && view.plane < 0 && !view.planes_alone) see(i, seen);  // a plane is the inside of a container, of one side
+      });
+      return;
+    }
+  }
+  append_seen(position.size(), first, rows, see);
 }
 
 template <int D>
@@ -182,8 +205,9 @@ void leave_dry_planes(const std::vector<Vector<D>>& position, Boundary<D>& bound
   }
 }
 
-#define TERN_INSTANTIATE(D)                                                     \
-  template void see_walls<D>(double, std::span<const Vector<D>>, Boundary<D>&); \
+#define TERN_INSTANTIATE(D)                                                                                             \
+  template void see_walls<D>(double, std::span<const Vector<D>>, Boundary<D>&);                                         \
+  template void see_two_sided_walls<D>(double, std::span<const Vector<D>>, std::size_t, const Boundary<D>&, FaceRows&); \
   template void leave_dry_planes<D>(const std::vector<Vector<D>>&, Boundary<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

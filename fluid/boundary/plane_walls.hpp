@@ -59,6 +59,12 @@ struct PlaneWall {
 template <int D>
 void see_walls(double spacing, std::span<const Vector<D>> position, Boundary<D>& boundary);
 
+/// Appends to `rows`, of the particles position[0] .. position[first - 1], those of the others, with faces of all walls that have two sides
+/// at least. Nothing is looked for where there is none of these.
+template <int D>
+void see_two_sided_walls(double spacing, std::span<const Vector<D>> position, std::size_t first, const Boundary<D>& boundary,
+                         FaceRows& rows);
+
 /// Once it is known which patches are wet: takes back the shares where some are dry, and lists all patches of these particles.
 template <int D>
 void leave_dry_planes(const std::vector<Vector<D>>& position, Boundary<D>& boundary);
