@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/gravity.hpp"
+
 namespace tern::fluid {
 
 template <int D>
@@ -25,27 +27,24 @@ Reference<D>::Reference(const Case& scene, const std::vector<Vector<D>>& start)
     domain_min[c] = scene.domain_min[c];
     domain_max[c] = scene.domain_max[c];
   }
-  Vector<D> mean = Vector<D>::Zero();
-  for (const auto& x : start) mean += x / static_cast<double>(start.size());
+  gravity_size = largest_gravity<D>(scene, start);
+  Vector<D> mean = Vector<D>::Zero(), low = start[0], high = low;
+  for (const auto& x : start) {
+    mean += x / static_cast<double>(start.size());
+    low = low.cwiseMin(x), high = high.cwiseMax(x);
+  }
   const Vector<D> g = gravity.at(0, mean);
-  gravity_size = g.norm();
-  if (gravity_size > 0 && gravity.uniform()) {
-    double low = 1e300, high = -1e300;
+  // Where gravity is not the same everywhere (about a centre, it vanishes in the middle), or sets in later, the widest extent counts.
+  double height = (high - low).maxCoeff();
+  if (gravity.uniform() && g.norm() > 0.5 * gravity_size) {
+    double bottom = 1e300, top = -1e300;
     for (const auto& x : start) {
-      const double height = -x.dot(g) / gravity_size;
-      low = std::min(low, height), high = std::max(high, height);
+      const double up = -x.dot(g) / g.norm();
+      bottom = std::min(bottom, up), top = std::max(top, up);
     }
-    speed_floor = 0.5 * std::sqrt(gravity_size * (high - low + constants.spacing));
+    height = top - bottom;
   }
-  if (!gravity.uniform()) {
-    // Of a field that varies (about a centre, it vanishes in the middle) the strongest place and the widest extent count.
-    Vector<D> low = start[0], high = low;
-    for (const auto& x : start) {
-      gravity_size = std::max(gravity_size, gravity.at(0, x).norm());
-      low = low.cwiseMin(x), high = high.cwiseMax(x);
-    }
-    speed_floor = 0.5 * std::sqrt(gravity_size * ((high - low).maxCoeff() + constants.spacing));
-  }
+  if (gravity_size > 0) speed_floor = 0.5 * std::sqrt(gravity_size * (height + constants.spacing));
 }
 
 template class Gravity<2>;

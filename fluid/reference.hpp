@@ -60,7 +60,7 @@ struct Reference {
   Period<D> period;
   Vector<D> domain_min, domain_max;  ///< corners of the domain [m]
   std::size_t particles;             ///< at the start: labels are below
-  double gravity_size = 0;           ///< largest at the start [m/s^2]
+  double gravity_size = 0;           ///< largest of the run, where the fluid is at the start [m/s^2]
   Upward up;                         ///< for elevations
   double speed_floor = 0;            ///< half the fall through the height of the fluid: bounds the first steps from rest [m/s]
 };

@@ -12,6 +12,7 @@
 #include <numeric>
 #include <optional>
 
+#include "scene/gravity.hpp"
 #include "scene/held_particles.hpp"
 #include "scene/mid_surface.hpp"
 #include "scene/placement.hpp"
@@ -217,7 +218,8 @@ void estimate_fluid(const Case& scene, Estimate& result) {
   for (const Vector<D>& x : places) top = std::max(top, up.dot(x)), bottom = std::min(bottom, up.dot(x));
   // The fluid process reckons with half of sqrt(|g| H) at least.
   const double height = draws_one_way ? top - bottom : (high - low).maxCoeff();
-  const double least = 0.5 * std::sqrt(result.gravity * (height + fluid.spacing));
+  const double strongest = largest_gravity<D>(scene, places);
+  const double least = 0.5 * std::sqrt(strongest * (height + fluid.spacing));
   double fall = 0;
   if (draws_one_way && !result.settled) {
     for (const WallCase& wall : scene.walls) {
@@ -230,7 +232,7 @@ void estimate_fluid(const Case& scene, Estimate& result) {
     fall = std::sqrt(2 * result.gravity * std::max(0.0, top - bottom));
   }
   result.speed = mean_of_largest_speed<D>(scene, std::max({initial_speed, fall, least}));
-  result.gravity_step = result.gravity > 0 ? fluid.numerics.gravity_courant * std::sqrt(fluid.spacing / result.gravity) : infinity;
+  result.gravity_step = strongest > 0 ? fluid.numerics.gravity_courant * std::sqrt(fluid.spacing / strongest) : infinity;
   result.flow_step = result.speed > 0 ? fluid.numerics.courant * fluid.spacing / result.speed : infinity;
   const double h = fluid.numerics.smoothing_length_ratio * fluid.spacing;
   result.viscous_step = fluid.viscosity ? fluid.numerics.viscous_courant * h * h * fluid.density / *fluid.viscosity : infinity;
