@@ -140,8 +140,6 @@ class Fluid {
   bool push(const std::vector<Vector<D>>& force);
   /// Corrects the pressure for what its equation has left of the divergence.
   void drive_out_what_is_left();
-  /// Takes a share of the noise in u^n out of the velocity.
-  void damp_noise();
   /// Undoes what the last coupling iteration has done to the fluid.
   void return_to_unprojected_velocity(const std::vector<Vector<D>>& surface_velocity);
 

@@ -2,9 +2,9 @@
 // is one equation, in the file of its name; its last arguments are what it writes.
 //
 //   begin_window     r* = r^n + dt/2 u^n,  u* = u^n + dt g;  neighbours at r*
-//   see_surface      faces of walls and structure;  M, C, n;  free surface;  u* += dt nu lap u^n;  div u*
+//   see_surface      faces of walls and structure;  M, C, n;  free surface;  u* += dt nu lap u^n, noise damped;  div u*
 //   solve_pressure   u* += dt a_dissipative;  pressure Poisson equation, and once more for what is left;  u** = u* - dt grad p / rho
-//   end_window       u^{n+1} = u** + dt a_interface;  contacts;  r^{n+1} = r* + dt/2 u^{n+1};  velocity noise damped;  shifting
+//   end_window       u^{n+1} = u** + dt a_interface;  contacts;  r^{n+1} = r* + dt/2 u^{n+1};  shifting
 //
 // Drift, kick, drift: forces and incompressibility belong to the middle of the window, which makes the step time-symmetric
 // for conservative forces. With the pressure solved at r^n + dt u^n instead, a wave of frequency omega loses
@@ -80,14 +80,13 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
     state_.evaluations.viscosity += static_cast<long>(state_.size());
     add_viscosity<D>(constants, window_.duration, neighbours_, boundary_, prediction_.position, packed_.velocity, prediction_.velocity);
   }
-  divergence_.resize(state_.size());
-  compute_velocity_gradient(reference_.period, neighbours_, correction_, state_.particle_class, packed_,
-                            [&](std::ptrdiff_t i, const Matrix<D>& sum) {  // L, div u*
-                              divergence_[i] =
-                                  divergence_of(sum, prediction_.velocity[i], boundary_, correction_, state_.particle_class[i], i);
-                            });
-  // Only what differs from one particle to the next has a part in S.
-  if (constants.viscosity > 0 || !reference_.gravity.uniform()) compute_divergence(nullptr);
+  compute_velocity_gradient(reference_.period, neighbours_, correction_, state_.particle_class, packed_);  // L
+  if (const double share = damped_share(reference_, window_.duration, prediction_.bulk_speed); share > 0) {
+    state_.evaluations.noise_damping += static_cast<long>(state_.size());
+    packed_.with_gradient([&](auto&... values) { domain_.particles().update(values...); });
+    damp_velocity_noise(share, reference_.period, neighbours_, state_.particle_class, packed_, prediction_.velocity);
+  }
+  compute_divergence(nullptr);  // div u*
 
   pressure_prepared_ = false;
   prediction_.unprojected_velocity.clear();
@@ -153,8 +152,7 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
       prepare_pressure_solve(constants, domain_, neighbours_, state_.particle_class, prediction_.position, at_structure_, system_);
       if (system_.sealed.any()) account_for_enclosed_fluid(reference_, window_, boundary_, system_.source, system_.sealed, state_);
     }
-    solve_pressure_poisson(constants, domain_, window_, prediction_.position, at_structure_, any_at_structure_, first && load.repeats,
-                           state_, system_);
+    solve_pressure_poisson(constants, domain_, window_, prediction_.position, at_structure_, any_at_structure_, state_, system_);
   }
   velocity_known_ = false;
   if (first) drive_out_what_is_left();
@@ -220,16 +218,11 @@ void Fluid<D>::end_window(const InterfaceForce<D>& force) {
   const Constants<D>& constants = reference_.constants;
   push(force.force);  // u^{n+1} = u** + dt a_interface
   settle_wall_contacts(constants, window_.duration, boundary_, prediction_.position, prediction_.velocity);
-  if (constants.numerics.noise_damping > 0) {  // its sums read u^n, of which L is the gradient
-    packed_.with_gradient([&](auto&... values) { domain_.particles().update(values...); });
-    by_axis<D>(state_.velocity, packed_.velocity);
-  }
   domain_.forget_ghosts(state_);
   check_speed(domain_.ranks(), window_, prediction_, boundary_.surface.velocity, state_);
   check_volume(window_, boundary_.surface.size() == 0 ? 0 : filling().volume_drift().known(), state_);
   state_.potential -= work_of_gravity(constants.mass, window_.duration, state_, prediction_);
   advance(window_.duration, prediction_, state_);  // r^{n+1} = r* + dt/2 u^{n+1}
-  damp_noise();
   move_off_faces(constants, boundary_, prediction_.position, state_.position);
   if (constants.numerics.shifting > 0) {
     state_.evaluations.shifting += static_cast<long>(state_.size());
@@ -245,14 +238,6 @@ void Fluid<D>::end_window(const InterfaceForce<D>& force) {
   ++windows_;
   if (!domain_.alone()) set_totals();
   check_that_some_are_left(window_, particles());
-}
-
-template <int D>
-void Fluid<D>::damp_noise() {
-  const double share = damped_share(reference_, window_.duration, prediction_.bulk_speed);
-  if (share == 0) return;
-  state_.evaluations.noise_damping += static_cast<long>(state_.size());
-  damp_velocity_noise(share, reference_.period, neighbours_, state_.particle_class, packed_, state_.velocity);
 }
 
 template <int D>
@@ -297,7 +282,6 @@ void Fluid<D>::return_to_unprojected_velocity(const std::vector<Vector<D>>& surf
   template void Fluid<D>::drive_out_what_is_left();                                     \
   template void Fluid<D>::complete_velocity();                                          \
   template void Fluid<D>::end_window(const InterfaceForce<D>&);                         \
-  template void Fluid<D>::damp_noise();                                                 \
   template void Fluid<D>::pass_window();                                                \
   template void Fluid<D>::compute_divergence(const std::vector<int>*);                  \
   template bool Fluid<D>::push(const std::vector<Vector<D>>&);                          \

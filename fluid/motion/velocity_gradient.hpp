@@ -1,9 +1,6 @@
 #pragma once
 // S_i = sum_F V_j (u_j - u_i) grad w_ij^T, from which velocity gradient and divergence are made.
 
-#include <numbers>
-
-#include "base/parallel.hpp"
 #include "fluid/correction_matrix.hpp"
 #include "fluid/neighbours.hpp"
 #include "fluid/particle_class.hpp"
@@ -33,37 +30,9 @@ Matrix<D> velocity_gradient_sum(const Neighbours<D>& neighbours, const LanePerio
 }
 
 /// Half of L_i = S_i C^F_i of every particle, exact for linear fields; 0 where the support is too poor for that; and the rate of
-/// strain in it, of the packed velocity. Calls also(i, S_i) for what else is made of S_i.
-template <int D, class Also>
-void compute_velocity_gradient(const Period<D>& space, const Neighbours<D>& neighbours, const Corrections<D>& correction,
-                               const std::vector<ParticleClass>& particle_class, PackedVelocities<D>& packed, Also&& also) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(neighbours.rows()), all = static_cast<std::ptrdiff_t>(particle_class.size());
-  for (auto& values : packed.half_stretch) values.resize(all);
-  for (auto* parts : {&packed.shear, &packed.spin})
-    for (auto& values : *parts) values.resize(all);
-  packed.strain_rate.resize(all);
-  space.specialise([&](auto periodic) {
-    const LanePeriod<decltype(periodic)::value, D> period(space);
-    parallel_for(n, [&](std::ptrdiff_t i) {
-      const Matrix<D> sum = velocity_gradient_sum<decltype(periodic)::value, D>(neighbours, period, packed.velocity, i);
-      also(i, sum);
-      const bool has_gradient = particle_class[i].has(ParticleClass::corrected_gradient);
-      const Matrix<D> gradient = has_gradient ? Matrix<D>(sum * correction.fluid[i]) : Matrix<D>(Matrix<D>::Zero());
-      for (int a = 0; a < D; ++a) packed.half_stretch[a][i] = 0.5 * gradient(a, a);
-      for_axis_pairs<D>([&](int a, int b, int place) {
-        packed.shear[place][i] = 0.5 * (gradient(a, b) + gradient(b, a));
-        packed.spin[place][i] = 0.5 * (gradient(a, b) - gradient(b, a));
-      });
-      packed.strain_rate[i] =
-          has_gradient ? (gradient + gradient.transpose()).norm() / std::numbers::sqrt2 : PackedVelocities<D>::without_gradient;
-    });
-  });
-}
-
+/// strain in it, of the packed velocity.
 template <int D>
 void compute_velocity_gradient(const Period<D>& space, const Neighbours<D>& neighbours, const Corrections<D>& correction,
-                               const std::vector<ParticleClass>& particle_class, PackedVelocities<D>& packed) {
-  compute_velocity_gradient<D>(space, neighbours, correction, particle_class, packed, [](std::ptrdiff_t, const Matrix<D>&) {});
-}
+                               const std::vector<ParticleClass>& particle_class, PackedVelocities<D>& packed);
 
 }  // namespace tern::fluid

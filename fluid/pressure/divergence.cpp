@@ -12,6 +12,15 @@
 #include "fluid/motion/velocity_gradient.hpp"
 
 namespace tern::fluid {
+namespace {
+
+/// tr(A B)
+template <int D>
+double trace_of_product(const Matrix<D>& a, const Matrix<D>& b) {
+  return a.cwiseProduct(b.transpose()).sum();
+}
+
+}  // namespace
 
 template <int D>
 void compute_divergence(const Period<D>& space, const Neighbours<D>& neighbours, const Boundary<D>& boundary,
@@ -27,7 +36,14 @@ void compute_divergence(const Period<D>& space, const Neighbours<D>& neighbours,
     parallel_for(rows, [&](std::ptrdiff_t m) {
       const std::ptrdiff_t i = only ? (*only)[m] : m;
       const Matrix<D> sum = velocity_gradient_sum<decltype(periodic)::value, D>(neighbours, period, packed, i);
-      divergence[i] = divergence_of(sum, velocity[i], boundary, correction, particle_class[i], i);
+      if (!boundary.sees_face(i)) {
+        divergence[i] =
+            particle_class[i].has(ParticleClass::symmetric_gradient) ? sum.trace() : trace_of_product<D>(sum, correction.fluid[i]);
+        return;
+      }
+      const double through_faces =
+          boundary.sums.flux[i] + velocity[i].dot(boundary.sums.wall_gradient[i] + boundary.sums.surface_gradient[i]);
+      divergence[i] = sum.trace() + boundary.sums.tangential[i].cwiseProduct(sum * correction.fluid[i]).sum() - 2 * through_faces;
     });
   });
 }

@@ -20,9 +20,6 @@ constexpr double rounding = 1e-12;  ///< of a mean that is subtracted
 constexpr double of_what_is_left = 0.1;
 /// The correction of the pressure is solved for to this, because a part of what it answers to stays in any case.
 constexpr double of_correction = 0.1;
-/// Beside bodies a pass that is tested may leave so many times the tolerance, but no more than this. Its load errs by 4e-5
-/// of itself (hydrostatic_plate), and the test lets 3e-2 of the load through. A repeated pass is solved to the tolerance.
-constexpr double tested_by_tolerance = 1e2, tested = 1e-4;
 /// As long as the former is not known, or if a finer tolerance than this is asked for, the two may leave so many times the tolerance.
 constexpr double usual_tolerance = 1e-6, first_by_tolerance = 1e3, correction_by_tolerance = 1e5;
 
@@ -100,7 +97,7 @@ void prepare_pressure_solve(const Constants<D>& constants, const Domain<D>& doma
 template <int D>
 void solve_pressure_poisson(const Constants<D>& constants, const Domain<D>& domain, const Window& window,
                             const std::vector<Vector<D>>& position, const std::vector<int>& at_structure, bool any_at_structure,
-                            bool is_tested, State<D>& state, PressureSystem<D>& system) {
+                            State<D>& state, PressureSystem<D>& system) {
   const std::ptrdiff_t all = static_cast<std::ptrdiff_t>(state.pressure.size());
   system.solution.assign(state.pressure.size(), 0);
   // The source of the first solve of a window does not hold what that leaves behind; that of a repeated one does.
@@ -110,7 +107,6 @@ void solve_pressure_poisson(const Constants<D>& constants, const Domain<D>& doma
   });
 
   double tolerance = constants.numerics.pressure_tolerance;
-  if (any_at_structure && is_tested) tolerance = std::max(tolerance, std::min(tested_by_tolerance * tolerance, tested));
   if (!any_at_structure) {
     const bool by_what_is_left = state.left_share > 0 && tolerance >= usual_tolerance;
     const double answered =
@@ -142,9 +138,9 @@ template void prepare_pressure_solve<2>(const Constants<2>&, const Domain<2>&, c
 template void prepare_pressure_solve<3>(const Constants<3>&, const Domain<3>&, const Neighbours<3>&, const std::vector<ParticleClass>&,
                                         const std::vector<Vector<3>>&, const std::vector<int>&, PressureSystem<3>&);
 template void solve_pressure_poisson<2>(const Constants<2>&, const Domain<2>&, const Window&, const std::vector<Vector<2>>&,
-                                        const std::vector<int>&, bool, bool, State<2>&, PressureSystem<2>&);
+                                        const std::vector<int>&, bool, State<2>&, PressureSystem<2>&);
 template void solve_pressure_poisson<3>(const Constants<3>&, const Domain<3>&, const Window&, const std::vector<Vector<3>>&,
-                                        const std::vector<int>&, bool, bool, State<3>&, PressureSystem<3>&);
+                                        const std::vector<int>&, bool, State<3>&, PressureSystem<3>&);
 template void solve_for_correction<2>(const Constants<2>&, const Domain<2>&, const Window&, const std::vector<Vector<2>>&,
                                       const std::vector<int>&, State<2>&, PressureSystem<2>&);
 template void solve_for_correction<3>(const Constants<3>&, const Domain<3>&, const Window&, const std::vector<Vector<3>>&,

@@ -17,12 +17,11 @@ void prepare_pressure_solve(const Constants<D>& constants, const Domain<D>& doma
                             const std::vector<int>& at_structure, PressureSystem<D>& system);
 
 /// state.pressure, with its ghosts, starting from that before. Throws NumericalFailure when it does not converge. `position`: of the
-/// particles, for the message. `any_at_structure`: of all ranks. `is_tested`: the coupler asks for another one where the two sides do not
-/// agree.
+/// particles, for the message. `any_at_structure`: of all ranks.
 template <int D>
 void solve_pressure_poisson(const Constants<D>& constants, const Domain<D>& domain, const Window& window,
                             const std::vector<Vector<D>>& position, const std::vector<int>& at_structure, bool any_at_structure,
-                            bool is_tested, State<D>& state, PressureSystem<D>& system);
+                            State<D>& state, PressureSystem<D>& system);
 
 /// system.correction: what the matrix answers to system.left_behind, roughly. Leaves system.result as the solve before made it.
 template <int D>

@@ -53,8 +53,7 @@ const Rows<FluidNumerics>& numerics_rows() {
       {"contact_distance", &FluidNumerics::contact_distance, "dx", "0.25", from_to(0, 0.5),
        "No particle approaches a face closer than this many spacings; 0 = off."},
       {"pressure_tolerance", &FluidNumerics::pressure_tolerance, "-", "1e-6", from_to(1e-12, 1e-2),
-       "Relative residual at which the pressure solve ends beside bodies; in a pass that is tested and may be repeated at a hundred "
-       "times it, but not above 1e-4 for that. Where there is none, a second solve answers what the first one "
+       "Relative residual at which the pressure solve ends beside bodies. Where there is none, a second solve answers what the first one "
        "leaves, which ends at a tenth of what was left before, or, if the key is finer than 1e-6, at a thousand times it."},
   };
   // clang-format on
