@@ -96,7 +96,8 @@ double apart(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 // The side walls, which the plate meets with its long edges, take nothing of the load: images of the water behind them
-// (coupler/schemes/interface_pairs.hpp). Measured: deflection within 2.1 and 1.3 % of the largest, load 1.0078 and 1.0040 of that in 2D.
+// (coupler/schemes/interface_pairs.hpp). Measured: the largest deflection within 0.3 and 0.3 %, the load 1.012 and 1.006 of that in 2D. The
+// swing is 0.8 and 0.6 % faster, by which the curves are apart by 2.5 and 1.5 % of the largest at the end of the second swing.
 // Without images in 3D the load is 0.904 and 0.936 of it.
 // Seen to fail, in 3D alone: with 1.9 for the factor 2 of b_ik; without images; with half the flux through faces in the divergence.
 TEST(ThreeDimensions, AreTheTwoOfASliceThatDoesNotChangeAlongItsWidth) {
@@ -106,7 +107,9 @@ TEST(ThreeDimensions, AreTheTwoOfASliceThatDoesNotChangeAlongItsWidth) {
     const double deflection = apart(slice->deflection, plane.deflection), load = mean(slice->load) / mean(plane.load);
     std::printf("[ %d spacings wide: deflection apart from that in 2D by %.4f of the largest, load %.4f of it ]\n", width, deflection,
                 load);
-    EXPECT_LT(deflection, 0.025) << width << " spacings wide";
+    EXPECT_LT(deflection, width == 6 ? 0.03 : 0.018) << width << " spacings wide";
+    EXPECT_NEAR(*std::ranges::min_element(slice->deflection) / *std::ranges::min_element(plane.deflection), 1, 0.005)
+        << width << " spacings wide";
     EXPECT_NEAR(load, 1, 0.015) << width << " spacings wide";
   }
   for (const Slice& slice : {narrow, wide}) {
