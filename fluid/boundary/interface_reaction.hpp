@@ -21,9 +21,10 @@ template <int D>
 void balance_weight(const Constants<D>& constants, const Neighbours<D>& neighbours, const std::vector<ParticleClass>& particle_class,
                     const std::vector<Vector<D>>& gravity, const std::vector<int>& at_structure, Boundary<D>& boundary);
 
-/// Makes the flux through faces up, for particles of enclosed fluid, as the load is made up: s_k/f_k of it, or all of it where less than half
-/// is filled. Says whether there are any. The level of an enclosed pressure answers the volume that bodies sweep, so its work on them has to
-/// be its work on the fluid. Elsewhere the flux of a face before which there are too many particles stays larger, and parts them from it.
+/// Makes the flux through faces up, for particles of enclosed fluid, as the load is made up: s_k/f_k of it, or all of it where less than
+/// half is filled. Says whether there are any. The level of an enclosed pressure answers the volume that bodies sweep, so its work on
+/// them has to be its work on the fluid. Elsewhere the flux of a face before which there are too many particles stays larger, and parts
+/// them from it.
 template <int D>
 bool make_up_flux(const std::vector<int>& at_structure, const std::vector<ParticleClass>& particle_class, Boundary<D>& boundary);
 

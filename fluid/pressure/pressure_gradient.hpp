@@ -10,11 +10,12 @@
 namespace tern::fluid {
 
 /// Whether the symmetric gradient of a particle knows the level of the pressure. Beside the structure it has differences alone, but for
-/// particles at a free surface, where the level is what the pressure is above that of the air, and for enclosed fluid, whose level is an
-/// unknown of its own.
+/// particles at and next to a free surface, where the level is what the pressure is above that of the air, and for enclosed fluid, whose
+/// level is an unknown of its own.
 template <int D>
 bool feels_level(const Constants<D>& constants, ParticleClass own, bool at_structure) {
-  return !at_structure || !own.interior() || own.has(ParticleClass::enclosed) || constants.numerics.gradient == GradientForm::sum;
+  return !at_structure || !own.interior() || own.has(ParticleClass::beside_surface) || own.has(ParticleClass::enclosed) ||
+         constants.numerics.gradient == GradientForm::sum;
 }
 
 /// u -= dt/rho G for the pressure of the state: of the particles `only`, which see the structure, or, with nullptr, of all

@@ -336,7 +336,7 @@ def _cause_of(error, program):
 
 
 def _last_place_outside(library, error):
-    """" (file.py, line n)" of the last call that is a solver's own; its whole way is in the log."""
+    """" (its file, line n)" of the last call that is a solver's own; its whole way is in the log."""
     calls = [call for call in traceback.extract_tb(error.__traceback__) if Path(call.filename).parent != library]
     own = [call for call in calls if Path(call.filename).is_file() and "-packages" not in call.filename]
     return f" ({Path(own[-1].filename).name}, line {own[-1].lineno})" if own else ""
