@@ -39,8 +39,8 @@ Reference<D>::Reference(const Case& scene, const std::vector<Vector<D>>& start)
   if (gravity.uniform() && g.norm() > 0.5 * gravity_size) {
     double bottom = 1e300, top = -1e300;
     for (const auto& x : start) {
-      const double up = -x.dot(g) / g.norm();
-      bottom = std::min(bottom, up), top = std::max(top, up);
+      const double along = -x.dot(g) / g.norm();
+      bottom = std::min(bottom, along), top = std::max(top, along);
     }
     height = top - bottom;
   }
