@@ -1,9 +1,7 @@
 // The reaction of the interface to a uniform pressure p is -2 V_i p on a particle times
 //   sum_k s_k/f_k A_k w~_ik n_k,    f_k = sum_i 2 V_i w~_ik
 // over front- and back-facing faces, with the borne shares of corners. f_k is what particles and images fill of the half space before a
-// face, s_k its wet share: the reaction of a load s_k p A_k, taken from whatever particles there are. With schemes of means it is exactly
-// that of the coupler. "riemann" has f_k in place of s_k in the load; what it gives back beyond this sum pushes particles off a face before
-// which there are too many, and lets others come where there are too few, until its load is p A_k as well.
+// face, s_k its wet share: the reaction of a load s_k p A_k, taken from whatever particles there are. It is exactly that of the coupler.
 //
 // The weight of the fluid, grad p = rho g, is in the sums as (M^F + T + H) rho g, with H = -2 sum_k s_k/f_k A_k w~ n_k d_ik^T what the
 // interface gives back and walls mirror. On a lattice before a face the normal part of this is 0.92 rho g in the first layer and 1.08 rho g

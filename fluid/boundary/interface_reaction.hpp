@@ -1,5 +1,5 @@
 #pragma once
-// What the interface gives back to particles under a uniform pressure.
+// What the interface gives back to particles under a uniform pressure, and what is missing of the weight of the fluid beside it.
 
 #include "fluid/boundary/boundary.hpp"
 #include "fluid/neighbours.hpp"
@@ -10,7 +10,8 @@
 
 namespace tern::fluid {
 
-/// Sets boundary.sums.reaction of the particles `at_structure`. `particles`: these, with their images.
+/// Sets boundary.sums.reaction of the particles `at_structure`, and brings the made-up loads into linear_moment. `particles`: these, with
+/// their images. `position`: of all [m].
 template <int D>
 void find_interface_reaction(const Constants<D>& constants, const Ranks& ranks, const InterfaceParticles<D>& particles,
                              const std::vector<Vector<D>>& position, const std::vector<int>& at_structure, Boundary<D>& boundary);

@@ -1,8 +1,8 @@
 // Acceleration by the pressure gradient, a_i = -G_i / rho. With B_i = sum_F V_j (p_j - p_i) grad w_ij:
 //   blended:    G = C_i (B_i + H_i) + 2 p^_i E_i,   p^_i = min(theta (p_i - least p of the neighbours), rho h^2 / (5.4 dt^2))
 //   symmetric:  G = B_i + H_i + T_i C^F_i B_i + 2 p_i sum V grad w                  = sum V_j (p_j + p_i) grad w_ij
-//   beside the structure: the symmetric form less 2 (p_i - p^_i) E_i
-// E_i is sum V grad w over fluid and faces, what a uniform pressure of 1/2 does to the particle, with the interface's reaction.
+//   beside the structure: the symmetric form - 2 p_i R_i + 2 p^_i E_i
+// E_i is sum V grad w over fluid and faces, R_i what a uniform pressure of 1/2 does to the particle, with the interface's reaction.
 // A wall mirrors the pressure: along its normal p_w = p_i + rho (g - a_w) . (r_w - r_i), which gives H_i, along its face
 // with the fluid's own gradient, which C_i finds (blended form) or T_i completes (symmetric form). The symmetric form conserves momentum
 // pair by pair and is used at the free surface; the blended form is exact for linear fields but for its last term,
