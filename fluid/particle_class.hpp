@@ -27,6 +27,8 @@ class ParticleClass {
   bool spray() const { return has(too_few_neighbours); }
   bool pressure_unknown() const { return !spray(); }
   bool interior() const { return (marks_ & (thin_support | too_few_neighbours)) == 0; }
+  /// Interior, and no neighbour is at a free surface.
+  bool inside() const { return interior() && !has(beside_surface); }
   bool free_surface() const { return (marks_ & (thin_support | too_few_neighbours)) == thin_support; }
 
   friend bool operator==(ParticleClass, ParticleClass) = default;

@@ -67,8 +67,7 @@ void balance_weight(const Constants<D>& constants, const Neighbours<D>& neighbou
                     const std::vector<Vector<D>>& gravity, const std::vector<int>& at_structure, Boundary<D>& boundary) {
   BoundarySums<D>& sums = boundary.sums;
   for (const int i : at_structure) {
-    const ParticleClass own = particle_class[i];
-    if (!own.interior() || own.has(ParticleClass::beside_surface)) continue;
+    if (!particle_class[i].inside()) continue;
     const Matrix<D> moment = neighbours.moment[i] + sums.moment[i] + sums.linear_moment[i];
     sums.mirrored_hydrostatic[i] += constants.density * (gravity[i] - moment * gravity[i]);
   }

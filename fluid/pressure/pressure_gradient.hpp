@@ -14,8 +14,7 @@ namespace tern::fluid {
 /// level is an unknown of its own.
 template <int D>
 bool feels_level(const Constants<D>& constants, ParticleClass own, bool at_structure) {
-  return !at_structure || !own.interior() || own.has(ParticleClass::beside_surface) || own.has(ParticleClass::enclosed) ||
-         constants.numerics.gradient == GradientForm::sum;
+  return !at_structure || !own.inside() || own.has(ParticleClass::enclosed) || constants.numerics.gradient == GradientForm::sum;
 }
 
 /// u -= dt/rho G for the pressure of the state: of the particles `only`, which see the structure, or, with nullptr, of all
