@@ -158,7 +158,7 @@ class Multigrid {
   /// Calls visit(m, c_ma) for the rows of a level that push lump a.
   template <class Visit>
   void for_rows_of_lump(bool of_all, std::size_t a, Visit&& visit) const;
-  double bound_of_row(bool of_all, std::size_t m) const { return of_all ? rows_of_all_.bound[m] : yielding_->bound_of_lumps(m); }
+  double bound_of_row(bool of_all, std::size_t m) const { return of_all ? rows_of_all_.bound[m] : yielding_->bound(m); }
   /// y += (kappa - R) x
   void add_difference(const Level& level, const std::vector<float>& x, std::vector<float>& y);
   void add_rows(const Level& level, bool of_all, const std::vector<float>& x, std::vector<float>& y) const;

@@ -21,7 +21,7 @@ namespace tern::fluid {
 
 template <int D>
 void Multigrid<D>::build_yielding(const YieldingSurface<D>& yielding, const std::vector<int>& at_structure) {
-  yielding_ = yielding.any_lumps() ? &yielding : nullptr;
+  yielding_ = yielding.any() ? &yielding : nullptr;
   at_structure_ = &at_structure;
   if (!yielding_) return;
   const std::size_t own_rows = at_structure.size();
@@ -121,7 +121,7 @@ template <int D>
 void Multigrid<D>::gather_rows_of_all(const YieldingSurface<D>& yielding) {
   const Ranks& ranks = domain_->ranks();
   std::vector<double> bound;
-  for (std::size_t m = 0; m < at_structure_->size(); ++m) bound.push_back(yielding.bound_of_lumps(m));
+  for (std::size_t m = 0; m < at_structure_->size(); ++m) bound.push_back(yielding.bound(m));
   const auto before = static_cast<int>(first_interface_particle(ranks, interface_counts(ranks, bound.size())));
   // Lump by lump on each rank: the order of the ranks is made one of the lumps.
   std::vector<int> lump, row;

@@ -92,14 +92,6 @@ void YieldingSurface<D>::assemble(const Constants<D>& constants, const Ranks& ra
   std::rotate(first_.begin(), first_.end() - 1, first_.end());
   first_[0] = 0;
 
-  point_.assign(lumps, none);
-  for (std::size_t s = 0; s < response_.lump.size(); ++s) {
-    if (response_.share[s] == 0) continue;
-    int& point = point_[response_.lump[s]];
-    point = point == none ? static_cast<int>(s) / static_cast<int>(per_point) : several;
-  }
-  any_lumps_ = std::find(point_.begin(), point_.end(), several) != point_.end();
-
   scale_.resize(lumps);
   size_.assign(lumps, 0);
   parallel_for(lumps, rows, [&](std::ptrdiff_t a) {
@@ -108,13 +100,8 @@ void YieldingSurface<D>::assemble(const Constants<D>& constants, const Ranks& ra
   });
   ranks_.sum(std::span(size_));
   bound_.assign(rows, 0);
-  bound_of_lumps_.assign(rows, 0);
   parallel_for(rows, [&](std::ptrdiff_t m) {
-    for (std::ptrdiff_t e = begin_[m]; e < begin_[m] + count_[m]; ++e) {
-      const double kappa = vector_[e].norm() * size_[lump_[e]];
-      bound_[m] += kappa;
-      if (point_[lump_[e]] == several) bound_of_lumps_[m] += kappa;
-    }
+    for (std::ptrdiff_t e = begin_[m]; e < begin_[m] + count_[m]; ++e) bound_[m] += vector_[e].norm() * size_[lump_[e]];
   });
 
   motion_.resize(lumps);
@@ -123,6 +110,18 @@ void YieldingSurface<D>::assemble(const Constants<D>& constants, const Ranks& ra
 template <int D>
 void YieldingSurface<D>::sum_motion() const {
   if (!ranks_.alone()) ranks_.sum(std::span(motion_.data()->data(), D * motion_.size()));
+}
+
+template <int D>
+template <class T>
+void YieldingSurface<D>::push(const std::vector<int>& at_structure, const std::vector<T>& x) const {
+  const std::ptrdiff_t lumps = static_cast<std::ptrdiff_t>(response_.mass.size());
+  parallel_for(lumps, static_cast<std::ptrdiff_t>(row_.size()), [&](std::ptrdiff_t a) {
+    Vector<D> force = Vector<D>::Zero();
+    for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) force += vector_[entry_[e]] * double(x[at_structure[row_[e]]]);
+    motion_[a] = scale_[a] * force;
+  });
+  sum_motion();
 }
 
 template <int D>
@@ -139,16 +138,17 @@ void YieldingSurface<D>::spread(const std::vector<int>& at_structure, std::vecto
 template <int D>
 template <class T>
 void YieldingSurface<D>::add_difference(const std::vector<int>& at_structure, const std::vector<T>& x, std::vector<T>& y) const {
-  if (!any_lumps()) return;
-  const std::ptrdiff_t lumps = static_cast<std::ptrdiff_t>(response_.mass.size());
-  parallel_for(lumps, static_cast<std::ptrdiff_t>(row_.size()), [&](std::ptrdiff_t a) {
-    Vector<D> force = Vector<D>::Zero();
-    for (std::ptrdiff_t e = point_[a] == several ? first_[a] : first_[a + 1]; e < first_[a + 1]; ++e)
-      force += vector_[entry_[e]] * double(x[at_structure[row_[e]]]);
-    motion_[a] = scale_[a] * force;
-  });
-  sum_motion();
-  for (std::size_t m = 0; m < at_structure.size(); ++m) y[at_structure[m]] -= static_cast<T>(bound_of_lumps_[m] * x[at_structure[m]]);
+  if (!any()) return;
+  push(at_structure, x);
+  for (std::size_t m = 0; m < at_structure.size(); ++m) y[at_structure[m]] -= static_cast<T>(bound_[m] * x[at_structure[m]]);
+  spread(at_structure, y);
+}
+
+template <int D>
+void YieldingSurface<D>::subtract_answer(const std::vector<int>& at_structure, const std::vector<double>& x, std::vector<double>& y) const {
+  if (!any()) return;
+  push(at_structure, x);
+  for (Vector<D>& motion : motion_) motion = -motion;
   spread(at_structure, y);
 }
 
@@ -164,19 +164,9 @@ void YieldingSurface<D>::add_source(const std::vector<double>& reference_pressur
   const std::ptrdiff_t lumps = static_cast<std::ptrdiff_t>(response_.mass.size());
   parallel_for(lumps, static_cast<std::ptrdiff_t>(row_.size()), [&](std::ptrdiff_t a) {
     for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) motion_[a] -= between_[entry_[e]];
-    motion_[a] *= point_[a] == several ? scale_[a] : 0;
+    motion_[a] *= scale_[a];
   });
   sum_motion();
-  // To a lump that is one point, every particle has its own part: kappa_ia (p^ - rho g.(x_k - x_i)).
-  const std::ptrdiff_t rows = static_cast<std::ptrdiff_t>(at_structure.size());
-  parallel_for(rows, [&](std::ptrdiff_t m) {
-    for (std::ptrdiff_t e = begin_[m]; e < begin_[m] + count_[m]; ++e) {
-      const int k = point_[lump_[e]];
-      const double size = vector_[e].norm();
-      if (k == several || size == 0) continue;
-      source[at_structure[m]] += size_[lump_[e]] * (size * reference_pressure[k] - between_[e].dot(vector_[e]) / size);
-    }
-  });
   spread(at_structure, source);
 }
 

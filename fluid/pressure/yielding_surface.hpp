@@ -10,8 +10,7 @@
 // R is symmetric and semi-definite, but no matrix of edges: the matrix has the sums of its absolute values in its place, a diagonal that
 // is nowhere smaller,
 //   kappa_i = rho sum_a |c_ia| sum_j |c_ja| / m_a >= R,
-// and the solver adds the difference. A lump that is one point has kappa for its answer: each particle finds that the point yields to its
-// own pressure. In the mean over the particles of the point that is the same; where their pressures differ it takes energy.
+// and the solver adds the difference.
 
 #include <vector>
 
@@ -38,21 +37,21 @@ class YieldingSurface {
 
   /// kappa of the particle at_structure[m].
   double bound(std::ptrdiff_t m) const { return any() ? bound_[m] : 0; }
-  /// The part of it that lumps of more than one point have.
-  double bound_of_lumps(std::ptrdiff_t m) const { return bound_of_lumps_[m]; }
 
   /// y += (R - kappa) x. T = double for the equation, float inside the preconditioner.
   template <class T>
   void add_difference(const std::vector<int>& at_structure, const std::vector<T>& x, std::vector<T>& y) const;
+
+  /// y -= R x.
+  void subtract_answer(const std::vector<int>& at_structure, const std::vector<double>& x, std::vector<double>& y) const;
 
   /// source += what p^ and the weight of the fluid between particles and faces put on the right-hand side.
   void add_source(const std::vector<double>& reference_pressure, const Boundary<D>& boundary, const std::vector<int>& at_structure,
                   std::vector<double>& source) const;
 
   bool any() const { return !response_.mass.empty(); }
-  bool any_lumps() const { return any() && any_lumps_; }  ///< of more than one point
   std::size_t lumps() const { return response_.mass.size(); }
-  double scale(std::size_t a) const { return point_[a] == several ? scale_[a] : 0; }  ///< rho/m_a; 0 of a lump that is one point
+  double scale(std::size_t a) const { return scale_[a]; }  ///< rho/m_a
   /// Calls visit(m, c_ma) for the particles at_structure[m] that push lump a.
   template <class Visit>
   void for_rows(std::size_t a, Visit&& visit) const {
@@ -60,30 +59,28 @@ class YieldingSurface {
   }
 
  private:
-  static constexpr int several = -1, none = -2;  ///< in place of the one point of a lump
-
-  /// Over all ranks.
+  /// Motion of the lumps under pressures x, over all ranks: rho/m_a sum_j c_ja x_j.
+  template <class T>
+  void push(const std::vector<int>& at_structure, const std::vector<T>& x) const;
   void sum_motion() const;
   template <class T>
   void spread(const std::vector<int>& at_structure, std::vector<T>& y) const;
 
   Ranks ranks_;
   SurfaceResponse response_;
-  std::vector<double> scale_;                   ///< rho/m_a
-  std::vector<std::ptrdiff_t> begin_;           ///< of each row, with room for all lumps it may have
-  std::vector<int> count_;                      ///< of its entries
-  UninitialisedVector<int> lump_;               ///< of each entry
-  UninitialisedVector<Vector<D>> vector_;       ///< c_ia
-  UninitialisedVector<Vector<D>> between_;      ///< the same sum with the weight of the fluid between, p in Pa
-  std::vector<std::ptrdiff_t> first_;           ///< of each lump in the two that follow
-  std::vector<int> row_;                        ///< m
-  std::vector<std::ptrdiff_t> entry_;           ///< in the rows
-  std::vector<double> bound_, bound_of_lumps_;  ///< kappa, by row
-  std::vector<double> size_;                    ///< of each lump: rho/m_a sum_j |c_ja|
-  std::vector<int> point_;                      ///< that is the lump, or `several`
-  bool any_lumps_ = false;
-  std::vector<double> transferred_;        ///< by point: sum_i 2 V_i A_k w~_ik
-  mutable std::vector<Vector<D>> motion_;  ///< of each lump; scratch
+  std::vector<double> scale_;               ///< rho/m_a
+  std::vector<std::ptrdiff_t> begin_;       ///< of each row, with room for all lumps it may have
+  std::vector<int> count_;                  ///< of its entries
+  UninitialisedVector<int> lump_;           ///< of each entry
+  UninitialisedVector<Vector<D>> vector_;   ///< c_ia
+  UninitialisedVector<Vector<D>> between_;  ///< the same sum with the weight of the fluid between, p in Pa
+  std::vector<std::ptrdiff_t> first_;       ///< of each lump in the two that follow
+  std::vector<int> row_;                    ///< m
+  std::vector<std::ptrdiff_t> entry_;       ///< in the rows
+  std::vector<double> bound_;               ///< kappa, by row
+  std::vector<double> size_;                ///< of each lump: rho/m_a sum_j |c_ja|
+  std::vector<double> transferred_;         ///< by point: sum_i 2 V_i A_k w~_ik
+  mutable std::vector<Vector<D>> motion_;   ///< of each lump; scratch
 };
 
 }  // namespace tern::fluid
