@@ -96,7 +96,7 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   any_at_structure_ = false;
   if (boundary_.surface.size() == 0) return {};
   list_beside_structure(domain_, prediction_.position.size(), neighbours_, at_structure_, beside_structure_);
-  find_interface_reaction(constants, domain_.ranks(), own, prediction_.position, at_structure_, boundary_);
+  find_interface_reaction(constants, domain_.ranks(), own, prediction_.position, prediction_.gravity, at_structure_, boundary_);
   balance_weight(constants, neighbours_, state_.particle_class, prediction_.gravity, at_structure_, boundary_);
   if (domain_.alone()) {
     any_at_structure_ = !at_structure_.empty();
@@ -119,7 +119,6 @@ void Fluid<D>::prepare_pressure() {
   flux_made_up_ = make_up_flux(at_structure_, state_.particle_class, boundary_);
   set_divergence_target(window_.duration, neighbours_, beside_structure_, packed_, density_source_, divergence_target_);
   assemble_pressure_matrix(reference_.constants, state_, neighbours_, boundary_, correction_, system_.matrix);
-  system_.left_behind.clear();
   pressure_prepared_ = true;
 }
 
@@ -154,8 +153,7 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
     }
     solve_pressure_poisson(constants, domain_, window_, prediction_.position, at_structure_, any_at_structure_, state_, system_);
   }
-  velocity_known_ = false;
-  if (first) drive_out_what_is_left();
+  drive_out_what_is_left(load.reference_pressure, first);
   ScopedTimer timer(timing_.correction);
   apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, &at_structure_, prediction_.velocity,
                           &prediction_.velocity);  // u** at the structure
@@ -170,29 +168,39 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
 }
 
 template <int D>
-void Fluid<D>::drive_out_what_is_left() {
+void Fluid<D>::drive_out_what_is_left(const std::vector<double>& reference_pressure, bool first) {
   const auto find_left = [&](std::vector<Vector<D>>& projected, std::vector<Vector<D>>* order, std::vector<double>& left) {
     ScopedTimer timer(timing_.correction);
     projected = prediction_.velocity;
     apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, nullptr, projected, order);
+    if (!at_structure_.empty()) {  // as it will be with the force of the interface
+      std::vector<Vector<D>>* const unordered = nullptr;
+      apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, &at_structure_, projected,
+                              unordered);
+      add_interface_reaction(reference_.constants, window_.duration, boundary_, state_, at_structure_, projected);
+    }
     domain_.particles().update(projected);
     fluid::compute_divergence<D>(reference_.period, neighbours_, boundary_, correction_, state_.particle_class, projected, nullptr,
                                  packed_.velocity, projected_divergence_);
     left.assign(system_.matrix.rows(), 0);
-    assemble_left_behind(reference_.constants, window_.duration, neighbours_, beside_structure_, state_.particle_class,
-                         projected_divergence_, divergence_target_, left);
+    assemble_left_behind(reference_.constants, window_.duration, state_.particle_class, projected_divergence_, divergence_target_, left);
+    system_.yielding.add_source(reference_pressure, boundary_, at_structure_, left);
+    system_.yielding.subtract_answer(at_structure_, state_.pressure, left);
     if (system_.body_tied.any()) system_.body_tied.subtract_means(left);  // the first solve has closed the sum over them
   };
   find_left(projected_velocity_, nullptr, system_.left_behind);
   {
     ScopedTimer timer(timing_.pressure_solve);
-    solve_for_correction(reference_.constants, domain_, window_, prediction_.position, at_structure_, state_, system_);
+    solve_for_correction(reference_.constants, domain_, window_, prediction_.position, at_structure_, first, state_, system_);
     add_correction(system_, state_);
   }
-  ordering_velocity_.assign(state_.size(), Vector<D>::Zero());
-  find_left(corrected_velocity_, &ordering_velocity_, system_.still_left);
-  keep_best_share(domain_.ranks(), system_, state_);
-  velocity_known_ = true;
+  if (first) {  // The share is that of the window, so that its answers are linear.
+    ordering_velocity_.assign(state_.size(), Vector<D>::Zero());
+    find_left(corrected_velocity_, &ordering_velocity_, system_.still_left);
+    find_best_share(domain_.ranks(), system_);
+  }
+  keep_share(system_, state_);
+  velocity_known_ = first;
 }
 
 template <int D>
@@ -279,7 +287,7 @@ void Fluid<D>::return_to_unprojected_velocity(const std::vector<Vector<D>>& surf
   template InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>&);              \
   template void Fluid<D>::prepare_pressure();                                           \
   template InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>&); \
-  template void Fluid<D>::drive_out_what_is_left();                                     \
+  template void Fluid<D>::drive_out_what_is_left(const std::vector<double>&, bool);     \
   template void Fluid<D>::complete_velocity();                                          \
   template void Fluid<D>::end_window(const InterfaceForce<D>&);                         \
   template void Fluid<D>::pass_window();                                                \

@@ -27,6 +27,7 @@ struct BoundarySums {
   std::vector<Vector<D>> back_facing_gradient;  ///< what back-facing faces take from that (convex_corner.hpp) [1/m]
   std::vector<Vector<D>> unborne_gradient;      ///< of both, what is not the interface's [1/m]
   std::vector<Vector<D>> reaction;              ///< of both, as the interface has it under a uniform pressure; at the structure alone [1/m]
+  std::vector<Vector<D>> carried_weight;        ///< what it gives back of the fluid's weight up to the faces; at the structure alone [Pa/m]
   std::vector<Matrix<D>> linear_moment;         ///< -2 sum A w~ n d^T of the structure, less what M has of it; at the structure alone [-]
   std::vector<double> flux_share;               ///< of each face of the structure, in the flux into enclosed fluid [-]
   std::vector<double> reaction_share;           ///< of each face of the structure in that [-]

@@ -16,7 +16,8 @@ namespace tern::fluid {
 
 template <int D>
 void find_interface_reaction(const Constants<D>& constants, const Ranks& ranks, const InterfaceParticles<D>& particles,
-                             const std::vector<Vector<D>>& position, const std::vector<int>& at_structure, Boundary<D>& boundary) {
+                             const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
+                             const std::vector<int>& at_structure, Boundary<D>& boundary) {
   const Faces<D>& faces = boundary.surface;
   const FaceRows& rows = boundary.surface_rows;
   BoundarySums<D>& sums = boundary.sums;
@@ -49,17 +50,28 @@ void find_interface_reaction(const Constants<D>& constants, const Ranks& ranks, 
   }
 
   sums.reaction.resize(rows.begin.size());
+  sums.carried_weight.resize(rows.begin.size());
   const auto add = [&](int i, int k, double weight) {
+    const Vector<D> from_particle = faces.position[k] - position[i];
     sums.reaction[i] -= share[k] * weight * faces.normal[k];
-    sums.linear_moment[i] -=
-        (2 * (share[k] - sums.borne_share[k]) * weight) * faces.normal[k] * (faces.position[k] - position[i]).transpose();
+    sums.carried_weight[i] -= (2 * constants.density * gravity[i].dot(from_particle) * share[k] * weight) * faces.normal[k];
+    sums.linear_moment[i] -= (2 * (share[k] - sums.borne_share[k]) * weight) * faces.normal[k] * from_particle.transpose();
   };
   for (const int i : at_structure) {
     sums.reaction[i].setZero();
+    sums.carried_weight[i].setZero();
     for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry) add(i, rows.face[entry], rows.weight[entry]);
   }
   for (const auto& of_thread : sums.back_facing)
     for (const BackFacing& back : of_thread) add(back.particle, back.face, back.weight);
+}
+
+template <int D>
+void add_interface_reaction(const Constants<D>& constants, double duration, const Boundary<D>& boundary, const State<D>& state,
+                            const std::vector<int>& at_structure, std::vector<Vector<D>>& velocity) {
+  const BoundarySums<D>& sums = boundary.sums;
+  for (const int i : at_structure)
+    velocity[i] -= duration / constants.density * (2 * state.pressure[i] * sums.reaction[i] + sums.carried_weight[i]);
 }
 
 template <int D>
@@ -92,15 +104,16 @@ bool make_up_flux(const std::vector<int>& at_structure, const std::vector<Partic
   return any;
 }
 
-template void balance_weight<2>(const Constants<2>&, const Neighbours<2>&, const std::vector<ParticleClass>&, const std::vector<Vector<2>>&,
-                                const std::vector<int>&, Boundary<2>&);
-template void balance_weight<3>(const Constants<3>&, const Neighbours<3>&, const std::vector<ParticleClass>&, const std::vector<Vector<3>>&,
-                                const std::vector<int>&, Boundary<3>&);
-template bool make_up_flux<2>(const std::vector<int>&, const std::vector<ParticleClass>&, Boundary<2>&);
-template bool make_up_flux<3>(const std::vector<int>&, const std::vector<ParticleClass>&, Boundary<3>&);
-template void find_interface_reaction<2>(const Constants<2>&, const Ranks&, const InterfaceParticles<2>&, const std::vector<Vector<2>>&,
-                                         const std::vector<int>&, Boundary<2>&);
-template void find_interface_reaction<3>(const Constants<3>&, const Ranks&, const InterfaceParticles<3>&, const std::vector<Vector<3>>&,
-                                         const std::vector<int>&, Boundary<3>&);
+#define TERN_INSTANTIATE(D)                                                                                                                \
+  template void find_interface_reaction<D>(const Constants<D>&, const Ranks&, const InterfaceParticles<D>&, const std::vector<Vector<D>>&, \
+                                           const std::vector<Vector<D>>&, const std::vector<int>&, Boundary<D>&);                          \
+  template void add_interface_reaction<D>(const Constants<D>&, double, const Boundary<D>&, const State<D>&, const std::vector<int>&,       \
+                                          std::vector<Vector<D>>&);                                                                        \
+  template void balance_weight<D>(const Constants<D>&, const Neighbours<D>&, const std::vector<ParticleClass>&,                            \
+                                  const std::vector<Vector<D>>&, const std::vector<int>&, Boundary<D>&);                                   \
+  template bool make_up_flux<D>(const std::vector<int>&, const std::vector<ParticleClass>&, Boundary<D>&);
+TERN_INSTANTIATE(2)
+TERN_INSTANTIATE(3)
+#undef TERN_INSTANTIATE
 
 }  // namespace tern::fluid

@@ -16,15 +16,13 @@
 namespace tern::fluid {
 
 template <int D>
-void assemble_left_behind(const Constants<D>& constants, double duration, const Neighbours<D>& neighbours, const BesideStructure& beside,
-                          const std::vector<ParticleClass>& particle_class, const std::vector<double>& divergence,
-                          const std::vector<double>& target, std::vector<double>& left) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(neighbours.rows());
+void assemble_left_behind(const Constants<D>& constants, double duration, const std::vector<ParticleClass>& particle_class,
+                          const std::vector<double>& divergence, const std::vector<double>& target, std::vector<double>& left) {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(divergence.size());
   const double scale = -constants.density / duration * constants.volume;
   parallel_for(n, [&](std::ptrdiff_t i) {
     if (particle_class[i].pressure_unknown()) left[i] = scale * (divergence[i] - target[i]);
   });
-  for (int i : beside.list) left[i] = 0;
 }
 
 template <int D>
@@ -34,19 +32,14 @@ void add_correction(const PressureSystem<D>& system, State<D>& state) {
 }
 
 template <int D>
-void keep_best_share(const Ranks& ranks, PressureSystem<D>& system, State<D>& state) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
+void find_best_share(const Ranks& ranks, PressureSystem<D>& system) {
   const std::vector<int>& part = system.multigrid.part_of_particle();
-  std::vector<double>& share = system.share;
+  auto &share = system.share, &left = system.left_behind, &square = system.squared_change;
   share.assign(system.multigrid.parts(), 0);
-  if (share.empty()) {  // spray alone
-    std::fill(state.pressure_correction.begin(), state.pressure_correction.end(), 0.0);
-    return;
-  }
-  auto &left = system.left_behind, &square = system.squared_change;
+  if (share.empty()) return;                                                 // spray alone
   if (system.sealed.any()) system.sealed.subtract_means(system.still_left);  // as of left_behind: sealed fluid cannot answer them
   square.assign(system.multigrid.parts(), 0);
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i < left.size(); ++i) {
     const double change = left[i] - system.still_left[i];
     share[part[i]] += left[i] * change;
     square[part[i]] += change * change;
@@ -56,21 +49,22 @@ void keep_best_share(const Ranks& ranks, PressureSystem<D>& system, State<D>& st
   square.assign(share.begin() + static_cast<std::ptrdiff_t>(square.size()), share.end());
   share.resize(square.size());
   for (std::size_t k = 0; k < share.size(); ++k) share[k] = square[k] > 0 ? std::clamp(share[k] / square[k], 0.0, 1.0) : 0;
-  const std::ptrdiff_t all = static_cast<std::ptrdiff_t>(state.pressure.size());
-  parallel_for(all, [&](std::ptrdiff_t i) { state.pressure[i] -= (1 - share_taken(system, i)) * system.correction[i]; });
-  parallel_for(n, [&](std::ptrdiff_t i) {
-    const double taken = share_taken(system, i);
-    state.pressure_correction[i] = taken * system.correction[i];
-    left[i] *= taken;
-  });
 }
 
-#define TERN_INSTANTIATE(D)                                                                                                        \
-  template void assemble_left_behind<D>(const Constants<D>&, double, const Neighbours<D>&, const BesideStructure&,                 \
-                                        const std::vector<ParticleClass>&, const std::vector<double>&, const std::vector<double>&, \
-                                        std::vector<double>&);                                                                     \
-  template void add_correction<D>(const PressureSystem<D>&, State<D>&);                                                            \
-  template void keep_best_share<D>(const Ranks&, PressureSystem<D>&, State<D>&);
+template <int D>
+void keep_share(const PressureSystem<D>& system, State<D>& state) {
+  const std::ptrdiff_t all = static_cast<std::ptrdiff_t>(state.pressure.size());
+  parallel_for(all, [&](std::ptrdiff_t i) { state.pressure[i] -= (1 - share_taken(system, i)) * system.correction[i]; });
+  parallel_for(static_cast<std::ptrdiff_t>(state.size()),
+               [&](std::ptrdiff_t i) { state.pressure_correction[i] = share_taken(system, i) * system.correction[i]; });
+}
+
+#define TERN_INSTANTIATE(D)                                                                                                         \
+  template void assemble_left_behind<D>(const Constants<D>&, double, const std::vector<ParticleClass>&, const std::vector<double>&, \
+                                        const std::vector<double>&, std::vector<double>&);                                          \
+  template void add_correction<D>(const PressureSystem<D>&, State<D>&);                                                             \
+  template void find_best_share<D>(const Ranks&, PressureSystem<D>&);                                                               \
+  template void keep_share<D>(const PressureSystem<D>&, State<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)
 #undef TERN_INSTANTIATE

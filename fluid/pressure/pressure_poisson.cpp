@@ -138,7 +138,6 @@ void assemble_pressure_source(const Constants<D>& constants, double duration, co
     double b = scale * (divergence[i] - target[i]);
     // Past a corner the pressure behind the face goes on along the face as before it, by the weight of the fluid.
     b += 2 * density * constants.volume * prediction.gravity[i].dot(boundary.sums.back_facing_gradient[i]);
-    if (!system.left_behind.empty()) b += system.left_behind[i];
     system.source[i] = b;
   });
   system.yielding.add_source(load.reference_pressure, boundary, at_structure, system.source);

@@ -30,7 +30,7 @@ void complete_pressure_matrix(const Constants<D>& constants, const Ranks& ranks,
                               const Prediction<D>& prediction, const std::vector<int>& at_structure, State<D>& state,
                               PressureSystem<D>& system);
 
-/// system.source from div u*, the target q of the divergence and, once it is known, system.left_behind.
+/// system.source from div u* and the target q of the divergence.
 template <int D>
 void assemble_pressure_source(const Constants<D>& constants, double duration, const InterfaceCondition<D>& load, const State<D>& state,
                               const Prediction<D>& prediction, const Boundary<D>& boundary, const std::vector<int>& at_structure,

@@ -20,7 +20,9 @@ constexpr double rounding = 1e-12;  ///< of a mean that is subtracted
 constexpr double of_what_is_left = 0.1;
 /// The correction of the pressure is solved for to this, because a part of what it answers to stays in any case.
 constexpr double of_correction = 0.1;
-/// As long as the former is not known, or if a finer tolerance than this is asked for, the two may leave so many times the tolerance.
+/// In a repeated window the pressures of two iterations are compared, and with them what is left of this.
+constexpr double of_repeated_correction = 1e-3;
+/// As long as the first is not known, or if a finer tolerance than this is asked for, the two may leave so many times the tolerance.
 constexpr double usual_tolerance = 1e-6, first_by_tolerance = 1e3, correction_by_tolerance = 1e5;
 
 /// `solution`, from what it is, of the matrix and this source.
@@ -100,10 +102,8 @@ void solve_pressure_poisson(const Constants<D>& constants, const Domain<D>& doma
                             State<D>& state, PressureSystem<D>& system) {
   const std::ptrdiff_t all = static_cast<std::ptrdiff_t>(state.pressure.size());
   system.solution.assign(state.pressure.size(), 0);
-  // The source of the first solve of a window does not hold what that leaves behind; that of a repeated one does.
-  const double without = system.left_behind.empty() ? 1 : 0;
   parallel_for(static_cast<std::ptrdiff_t>(state.size()), [&](std::ptrdiff_t i) {
-    if (state.particle_class[i].pressure_unknown()) system.solution[i] = state.pressure[i] - without * state.pressure_correction[i];
+    if (state.particle_class[i].pressure_unknown()) system.solution[i] = state.pressure[i] - state.pressure_correction[i];
   });
 
   double tolerance = constants.numerics.pressure_tolerance;
@@ -120,14 +120,17 @@ void solve_pressure_poisson(const Constants<D>& constants, const Domain<D>& doma
 
 template <int D>
 void solve_for_correction(const Constants<D>& constants, const Domain<D>& domain, const Window& window,
-                          const std::vector<Vector<D>>& position, const std::vector<int>& at_structure, State<D>& state,
+                          const std::vector<Vector<D>>& position, const std::vector<int>& at_structure, bool first, State<D>& state,
                           PressureSystem<D>& system) {
   const SolveResult of_the_equation = system.result;
-  system.correction.assign(state.pressure.size(), 0);
-  parallel_for(static_cast<std::ptrdiff_t>(state.size()), [&](std::ptrdiff_t i) {
-    if (state.particle_class[i].pressure_unknown()) system.correction[i] = state.pressure_correction[i];
-  });
-  const double tolerance = std::min(of_correction, correction_by_tolerance * constants.numerics.pressure_tolerance);
+  if (first) {
+    system.correction.assign(state.pressure.size(), 0);
+    parallel_for(static_cast<std::ptrdiff_t>(state.size()), [&](std::ptrdiff_t i) {
+      if (state.particle_class[i].pressure_unknown()) system.correction[i] = state.pressure_correction[i];
+    });
+  }
+  const double tolerance =
+      std::min(first ? of_correction : of_repeated_correction, correction_by_tolerance * constants.numerics.pressure_tolerance);
   solve(domain, window, position, at_structure, tolerance, system.left_behind, system.correction, state, system);
   state.left_share = of_the_equation.source > 0 ? system.result.source / of_the_equation.source : 0;
   system.result = of_the_equation;
@@ -142,8 +145,8 @@ template void solve_pressure_poisson<2>(const Constants<2>&, const Domain<2>&, c
 template void solve_pressure_poisson<3>(const Constants<3>&, const Domain<3>&, const Window&, const std::vector<Vector<3>>&,
                                         const std::vector<int>&, bool, State<3>&, PressureSystem<3>&);
 template void solve_for_correction<2>(const Constants<2>&, const Domain<2>&, const Window&, const std::vector<Vector<2>>&,
-                                      const std::vector<int>&, State<2>&, PressureSystem<2>&);
+                                      const std::vector<int>&, bool, State<2>&, PressureSystem<2>&);
 template void solve_for_correction<3>(const Constants<3>&, const Domain<3>&, const Window&, const std::vector<Vector<3>>&,
-                                      const std::vector<int>&, State<3>&, PressureSystem<3>&);
+                                      const std::vector<int>&, bool, State<3>&, PressureSystem<3>&);
 
 }  // namespace tern::fluid

@@ -19,7 +19,7 @@ struct PressureSystem {
   EdgeMatrix matrix;                            ///< with a bound in place of how the structure yields
   YieldingSurface<D> yielding;                  ///< how it does
   std::vector<double> source, solution;         ///< 0 where there is no unknown
-  std::vector<double> left_behind, still_left;  ///< by the first solve of this window and by its correction, as sources; empty before
+  std::vector<double> left_behind, still_left;  ///< by the solve of the equation and by its correction, as sources
   std::vector<double> correction;               ///< of the pressure
   std::vector<double> share;                    ///< of the correction that is taken, by part of the multigrid
   Multigrid<D> multigrid;
