@@ -7,6 +7,8 @@
 //   part:   the loops of a sub-step on that plate at rest: 0 derivatives, 1 those without the velocity's, 2 stress, 3 diffusion,
 //           4 elastic force, 5 kick and drift
 //   iteration, factor: what implicit steps of that plate are made of: elastic force and solve, tangent and its factor
+//   solid_solve, solid_assembly, solid_factor: parts of them for a cube in 3D; argument: particles across. "each" is the CPU time per
+//           non-zero of the factor or per multiplication
 //   window: the plate of the dam break swinging 2 cm to and fro, windows of 0.25 ms (89 explicit sub-steps), CPU time per
 //           window; argument 0 = explicit, 1 = implicit, 2 = auto
 
@@ -102,6 +104,51 @@ void factor(benchmark::State& state) {
   for (auto _ : state) plate.factorise();
 }
 
+/// A cube at rest, of so many particles across, with its tangent.
+struct CubeAtRest {
+  explicit CubeAtRest(double across) : reference(structure::build_reference<3>(*cube(across).structure)) {
+    tangent.assemble(reference, work, 1e8);
+  }
+  static Case cube(double across) {
+    Case result = solid_plate();
+    StructureBody& body = result.structure->bodies[0];
+    body.shape.min = {0, 0, 0};
+    body.shape.max = {0.002 * across, 0.002 * across, 0.002 * across};
+    body.clamps[0].min = {-1, -1, -1};
+    body.clamps[0].max = {1, 0.002, 1};
+    return result;
+  }
+  structure::Reference<3> reference;
+  structure::State<3> state = structure::state_at_rest(reference, 0);
+  structure::Workspace<3> work = structure::workspace_for(reference);
+  structure::Tangent<3> tangent{reference};
+};
+
+void count_each(benchmark::State& state, double number) {
+  state.counters["each"] =
+      benchmark::Counter(static_cast<double>(state.iterations()) * number, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+void solid_solve(benchmark::State& state) {
+  CubeAtRest cube(static_cast<double>(state.range(0)));
+  cube.tangent.factorise();
+  Eigen::VectorXd right = Eigen::VectorXd::Ones(cube.tangent.unknowns());
+  for (auto _ : state) right = cube.tangent.solve(right).normalized();
+  count_each(state, cube.tangent.factor_size());
+}
+
+void solid_assembly(benchmark::State& state) {
+  CubeAtRest cube(static_cast<double>(state.range(0)));
+  for (auto _ : state) cube.tangent.assemble(cube.reference, cube.work, 1e8);
+  count_each(state, cube.tangent.assembly_size());
+}
+
+void solid_factor(benchmark::State& state) {
+  CubeAtRest cube(static_cast<double>(state.range(0)));
+  for (auto _ : state) cube.tangent.factorise();
+  count_each(state, cube.tangent.factor_work());
+}
+
 /// One of the loops a sub-step consists of, on the plate at rest.
 void part(benchmark::State& state) {
   const auto reference = structure::build_reference<2>(*scene(0.004, 0.100, 0.001).structure);
@@ -153,4 +200,7 @@ BENCHMARK(factor)->Unit(benchmark::kMicrosecond);
 BENCHMARK(window)->Arg(0)->Arg(1)->Arg(2)->Iterations(400)->Unit(benchmark::kMillisecond);
 BENCHMARK(solid)->Arg(2)->Arg(3)->Arg(6)->Unit(benchmark::kMillisecond);
 BENCHMARK(solid_window)->Arg(0)->Arg(1)->Iterations(20)->Unit(benchmark::kMillisecond);
+BENCHMARK(solid_solve)->Arg(6)->Arg(10)->Arg(16)->Unit(benchmark::kMillisecond);
+BENCHMARK(solid_assembly)->Arg(6)->Arg(10)->Arg(16)->Unit(benchmark::kMillisecond);
+BENCHMARK(solid_factor)->Arg(6)->Arg(10)->Arg(16)->Unit(benchmark::kMillisecond);
 BENCHMARK(block)->Arg(20)->Arg(60)->Unit(benchmark::kMillisecond);

@@ -22,7 +22,7 @@ struct Costs {
   std::string measured;                                     ///< date, empty for the defaults
 };
 inline constexpr double implicit_window = 19;         ///< cost of a window in implicit steps, in sub-steps, of at most a thousand particles
-inline constexpr double implicit_window_in_3d = 150;  ///< the same in 3D, of some thousand particles; of some hundred it is 45
+inline constexpr double implicit_window_in_3d = 120;  ///< the same in 3D, of some thousand particles; of some hundred it is 40
 inline constexpr double implicit_window_of_shell_in_3d = 8;  ///< the same of a shell: `dam_break_plate_3d` to 0.3 s in implicit steps
 
 /// Mass behind the faces of a body, in layers of fluid particles: at most so many, and windows are half as long; or, how it answers is not

@@ -1,11 +1,68 @@
 #include "sph/convex_corner.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "base/parallel.hpp"
 
 namespace tern {
+namespace {
+
+/// What single precision is off by at most, as a share of the support, where lengths are within two of it.
+constexpr double rounding = 1e-5;
+
+}  // namespace
+
+template <int D>
+void FacesFrom::set(const Faces<D>& faces, const Vector<D>& x, const int* first, int count) {
+  const std::size_t filled = (static_cast<std::size_t>(count) + lanes - 1) / lanes * lanes;
+  face.assign(first, first + count);
+  for (int c = 0; c < D; ++c) {
+    way[c].assign(filled, 0);
+    normal[c].assign(filled, 0);
+  }
+  front.assign(filled, -1e30F);  // what fills the last lanes has everything on one side
+  reach.assign(filled, 0);
+  for (int o = 0; o < count; ++o) {
+    const int k = first[o];
+    const Vector<D> d = faces.position[k] - x;
+    for (int c = 0; c < D; ++c) {
+      way[c][o] = static_cast<float>(d[c]);
+      normal[c][o] = static_cast<float>(faces.normal[k][c]);
+    }
+    front[o] = static_cast<float>(-d.dot(faces.normal[k]));
+    reach[o] = static_cast<float>(1.001 * std::sqrt(patch_reach2<D>(faces.area[k])));
+  }
+}
+
+template <int D, class Holds>
+bool FacesFrom::any_between(const Vector<D>& at, double support, float side, Holds&& holds) const {
+  std::array<float, D> place;
+  for (int c = 0; c < D; ++c) place[c] = static_cast<float>(at[c]);
+  const float slack = static_cast<float>(rounding * support), slack2 = static_cast<float>(rounding * support * support);
+  for (std::size_t first = 0; first < front.size(); first += lanes) {
+    std::array<std::int32_t, lanes> may;
+    std::int32_t any_may = 0;
+    for (std::size_t m = 0; m < lanes; ++m) {
+      const std::size_t o = first + m;
+      // As patch_separates(), times the height between the ends.
+      float drop = 0, offset2 = 0;  // drop: of the place below x
+      for (int c = 0; c < D; ++c) drop -= place[c] * normal[c][o];
+      for (int c = 0; c < D; ++c) {
+        const float offset = place[c] * front[o] - way[c][o] * drop;
+        offset2 += offset * offset;
+      }
+      const float bound = reach[o] * side * drop + slack2;
+      may[m] = (side * front[o] > -slack) & (side * (drop - front[o]) > -slack) & (offset2 < bound * bound);
+      any_may += may[m];
+    }
+    if (any_may == 0) continue;
+    for (std::size_t m = 0; m < lanes; ++m)
+      if (may[m] && holds(face[first + m])) return true;
+  }
+  return false;
+}
 
 /// Within the support. Faces in one plane with x make no corner.
 template <int D>
@@ -28,9 +85,10 @@ void CornerView<D>::find(const Vector<D>& x, Turned&& behind_plate) {
   });
   if (turned_.empty()) return;
   // What lies beyond a plate bounds nothing. Seen from there, the particle is behind the far face of the plate.
+  far_.set<D>(structure_, x, turned_.data(), static_cast<int>(turned_.size()));
   const auto beyond_plate = [&](int k) {
-    return std::any_of(turned_.begin(), turned_.end(),
-                       [&](int far) { return patch_separates(structure_, far, structure_.position[k], x); });
+    const Vector<D>& place = structure_.position[k];
+    return far_.any_between<D>(place - x, kernel_.support(), -1, [&](int far) { return patch_separates(structure_, far, place, x); });
   };
   back_facing_.erase(std::remove_if(back_facing_.begin(), back_facing_.end(), beyond_plate), back_facing_.end());
 }
@@ -51,10 +109,11 @@ void CornerView<D>::look(const Vector<D>& x, const int* seen, int seen_count) {
   const bool flat =
       std::all_of(seen, seen + seen_count, [&](int face) { return (structure_.normal[face] - normal).squaredNorm() < 1e-12; });
   if (flat) return find_behind(normal, x);
+  seen_.set<D>(structure_, x, seen, seen_count);
   find(x, [&](int k) {
-    return std::any_of(seen, seen + seen_count, [&](int face) {
-      return !passes_corner<D>(structure_.normal[face], structure_.normal[k]) &&
-             patch_separates(structure_, face, x, structure_.position[k]);
+    const Vector<D>& place = structure_.position[k];
+    return seen_.any_between<D>(place - x, kernel_.support(), 1, [&](int face) {
+      return !passes_corner<D>(structure_.normal[face], structure_.normal[k]) && patch_separates(structure_, face, x, place);
     });
   });
 }

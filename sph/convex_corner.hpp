@@ -3,6 +3,7 @@
 // particle sees and, round the corner, by faces turned away from it: back-facing faces. The fluid beyond such a corner is seen past
 // it, that beyond a thin plate is not.
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -21,9 +22,26 @@ bool passes_corner(const Vector<D>& in, const Vector<D>& out) {
   return in.dot(out) > plate_cosine;
 }
 
+/// Faces seen from a place x in single precision, one array per quantity, so that many are looked at together.
+struct FacesFrom {
+  static constexpr std::size_t lanes = 8;
+
+  std::vector<int> face;
+  std::array<std::vector<float>, 3> way, normal;  ///< way: from x to the face
+  std::vector<float> front, reach;                ///< height of x above it, and half its length, a little more than that
+
+  template <int D>
+  void set(const Faces<D>& faces, const Vector<D>& x, const int* first, int count);
+  /// Whether holds(k) is true for one of the faces that may lie between x and a place within the support, and that x is before (`side` 1)
+  /// or behind (-1). `at`: of the place from x.
+  template <int D, class Holds>
+  bool any_between(const Vector<D>& at, double support, float side, Holds&& holds) const;
+};
+
 /// Kept by the caller, so that a step allocates nothing.
 struct CornerScratch {
   std::vector<int> back_facing, turned;
+  FacesFrom far, seen;
 };
 
 /// Finds back-facing faces. The faces of the structure and their finder outlive it.
@@ -38,7 +56,9 @@ class CornerView {
         covered_(covered),
         kernel_(kernel),
         back_facing_(scratch.back_facing),
-        turned_(scratch.turned) {}
+        turned_(scratch.turned),
+        far_(scratch.far),
+        seen_(scratch.seen) {}
 
   /// Sets back_facing() for a particle at x: faces within the support that are turned away from it and bound what hides behind those it
   /// sees, at least one.
@@ -60,6 +80,7 @@ class CornerView {
   const std::vector<std::uint8_t>& covered_;
   const FaceKernel<D>& kernel_;
   std::vector<int>&back_facing_, &turned_;
+  FacesFrom &far_, &seen_;
 };
 
 /// Marks the faces of the structure before which there is a wall. `before`: distance of the places that are asked [m].

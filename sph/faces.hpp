@@ -114,6 +114,28 @@ class FaceFinder {
     });
   }
 
+  /// Calls visit(k) for those of them that are within `reach` of x.
+  template <class Visit>
+  void for_each_near(const Vector<D>& x, double reach, Visit&& visit) const {
+    const float limit2 = near_limit2<D>(reach, (max_ - min_).maxCoeff());
+    std::array<int, candidates + near_lanes> near;
+    for_ranges_around(x, [&](int begin, int end, const std::array<float, D>& from) {
+      const int found = keep_near<D>(coordinate_, begin, end, -1, from, {}, limit2, 0, near.data());
+      for (int m = 0; m < found; ++m) visit(contents_.order[near[m]]);
+    });
+  }
+
+  /// Marks by cell: how many cells there are, the one of a place, and whether one of those within a support of x has a mark.
+  int cells() const { return contents_.order.empty() ? 0 : grid_.count(); }
+  int cell(const Vector<D>& x) const { return grid_.index(x); }
+  bool any_marked_around(const Vector<D>& x, const std::vector<std::uint8_t>& marked) const {
+    bool found = false;
+    grid_.for_rows_around(x, [&](int low, int high) {
+      for (int of_row = low; of_row <= high; ++of_row) found = found || marked[of_row];
+    });
+    return found;
+  }
+
   /// Calls visit(k) for all faces within the support of x that may be turned away from it.
   template <class Visit>
   void for_each_turned_around(const Vector<D>& x, Visit&& visit) const {

@@ -113,7 +113,11 @@ void add_surface_sums(const Constants<D>& constants, const std::vector<Vector<D>
   if (rows.face.empty()) return;
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(rows.begin.size()), count = static_cast<std::ptrdiff_t>(faces.size());
   const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
-  sums.borne_share.resize(count);
+  sums.borne_share.assign(count, 1);
+  // Shares are asked for of the faces that a particle sees, and of others within its support.
+  sums.cell_sees.assign(finder.cells(), 0);
+  for (std::ptrdiff_t i = 0; i < n; ++i)
+    if (rows.count[i] > 0) sums.cell_sees[finder.cell(position[i])] = 1;
   sums.corner_scratch.resize(threads);
   sums.linear_moment.resize(n);
   sums.back_facing.resize(threads);
@@ -121,7 +125,8 @@ void add_surface_sums(const Constants<D>& constants, const std::vector<Vector<D>
   {
     CornerView<D> corners(faces, finder, covered, constants.faces, sums.corner_scratch[omp_get_thread_num()]);
 #pragma omp for schedule(static)
-    for (std::ptrdiff_t k = 0; k < count; ++k) sums.borne_share[k] = corners.borne_share(static_cast<int>(k));
+    for (std::ptrdiff_t k = 0; k < count; ++k)
+      if (finder.any_marked_around(faces.position[k], sums.cell_sees)) sums.borne_share[k] = corners.borne_share(static_cast<int>(k));
 #pragma omp for schedule(static)
     for (std::ptrdiff_t i = 0; i < n; ++i) {
       if (rows.count[i] == 0) continue;

@@ -32,6 +32,7 @@ struct BoundarySums {
   std::vector<double> flux_share;               ///< of each face of the structure, in the flux into enclosed fluid [-]
   std::vector<double> reaction_share;           ///< of each face of the structure in that [-]
   std::vector<double> borne_share;              ///< of each face of the structure (convex_corner.hpp) [-]
+  std::vector<std::uint8_t> cell_sees;          ///< by cell of the finder of faces: whether a particle in it sees one
   std::vector<CornerScratch> corner_scratch;    ///< by thread
   std::vector<std::vector<BackFacing>> back_facing;  ///< by thread: particle by particle
   std::vector<double> flux;                          ///< sum_k A_k w~_ik n_k . u_k of all faces [1/s]

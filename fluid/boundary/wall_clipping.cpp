@@ -1,5 +1,6 @@
 #include "fluid/boundary/wall_clipping.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace tern::fluid {
@@ -27,10 +28,14 @@ void ClippedWalls<D>::clip(const Faces<D>& walls, const FaceFinder<D>& finder, c
     faces_.area[wall] = walls.area[wall];
   }
   clipped_.clear();
-  for (int k = 0; k < static_cast<int>(structure.size()); ++k)
-    finder.for_each_around(structure.position[k], [&](int wall) {
+  double largest = 0;  // half the length of a patch of a wall
+  for (int wall = 0; wall < static_cast<int>(walls.size()); ++wall) largest = std::max(largest, half_length(walls, wall));
+  for (int k = 0; k < static_cast<int>(structure.size()); ++k) {
+    const double reach = std::sqrt(double(D)) * (largest + half_length(structure, k)) + largest;  // the finder may lag by half a patch
+    finder.for_each_near(structure.position[k], reach, [&](int wall) {
       if (faces_.area[wall] == walls.area[wall]) cut(wall, structure, k);  // what is cut already is no longer a square
     });
+  }
 }
 
 template <int D>

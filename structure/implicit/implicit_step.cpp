@@ -80,7 +80,7 @@ ImplicitCosts implicit_costs(const Reference<D>& reference, const Tangent<D>& ta
   if (D == 2) return {};
   // Nanoseconds, by bench-structure_substep: of a sub-step per block and neighbour, or per pair of particles of a shell; of a
   // multiplication of the assembly and of the factor; of a solve per non-zero of the factor.
-  constexpr double of_neighbour = 55, of_shell_pair = 60, of_assembly = 1, of_factor = 0.5, of_solve = 1.2;
+  constexpr double of_neighbour = 55, of_shell_pair = 60, of_assembly = 1, of_factor = 0.04, of_solve = 1.2;
   constexpr double share_of_elasticity = 0.6;  // of a sub-step, which has the diffusion as well
   double sub_step = 0;
   for (const Block& block : reference.blocks)

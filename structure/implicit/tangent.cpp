@@ -6,6 +6,8 @@
 
 #include "structure/implicit/tangent.hpp"
 
+#include <dlfcn.h>
+
 #include <algorithm>
 #include <map>
 
@@ -279,8 +281,19 @@ void Tangent<D>::assemble(const Reference<D>& reference, const Workspace<D>& wor
     for (int a = 0; a < D; ++a) matrix_.valuePtr()[matrix_.outerIndexPtr()[n * D + a]] += mass_factor * reference.mass[free_rows_[n]];
 }
 
+namespace {
+
+/// OpenBLAS, where that is the BLAS, multiplies the blocks of a factor in as many parts as it has threads, with other sums for other numbers.
+void give_blas_one_thread() {
+  static const auto set_threads = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
+  if (set_threads) set_threads(1);
+}
+
+}  // namespace
+
 template <int D>
 bool Tangent<D>::factorise() {
+  if (D == 3) give_blas_one_thread();
   factor_.factorize(matrix_);
   return factor_.info() == Eigen::Success;
 }

@@ -4,6 +4,7 @@
 
 #include <Eigen/CholmodSupport>
 #include <Eigen/SparseCore>
+#include <type_traits>
 #include <vector>
 
 #include "structure/state.hpp"
@@ -53,7 +54,10 @@ class Tangent {
   std::vector<std::int32_t> free_rows_;
   std::vector<Particle> particles_;
   Eigen::SparseMatrix<double> matrix_;
-  Eigen::CholmodSimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor_;
+  /// In 3D the factor fills up, and dense blocks of it are factored many times as fast (docs/STRUCTURE.md).
+  using Symmetric = Eigen::SparseMatrix<double>;
+  std::conditional_t<D == 3, Eigen::CholmodSupernodalLLT<Symmetric, Eigen::Lower>, Eigen::CholmodSimplicialLLT<Symmetric, Eigen::Lower>>
+      factor_;
   double factor_size_ = 0, factor_work_ = 0, assembly_size_ = 0;
 };
 
