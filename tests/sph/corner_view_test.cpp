@@ -117,8 +117,8 @@ void compare(int particles) {
   EXPECT_GT(loaded_less, 20U);
 }
 
-/// Faces of the planes x = 0, y = 0 and, in 3D, z = 0 towards a corner of them that is full of particles on a lattice; largest distance from
-/// 1 of what these fill of the half space before a face, times the share that it bears.
+/// Faces of the planes x = 0, y = 0 and, in 3D, z = 0 towards a corner of them that is full of particles on a lattice. Largest distance
+/// from 1 of what these fill of the half space before a face, times the share that it bears.
 template <int D>
 double unfilled_in_a_corner() {
   const double size = 0.5 * dx;
