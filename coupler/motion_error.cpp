@@ -27,18 +27,22 @@ void follow_motion(const std::vector<std::uint32_t>& body, const std::vector<Vec
   if (has_acceleration) motion.error.resize(end.size());
   motion.square.resize(bodies, 0.0);
   const double factor = duration * duration * duration / (6 * (duration_before + duration));
+  // What longer windows have left counts as what this one would leave of such a motion, or windows that it has shortened would be
+  // shortened again for it. What shorter ones have left is not made larger: it may be noise.
+  const double shorter = duration_before > 0 ? std::pow(std::min(1.0, duration / duration_before), 3) : 1;
   for (std::size_t k = 0; k < end.size(); ++k) {
     const Vector<D> acceleration = (end[k] - begin[k]) / duration;
     if (has_acceleration) {
       const Vector<D> error = factor * (acceleration - motion.acceleration[k]);
       if (has_error) {
-        product[body[k]] += area[k] * error.dot(motion.error[k]);
+        product[body[k]] += area[k] * shorter * error.dot(motion.error[k]);
         sum[body[k]] += area[k];
       }
       motion.error[k] = error;
     }
     motion.acceleration[k] = acceleration;
   }
+  for (double& square : motion.square) square *= shorter * shorter;
   for (std::size_t b = 0; b < bodies; ++b)
     if (sum[b] > 0) motion.square[b] += share_of_last * (product[b] / sum[b] - motion.square[b]);
 }

@@ -9,6 +9,10 @@
 namespace tern {
 namespace {
 
+/// Of the half space before a face, the least that may be open to fluid: what three faces at right angles leave in the corner between
+/// them. No particle comes into a narrower one.
+constexpr double least_open = 0.25;
+
 /// What single precision is off by at most, as a share of the support, where lengths are within two of it.
 constexpr double rounding = 1e-5;
 
@@ -83,14 +87,19 @@ void CornerView<D>::find(const Vector<D>& x, Turned&& behind_plate) {
     else if (covered_.empty() || !covered_[k])
       back_facing_.push_back(k);
   });
+  remove_beyond_plates(x, back_facing_);
+}
+
+/// What lies beyond a plate bounds nothing. Seen from there, x is behind the far face of the plate.
+template <int D>
+void CornerView<D>::remove_beyond_plates(const Vector<D>& x, std::vector<int>& faces) {
   if (turned_.empty()) return;
-  // What lies beyond a plate bounds nothing. Seen from there, the particle is behind the far face of the plate.
   far_.set<D>(structure_, x, turned_.data(), static_cast<int>(turned_.size()));
   const auto beyond_plate = [&](int k) {
     const Vector<D>& place = structure_.position[k];
     return far_.any_between<D>(place - x, kernel_.support(), -1, [&](int far) { return patch_separates(structure_, far, place, x); });
   };
-  back_facing_.erase(std::remove_if(back_facing_.begin(), back_facing_.end(), beyond_plate), back_facing_.end());
+  faces.erase(std::remove_if(faces.begin(), faces.end(), beyond_plate), faces.end());
 }
 
 /// For an x that sees faces of one normal, and what lies behind their plane.
@@ -109,10 +118,10 @@ void CornerView<D>::look(const Vector<D>& x, const int* seen, int seen_count) {
   const bool flat =
       std::all_of(seen, seen + seen_count, [&](int face) { return (structure_.normal[face] - normal).squaredNorm() < 1e-12; });
   if (flat) return find_behind(normal, x);
-  seen_.set<D>(structure_, x, seen, seen_count);
+  near_.set<D>(structure_, x, seen, seen_count);
   find(x, [&](int k) {
     const Vector<D>& place = structure_.position[k];
-    return seen_.any_between<D>(place - x, kernel_.support(), 1, [&](int face) {
+    return near_.any_between<D>(place - x, kernel_.support(), 1, [&](int face) {
       return !passes_corner<D>(structure_.normal[face], structure_.normal[k]) && patch_separates(structure_, face, x, place);
     });
   });
@@ -120,17 +129,33 @@ void CornerView<D>::look(const Vector<D>& x, const int* seen, int seen_count) {
 
 template <int D>
 double CornerView<D>::borne_share(int k) {
-  const Vector<D>& x = structure_.position[k];
-  find_behind(structure_.normal[k], x);
-  double behind = 0;
-  for (int other : back_facing_) {
-    const Vector<D> d = structure_.position[other] - x;
-    const double r = d.norm(), cosine = d.dot(structure_.normal[other]) / r;
-    behind += subtended_angle<D>(d, Vector<D>(-structure_.normal[other]), structure_.area[other]) * kernel_.surface_weight_beyond(r) -
-              structure_.area[other] * cosine * kernel_.midpoint_rest(r);
+  const Vector<D>&x = structure_.position[k], &normal = structure_.normal[k];
+  seen_.clear();
+  if (finder_.any_facing(x)) finder_.see(structure_, x, seen_);
+  if (seen_.empty()) {
+    find_behind(normal, x);
+  } else {  // beyond a plate is also what lies behind one that the face sees
+    find(x, [&](int other) {
+      const auto is_plate_of = [&](int face) { return !passes_corner<D>(structure_.normal[face], structure_.normal[other]); };
+      return (is_plate_of(k) && (structure_.position[other] - x).dot(normal) < 0) || std::any_of(seen_.begin(), seen_.end(), [&](int face) {
+               return is_plate_of(face) && patch_separates(structure_, face, x, structure_.position[other]);
+             });
+    });
+    remove_beyond_plates(x, seen_);
   }
+  // What a cone from the patch on adds to the sum of w~.
+  const auto beyond = [&](int other, double side) {
+    const Vector<D> d = structure_.position[other] - x, facing = side * structure_.normal[other];
+    const double r = d.norm(), cosine = -d.dot(facing) / r;
+    return subtended_angle<D>(d, facing, structure_.area[other]) * kernel_.surface_weight_beyond(r) -
+           structure_.area[other] * cosine * kernel_.midpoint_rest(r);
+  };
+  double past = 0, hidden = 0;
+  for (int other : back_facing_) past += beyond(other, -1);
+  for (int other : seen_) hidden += beyond(other, 1);
   const double half_space = (D == 2 ? 1 : 2) * std::numbers::pi * kernel_.surface_weight_beyond(0);
-  return 1 / (1 + std::max(0.0, behind) / half_space);  // at the end of the kernel w~ has both signs
+  const double open = 1 + (std::max(0.0, past) - std::max(0.0, hidden)) / half_space;  // at the end of the kernel w~ has both signs
+  return 1 / std::max(open, least_open);
 }
 
 template <int D>

@@ -1,7 +1,8 @@
 #pragma once
-// Convex corners of bodies. What a body hides from a particle beside one of its corners is bounded by the face that the
+// Corners of bodies. What a body hides from a particle beside one of its convex corners is bounded by the face that the
 // particle sees and, round the corner, by faces turned away from it: back-facing faces. The fluid beyond such a corner is seen past
-// it, that beyond a thin plate is not.
+// it, that beyond a thin plate is not. In a concave corner, or beside another body, a face sees faces itself: what they hide is not open
+// to fluid.
 
 #include <array>
 #include <cstdint>
@@ -40,8 +41,8 @@ struct FacesFrom {
 
 /// Kept by the caller, so that a step allocates nothing.
 struct CornerScratch {
-  std::vector<int> back_facing, turned;
-  FacesFrom far, seen;
+  std::vector<int> back_facing, turned, seen;
+  FacesFrom far, near;
 };
 
 /// Finds back-facing faces. The faces of the structure and their finder outlive it.
@@ -57,8 +58,9 @@ class CornerView {
         kernel_(kernel),
         back_facing_(scratch.back_facing),
         turned_(scratch.turned),
+        seen_(scratch.seen),
         far_(scratch.far),
-        seen_(scratch.seen) {}
+        near_(scratch.near) {}
 
   /// Sets back_facing() for a particle at x: faces within the support that are turned away from it and bound what hides behind those it
   /// sees, at least one.
@@ -66,12 +68,13 @@ class CornerView {
   const std::vector<int>& back_facing() const { return back_facing_; }
 
   /// Share of the pressures before face k that is its load, 1 away from corners. A face has a half space before it, but beside
-  /// a corner there is fluid behind its plane as well.
+  /// a convex corner there is fluid behind its plane as well, and in a concave one another face takes a part of the half space.
   double borne_share(int k);
 
  private:
   template <class Turned>
   void find(const Vector<D>& x, Turned&& behind_plate);
+  void remove_beyond_plates(const Vector<D>& x, std::vector<int>& faces);
   bool is_turned(const Vector<D>& x, int k) const;
   void find_behind(const Vector<D>& normal, const Vector<D>& x);
 
@@ -79,8 +82,8 @@ class CornerView {
   const FaceFinder<D>& finder_;
   const std::vector<std::uint8_t>& covered_;
   const FaceKernel<D>& kernel_;
-  std::vector<int>&back_facing_, &turned_;
-  FacesFrom &far_, &seen_;
+  std::vector<int>&back_facing_, &turned_, &seen_;
+  FacesFrom &far_, &near_;
 };
 
 /// Marks the faces of the structure before which there is a wall. `before`: distance of the places that are asked [m].

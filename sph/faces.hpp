@@ -164,6 +164,16 @@ class FaceFinder {
     return found;
   }
 
+  /// Whether any face surely faces x: by more than single precision leaves open, so none that lies in one plane with x.
+  bool any_facing(const Vector<D>& x) const {
+    bool found = false;
+    for_ranges_around(x, [&](int begin, int end, const std::array<float, D>& from) {
+      for (int m = begin; m < end && !found; m += near_lanes)
+        found = bits_before(patch_bits<D>(coordinate_, normal_, m, from, near2_, limit2_, -1, slack_).sure, m, end) != 0;
+    });
+    return found;
+  }
+
   /// Appends to `seen` the faces that x sees.
   void see(const Faces<D>& faces, const Vector<D>& x, std::vector<int>& seen) const {
     if (faces.size() == 0) return;

@@ -133,7 +133,7 @@ void add_surface_sums(const Constants<D>& constants, const std::vector<Vector<D>
       HiddenSums<D> hidden = sum_hidden(constants, position[i], faces, i, rows);
       const int* const seen = rows.face.data() + rows.begin[i];
       corners.look(position[i], seen, rows.count[i]);
-      if (!corners.back_facing().empty() || std::any_of(seen, seen + rows.count[i], [&](int k) { return sums.borne_share[k] < 1; }))
+      if (!corners.back_facing().empty() || std::any_of(seen, seen + rows.count[i], [&](int k) { return sums.borne_share[k] != 1; }))
         close_round_corner<D>(constants, position[i], gravity[i], faces, rows, i, corners.back_facing(), hidden,
                               sums.back_facing[omp_get_thread_num()], sums);
       sums.number_density[i] += hidden.density;

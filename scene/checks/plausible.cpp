@@ -95,7 +95,32 @@ class Plausible {
     }
   }
 
-  // Fluid beyond an open face runs down outside, and fluid that gravity draws to an open face leaves.
+  /// Whether an elastic body or an obstacle stands everywhere between the fluid and the plane x_d = `plane`.
+  bool is_caught(int d, double plane) const {
+    std::vector<const Shape*> stand;
+    if (scene_.structure)
+      for (const StructureBody& body : scene_.structure->bodies) stand.push_back(&body.shape);
+    for (const WallCase& wall : scene_.walls)
+      if (!wall.container) stand.push_back(&wall.shape);
+    const double spacing = scene_.fluid->spacing, near = 1e-3 * spacing;
+    const auto falls_on_one = [&](Vector<D> x) {
+      const double side = plane > x[d] ? 1 : -1;
+      while (side * (plane - x[d]) > -spacing) {  // as far as the nearest shape, again and again
+        double nearest = std::numeric_limits<double>::max();
+        for (const Shape* shape : stand) nearest = std::min(nearest, signed_distance<D>(*shape, x));
+        if (nearest < near) return true;
+        x[d] += side * nearest;
+      }
+      return false;
+    };
+    for (const FluidBody& body : scene_.fluid->bodies) {
+      const auto points = fill_with_fluid<D>(body.shape, spacing);
+      if (!std::all_of(points.begin(), points.end(), falls_on_one)) return false;
+    }
+    return true;
+  }
+
+  // Fluid beyond an open face runs down outside, and fluid that gravity draws to an open face leaves, unless a body closes it.
   void look_at_open_faces() {
     for (std::size_t w = 0; w < scene_.walls.size(); ++w) {
       const WallCase& wall = scene_.walls[w];
@@ -112,7 +137,7 @@ class Plausible {
           if (beyond > 0.5 * scene_.fluid->spacing)
             warn(where_fluid(0), "the fluid begins up to {:.3g} m beyond the open face {} of the container '{}', where nothing holds it.",
                  beyond, face, wall.name);
-          if (d == along && (high ? gravity_[d] > 0 : gravity_[d] < 0))
+          if (d == along && (high ? gravity_[d] > 0 : gravity_[d] < 0) && !is_caught(d, (high ? box.max : box.min)[d]))
             warn(settings_.at("wall").items[w].where,
                  "gravity draws the fluid to the open face {} of the container '{}', through which it leaves the scene; the sign of "
                  "gravity, "
@@ -206,7 +231,7 @@ class Plausible {
     warn(
         where_body(i),
         "the elastic body '{}' is free and {:.2g} % {} than the fluid: where water is all around it, it will {} too slowly. Blocks 2 % and "
-        "10 % denser than water have gone a quarter and half of their way after 1 s (docs/THEORY.md, Known limits).",
+        "10 % denser than water have gone seven tenths of their way after 1 s (docs/THEORY.md, Known limits).",
         body.name, 100 * std::abs(excess), excess > 0 ? "denser" : "lighter", excess > 0 ? "sink" : "rise");
   }
 

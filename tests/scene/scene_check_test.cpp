@@ -424,6 +424,12 @@ TEST_F(CaseFile, WarnsOfWhatIsHardlyMeant) {
                  {"case.toml:19", "Young's modulus of 'plate' is 1 Pa", "its own weight presses with 6.47e+03 Pa"});
   expect_warning(read(with("spacing = 0.05", "spacing = 0.2")), {"fluid body 1 of", "less than the reach of the kernel"});
   expect_warning(read(with("[0, -9.81]", "[0, 9.81]")), {"draws the fluid to the open face y_max"});
+  // Seen to fail: with nothing taken for a floor.
+  const std::string hole = with("open = [\"y_max\"]", "open = [\"y_max\", \"y_min\"]"),
+                    lid = "[[wall]]\nname = \"lid\"\nobstacle = { box = { min = [-0.1, -0.05], max = [X, 0] } }\n";
+  expect_warning(read(hole), {"draws the fluid to the open face y_min"});
+  expect_warning(read(hole + replaced(lid, "X", "0.35")), {"draws the fluid to the open face y_min"});
+  EXPECT_TRUE(read(hole + replaced(lid, "X", "0.5")).warnings.empty());
   expect_warning(read(with("max = [0.4, 0.5]", "max = [0.4, 1.2]")), {"begins up to 0.2 m beyond the open face y_max"});
   expect_warning(read(with("end_time = 0.5", "end_time = 0.05")), {"nothing falls farther than 0.012 m", "Lengths are in metres"});
   const std::string sensor = "[[gauge]]\nkind = \"pressure\"\nname = \"p\"\nat = [0.75, 0.2]\n";

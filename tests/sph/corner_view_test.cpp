@@ -109,10 +109,63 @@ void compare(int particles) {
                         return faces.normal[k].dot(faces.normal[other]) <= -0.6;
                       }).empty();
     const double borne = corners.borne_share(k);
-    EXPECT_TRUE(any || borne == 1) << "face " << k;
+    std::vector<int> seen;
+    finder.see(faces, faces.position[k], seen);
+    EXPECT_TRUE(any || !seen.empty() || borne == 1) << "face " << k;
     loaded_less += any && borne < 1;
   }
   EXPECT_GT(loaded_less, 20U);
+}
+
+/// Faces of the planes x = 0, y = 0 and, in 3D, z = 0 towards a corner of them that is full of particles on a lattice. Largest distance
+/// from 1 of what these fill of the half space before a face, times the share that it bears.
+template <int D>
+double unfilled_in_a_corner() {
+  const double size = 0.5 * dx;
+  const int patches = 24, layers = 10;
+  Faces<D> faces;
+  for (int axis = 0; axis < D; ++axis)
+    for (int i = 0; i < patches; ++i)
+      for (int j = 0; j < (D == 3 ? patches : 1); ++j) {
+        Vector<D> x = Vector<D>::Zero();
+        x[(axis + 1) % D] = (i + 0.5) * size;
+        if constexpr (D == 3) x[(axis + 2) % D] = (j + 0.5) * size;
+        faces.position.push_back(x);
+        faces.normal.push_back(Vector<D>::Unit(axis));
+        faces.area.push_back(D == 2 ? size : size * size);
+        faces.two_sided.push_back(1);
+      }
+  const FaceKernel<D> kernel(Kernel<D>(1.5 * dx), dx);
+  FaceFinder<D> finder;
+  finder.fill(faces, kernel.support());
+  const std::vector<std::uint8_t> none_covered;
+  CornerScratch scratch;
+  CornerView<D> corners(faces, finder, none_covered, kernel, scratch);
+  double worst = 0;
+  for (int k = 0; k < static_cast<int>(faces.size()); ++k) {
+    if (faces.position[k].maxCoeff() > layers * dx - kernel.support()) continue;
+    double filled = 0;
+    for (int i = 0; i < layers; ++i)
+      for (int j = 0; j < layers; ++j)
+        for (int l = 0; l < (D == 3 ? layers : 1); ++l) {
+          Vector<D> x;
+          x[0] = (i + 0.5) * dx, x[1] = (j + 0.5) * dx;
+          if constexpr (D == 3) x[2] = (l + 0.5) * dx;
+          const double distance = (x - faces.position[k]).norm();
+          if (distance < kernel.support()) filled += 2 * std::pow(dx, D) * kernel.surface_weight(distance);
+        }
+    worst = std::max(worst, std::abs(corners.borne_share(k) * filled - 1));
+  }
+  return worst;
+}
+
+// In a concave corner a face has as many times the particles' pressures as the other faces take of the half space before it.
+// Seen to fail: with nothing hidden by the faces that a face sees (0.37 in 2D, 0.60 in 3D).
+TEST(CornerView, MakesUpForWhatConcaveCornersTake) {
+  const double in_2d = unfilled_in_a_corner<2>(), in_3d = unfilled_in_a_corner<3>();
+  std::printf("[ filled times share is off 1 by %.4f in 2D, by %.4f in 3D ]\n", in_2d, in_3d);
+  EXPECT_LT(in_2d, 0.03);
+  EXPECT_LT(in_3d, 0.03);
 }
 
 TEST(CornerView, FindsWhatTurnsAway2D) { compare<2>(2000); }
