@@ -2,8 +2,9 @@
 """The three real processes when one of them is killed, frozen or the user ends the run: noticed in time, no survivor.
 
 Seen to fail: killed fluid and coupler, without the monitors' DISCONNECTED event (5 s instead of 1); frozen, without
-heartbeats (no end within 60 s); frozen together, with ZeroMQ's own limit of silence (exit code 4); Ctrl-C, with interrupted() always false (the three have to be killed); killed launcher,
-without the guardian; threads, with an OpenMP reduction in the dot product of the conjugate gradients.
+heartbeats (no end within 60 s); frozen together, with ZeroMQ's own limit of silence (exit code 4); Ctrl-C, with
+interrupted() always false (the three have to be killed); killed launcher, without the guardian; threads, with an OpenMP
+reduction in the dot product of the conjugate gradients.
 """
 
 import os
