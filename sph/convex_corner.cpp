@@ -51,11 +51,20 @@ void CornerView<D>::look(const Vector<D>& x, const int* seen, int seen_count) {
   const bool flat =
       std::all_of(seen, seen + seen_count, [&](int face) { return (structure_.normal[face] - normal).squaredNorm() < 1e-12; });
   if (flat) return find_behind(normal, x);
+  // The lines to two far faces that lie side by side enter the body through the same face, or through the next one.
+  const int* entered = seen;
   find(x, [&](int k) {
-    return std::any_of(seen, seen + seen_count, [&](int face) {
+    const auto passes = [&](int face) {
       return !passes_corner<D>(structure_.normal[face], structure_.normal[k]) &&
              patch_separates(structure_, face, x, structure_.position[k]);
-    });
+    };
+    const int* through = std::find_if(entered, seen + seen_count, passes);
+    if (through == seen + seen_count) {
+      through = std::find_if(seen, entered, passes);
+      if (through == entered) return false;
+    }
+    entered = through;
+    return true;
   });
 }
 
