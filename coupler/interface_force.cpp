@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/parallel.hpp"
 #include "coupler/interface_condition.hpp"
 #include "coupler/schemes/scheme.hpp"
 #include "sph/contact.hpp"
@@ -20,13 +21,15 @@ void add_pressure(const Setup<D>& setup, const InterfacePressure<D>& pressure, W
   // Pressure of every particle, carried to the surface by the weight of the fluid between. Behind a wall it goes on as before
   // it: an image carries what its particle does.
   std::vector<double>& carried = window.carried;
-  carried.clear();
-  for (const auto& pair : pairs.all_pairs()) {
-    const Vector<D> d = window.surface.position[pair.point] - window.particles.position[pair.particle];
-    carried.push_back(pressure.pressure[pair.particle] + setup.density * gravity.dot(d));
-  }
+  const PairRange<D> all = pairs.all_pairs();
+  carried.resize(all.size());
+  parallel_for(static_cast<std::ptrdiff_t>(all.size()), [&](std::ptrdiff_t m) {
+    const int i = all.particle(m);
+    const Vector<D> d = window.surface.position[all.point(m)] - window.particles.position[i];
+    carried[m] = pressure.pressure[i] + setup.density * gravity.dot(d);
+  });
   if (setup.scheme.pair_pressures)
-    setup.scheme.pair_pressures({setup.kernel, pairs.all_pairs(), window.surface, window.particles}, carried);
+    setup.scheme.pair_pressures({setup.kernel, all, window.surface, window.particles, pairs.weighed_area()}, carried);
   std::size_t m = 0;
   std::vector<Vector<D>>& on_particles = window.particle_force.force;
   for (const auto& pair : pairs.pairs()) add_pair_force(pair, Vector<D>(carried[m++] * pair.b), window.load, on_particles);

@@ -112,8 +112,8 @@ const InterfaceCondition<D>& Coupler<D>::first_exchange(double begin, double dur
   window_.surface = surface;
   window_.particles = std::move(particles);
   window_.pairs.find(window_.particles, surface);
-  window_.share = uniform_load<D>(setup_.scheme, window_.pairs.all_pairs(), surface);
-  window_.seen_share = window_.pairs.seen_share(surface);
+  window_.share = uniform_load<D>(setup_.scheme, window_.pairs);
+  window_.seen_share = window_.pairs.seen_share();
 
   // The structure makes its first iteration under the load of the last window.
   window_.assumed_load = state_.load;

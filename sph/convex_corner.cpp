@@ -119,10 +119,16 @@ void CornerView<D>::look(const Vector<D>& x, const int* seen, int seen_count) {
       std::all_of(seen, seen + seen_count, [&](int face) { return (structure_.normal[face] - normal).squaredNorm() < 1e-12; });
   if (flat) return find_behind(normal, x);
   near_.set<D>(structure_, x, seen, seen_count);
+  int entered = seen[0];  // the lines to two far faces that lie side by side enter the body through the same face, or through the next one
   find(x, [&](int k) {
     const Vector<D>& place = structure_.position[k];
-    return near_.any_between<D>(place - x, kernel_.support(), 1, [&](int face) {
+    const auto passes = [&](int face) {
       return !passes_corner<D>(structure_.normal[face], structure_.normal[k]) && patch_separates(structure_, face, x, place);
+    };
+    return passes(entered) || near_.any_between<D>(place - x, kernel_.support(), 1, [&](int face) {
+      if (!passes(face)) return false;
+      entered = face;
+      return true;
     });
   });
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/parallel.hpp"
+
 namespace tern::coupler {
 namespace {
 
@@ -113,7 +115,7 @@ void LearntResponse<D>::learn(const Setup<D>& setup, const Workspace<D>& window,
     changed[k] = (velocity[k] - surface.velocity[k]).dot(surface.normal[k]);
     if (window.share[k] > 0) changed_[setup.properties.body[k]] += surface.area[k] * changed[k] * changed[k];
   }
-  for (std::size_t width = 0; width < lumps_.size(); ++width) {
+  const auto learn_width = [&](std::ptrdiff_t width) {
     const SurfaceLumps& lumps = lumps_[width];
     const std::vector<double> guessed = lump_masses(lumps, window.responding_mass, surface.area);
     std::vector<double> learnt = guessed;
@@ -141,7 +143,9 @@ void LearntResponse<D>::learn(const Setup<D>& setup, const Workspace<D>& window,
       square_[width][a] = kept * square_[width][a] + square[a];
     }
     for (std::size_t b = 0; b < error.size(); ++b) error_[width][b] = kept * error_[width][b] + error[b];
-  }
+  };
+  const auto count = static_cast<std::ptrdiff_t>(lumps_.size());
+  parallel_for(count, count * static_cast<std::ptrdiff_t>(points), learn_width);
 }
 
 template class LearntResponse<2>;

@@ -39,7 +39,7 @@ Vector<D> corrected_gradient(const FaceSums<D>& sums) {
 
 template <int D>
 void pair_pressures(const PairView<D>& view, std::vector<double>& carried) {
-  const auto& [kernel, pairs, surface, particles] = view;
+  const auto& [kernel, pairs, surface, particles, weighed_area] = view;
   std::vector<FaceSums<D>> sums(surface.position.size());
   for (std::size_t m = 0; m < pairs.size(); ++m) {
     FaceSums<D>& at = sums[pairs[m].point];

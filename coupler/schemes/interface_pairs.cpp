@@ -27,6 +27,7 @@ void InterfacePairs<D>::find(const InterfaceParticles<D>& particles, const Surfa
   pairs_.clear();
   particle_pairs_ = back_facing_pairs_ = 0;
   for (Found& found : found_) found.standing.clear();
+  for (std::vector<double>* sum : {&seen_share_, &filled_, &weighed_area_}) sum->assign(surface.position.size(), 0);
   if (particles.id.empty()) return;
   faces_.position = surface.position;
   faces_.normal = surface.normal;
@@ -85,6 +86,7 @@ void InterfacePairs<D>::find(const InterfaceParticles<D>& particles, const Surfa
                           weight(particles.volume[i], surface.area[k], borne_share_[k], offset.norm())});
     }
   }
+  sum_by_points(surface);
 }
 
 /// What the normal is multiplied with.
@@ -162,12 +164,18 @@ void InterfacePairs<D>::find_borne_shares() {
 }
 
 template <int D>
-std::vector<double> InterfacePairs<D>::seen_share(const Surface<D>& surface) const {
-  std::vector<double> share(surface.position.size(), 0);
-  for (const auto& pair : pairs()) share[pair.point] -= pair.b.dot(surface.normal[pair.point]) / surface.area[pair.point];
-  for (std::size_t k = 0; k < share.size(); ++k)
-    if (share[k] != 0) share[k] /= borne_share_[k];
-  return share;
+void InterfacePairs<D>::sum_by_points(const Surface<D>& surface) {
+  const auto add = [&](const PairRange<D>& range) {
+    for (const auto& pair : range) {
+      const double area = -pair.b.dot(surface.normal[pair.point]);
+      filled_[pair.point] += area / surface.area[pair.point];
+      weighed_area_[pair.point] += area;
+    }
+  };
+  add(pairs());
+  for (std::size_t k = 0; k < filled_.size(); ++k)
+    if (filled_[k] != 0) seen_share_[k] = filled_[k] / borne_share_[k];
+  add(range(particle_pairs_, pairs_.size()));
 }
 
 template class InterfacePairs<2>;

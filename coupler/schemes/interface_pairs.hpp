@@ -69,6 +69,8 @@ class PairRange {
   std::size_t size() const { return static_cast<std::size_t>(last_ - first_); }
   bool empty() const { return first_ == last_; }
   InterfacePair<D> operator[](std::size_t m) const { return made(first_[m], tables_); }
+  int particle(std::ptrdiff_t m) const { return tables_.particle[first_[m].place]; }
+  int point(std::ptrdiff_t m) const { return first_[m].point; }
 
  private:
   static InterfacePair<D> made(const Kept& pair, const Tables& tables) {
@@ -101,7 +103,11 @@ class InterfacePairs {
       for (const std::size_t m : found.standing) visit(pairs()[m]);
   }
   /// Part of the half space before each point that the particles that it sees fill, as the fluid's own sums have it.
-  std::vector<double> seen_share(const Surface<D>& surface) const;
+  const std::vector<double>& seen_share() const { return seen_share_; }
+  /// The same of all pairs, as they are weighed.
+  const std::vector<double>& filled() const { return filled_; }
+  /// The same times the area of the point: the sum of -b_ik . n_k over all pairs [m^(D-1)].
+  const std::vector<double>& weighed_area() const { return weighed_area_; }
 
   /// Those of the particles, the back-facing ones, then those of the images.
   PairRange<D> all_pairs() const { return range(0, pairs_.size()); }
@@ -124,6 +130,7 @@ class InterfacePairs {
   void weigh(const InterfaceParticles<D>& particles, int particle, const int* points, std::ptrdiff_t count, Kept* pairs, std::size_t first,
              std::vector<std::size_t>* standing) const;
   void find_borne_shares();
+  void sum_by_points(const Surface<D>& surface);
 
   FaceKernel<D> kernel_;
   FaceFinder<D> finder_;
@@ -135,7 +142,8 @@ class InterfacePairs {
   std::size_t particle_pairs_ = 0, back_facing_pairs_ = 0;
   std::vector<std::uint8_t> covered_, asked_;  ///< per surface point; asked_: some particle has a pair with it
   std::vector<double> borne_share_;
-  std::vector<std::size_t> first_;               ///< pair of each particle, then the number of them all
+  std::vector<double> seen_share_, filled_, weighed_area_;  ///< per surface point
+  std::vector<std::size_t> first_;                          ///< pair of each particle, then the number of them all
   std::vector<std::size_t> begin_, begin_past_;  ///< of the pairs of each thread's particles, those they see and those past corners
 };
 

@@ -3,6 +3,7 @@
 // with q_i the pressure of particle i, carried to the face by the weight of the fluid between. Every particle gets back what it has
 // contributed, so that momentum is exact.
 
+#include "base/parallel.hpp"
 #include "coupler/schemes/scheme.hpp"
 #include "sph/wet_share.hpp"
 
@@ -10,13 +11,14 @@ namespace tern::coupler {
 template <int D>
 void mean_pair_pressures(const PairView<D>& view, std::vector<double>& carried) {
   thread_local std::vector<double> share;  // kept, so that a window allocates nothing
-  share.assign(view.surface.position.size(), 0);
-  for (const auto& pair : view.pairs) share[pair.point] += -pair.b.dot(view.surface.normal[pair.point]);
+  share = view.weighed_area;
   for (std::size_t k = 0; k < share.size(); ++k) {
     const double filled = share[k] / view.surface.area[k], wet = wet_share(filled);
     share[k] = wet == 0 ? 0 : wet / filled;
   }
-  for (std::size_t m = 0; m < view.pairs.size(); ++m) carried[m] = share[view.pairs[m].point] * carried[m];
+  const std::vector<double>& factor = share;  // of the calling thread
+  parallel_for(static_cast<std::ptrdiff_t>(view.pairs.size()),
+               [&](std::ptrdiff_t m) { carried[m] = factor[view.pairs.point(m)] * carried[m]; });
 }
 
 template <int D>

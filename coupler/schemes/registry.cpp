@@ -17,16 +17,15 @@ const Scheme<D>& scheme_of(InterfaceScheme scheme) {
 }
 
 template <int D>
-std::vector<double> uniform_load(const Scheme<D>& scheme, PairRange<D> pairs, const Surface<D>& surface) {
-  std::vector<double> filled(surface.position.size(), 0);
-  for (const auto& pair : pairs) filled[pair.point] -= pair.b.dot(surface.normal[pair.point]) / surface.area[pair.point];
+std::vector<double> uniform_load(const Scheme<D>& scheme, const InterfacePairs<D>& pairs) {
+  std::vector<double> filled = pairs.filled();
   for (double& f : filled) f = scheme.load_share(f);
   return filled;
 }
 
 template const Scheme<2>& scheme_of<2>(InterfaceScheme);
 template const Scheme<3>& scheme_of<3>(InterfaceScheme);
-template std::vector<double> uniform_load<2>(const Scheme<2>&, PairRange<2>, const Surface<2>&);
-template std::vector<double> uniform_load<3>(const Scheme<3>&, PairRange<3>, const Surface<3>&);
+template std::vector<double> uniform_load<2>(const Scheme<2>&, const InterfacePairs<2>&);
+template std::vector<double> uniform_load<3>(const Scheme<3>&, const InterfacePairs<3>&);
 
 }  // namespace tern::coupler

@@ -21,6 +21,7 @@ struct PairView {
   PairRange<D> pairs;
   const Surface<D>& surface;
   const InterfaceParticles<D>& particles;
+  const std::vector<double>& weighed_area;  ///< of every surface point (InterfacePairs)
 };
 
 template <int D>
@@ -43,6 +44,6 @@ void mean_pair_pressures(const PairView<D>& view, std::vector<double>& carried);
 
 /// Load of every surface point under a uniform pressure, over that pressure times its area.
 template <int D>
-std::vector<double> uniform_load(const Scheme<D>& scheme, PairRange<D> pairs, const Surface<D>& surface);
+std::vector<double> uniform_load(const Scheme<D>& scheme, const InterfacePairs<D>& pairs);
 
 }  // namespace tern::coupler

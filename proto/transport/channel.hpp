@@ -1,6 +1,6 @@
 #pragma once
 // The channel between the three processes: the coupler binds a ROUTER socket, the participants connect DEALER sockets.
-// Every wait notices interruption, a lost peer (monitor and heartbeats), an Abort from anybody and the progress
+// Every wait notices interruption, a lost peer (monitor and silence), an Abort from anybody and the progress
 // deadline. docs/PROTOCOL.md is the numbered call order; tern.proto is the schema.
 
 #include <cstdint>

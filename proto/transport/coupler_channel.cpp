@@ -17,6 +17,7 @@
 #include "proto/transport/endpoint.hpp"
 #include "proto/transport/keys.hpp"
 #include "proto/transport/session.hpp"
+#include "proto/transport/silence.hpp"
 #include "proto/transport/socket.hpp"
 #include "proto/transport/traffic.hpp"
 #include "proto/transport/waiting.hpp"
@@ -39,6 +40,7 @@ struct Peer {
   bool finished = false;                      // may leave
   bool gone = false;                          // lost, or stopped by its own Abort
   std::optional<wire::Checkpoint> kept = {};  // after a failure
+  Silence silence = {};
 };
 
 /// Tells the log who was turned away: the first at once, then at most a line every 5 s, whoever floods the port.
@@ -137,8 +139,10 @@ struct CouplerChannel::State {
       if (!peer.gone) socket.joined(peer.connection);
     if (anybody_left) take_all(stranger);  // last words arrived before the end of the connection
     waiting.check();                       // our own interruption first: after Ctrl-C the others leave as well
-    for (const auto& [role, peer] : peers)
+    for (auto& [role, peer] : peers) {
+      if (!peer.gone && peer.silence.too_long(peer.connection, waiting.present_s())) peer.gone = true;
       if (peer.gone && !peer.finished) throw lost(role, peer.process_id, place);
+    }
   }
 
   /// A sentence for a connection that did not come about, empty for other events.

@@ -14,6 +14,7 @@
 #include "proto/transport/endpoint.hpp"
 #include "proto/transport/keys.hpp"
 #include "proto/transport/session.hpp"
+#include "proto/transport/silence.hpp"
 #include "proto/transport/socket.hpp"
 #include "proto/transport/traffic.hpp"
 #include "proto/transport/waiting.hpp"
@@ -47,6 +48,8 @@ struct ParticipantChannel::State {
   Session session;
   Socket socket;
   Traffic traffic;
+  int connection = -1;
+  Silence silence;
   bool coupler_gone = false;  // lost, or it said itself that it stops
   std::uint64_t wanted_step = 0;
   std::optional<wire::Checkpoint> kept;
@@ -105,6 +108,7 @@ struct ParticipantChannel::State {
       bool lost_now = coupler_gone;
       while (const auto event = socket.next_event()) {
         using What = SocketEvent::What;
+        if (event->what == What::reached) connection = event->connection;
         if (connected) {
           lost_now |= event->what == What::disconnected;
           continue;
@@ -125,6 +129,7 @@ struct ParticipantChannel::State {
       }
       if (!connected && first_broken_off && Clock::now() - *first_broken_off > broken_off_patience) throw BadInput(broken_off());
       waiting.check();
+      lost_now |= connected && silence.too_long(connection, waiting.present_s());
       if (lost_now) {
         coupler_gone = true;
         if (auto message = take(expected)) return std::move(*message);  // its last words arrived before the end of the connection

@@ -1,4 +1,4 @@
-// Sockets with heartbeats (a frozen peer is dropped after 5 s of silence), a size cap, bounded linger, and a monitor.
+// Sockets that ask for signs of life (silence.hpp looks whether they come), a size cap, bounded linger, and a monitor.
 
 #include "proto/transport/socket.hpp"
 
@@ -23,7 +23,6 @@ namespace tern::proto {
 namespace {
 
 constexpr int heartbeat_interval_ms = 1000;
-constexpr int heartbeat_timeout_ms = 5000;
 constexpr int handshake_ms = 5000;  // somebody who connects and says nothing is dropped
 constexpr int connect_ms = 3000;
 constexpr int linger_ms = 500;
@@ -113,8 +112,7 @@ Socket::Socket(SocketKind kind, const std::optional<Keys>& keys) : kind_(kind) {
   require(socket_ != nullptr, "make a socket");
   set(socket_, ZMQ_LINGER, linger_ms);
   set(socket_, ZMQ_HEARTBEAT_IVL, heartbeat_interval_ms);
-  set(socket_, ZMQ_HEARTBEAT_TIMEOUT, heartbeat_timeout_ms);
-  set(socket_, ZMQ_HEARTBEAT_TTL, heartbeat_timeout_ms);
+  set(socket_, ZMQ_HEARTBEAT_TIMEOUT, 0);  // never: ZeroMQ would take a pause of this process for the peer's silence
   set(socket_, ZMQ_HANDSHAKE_IVL, handshake_ms);
   set(socket_, ZMQ_CONNECT_TIMEOUT, connect_ms);
   set(socket_, ZMQ_RECONNECT_IVL, reconnect_ms);
@@ -132,7 +130,7 @@ Socket::Socket(SocketKind kind, const std::optional<Keys>& keys) : kind_(kind) {
     if (keys) zap_handler_.emplace(context_, keys->allowed);
     events |= ZMQ_EVENT_ACCEPTED;
   } else {
-    events |= ZMQ_EVENT_CLOSED | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
+    events |= ZMQ_EVENT_CONNECTED | ZMQ_EVENT_CLOSED | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
   }
   if (keys) {
     set(socket_, ZMQ_CURVE_SECRETKEY, keys->own_secret);
@@ -237,6 +235,7 @@ std::optional<SocketEvent> Socket::next_event() {
     case ZMQ_EVENT_ACCEPTED:
       if (inflow_) inflow_->accepted(value);
       return SocketEvent{What::accepted, value, {}};
+    case ZMQ_EVENT_CONNECTED: return SocketEvent{What::reached, value, {}};
     case ZMQ_EVENT_HANDSHAKE_SUCCEEDED: return SocketEvent{What::connected, -1, {}};
     case ZMQ_EVENT_DISCONNECTED:
       if (inflow_) inflow_->closed(value);

@@ -26,6 +26,7 @@ enum class SocketKind { dealer, router };
 struct SocketEvent {
   enum class What {
     accepted,        ///< somebody has connected; nothing is known about who it is
+    reached,         ///< there is a connection to the coupler, the handshake of ZeroMQ follows; at the participant
     connected,       ///< handshake of ZeroMQ done
     disconnected,    ///< connection lost, whatever the reason, also during the handshake
     nobody_there,    ///< an attempt to connect has failed: refused, or no answer for 3 s
@@ -34,7 +35,7 @@ struct SocketEvent {
     other_key,       ///< what came cannot be decrypted: it was meant for another coupler
     broken_off,      ///< connection ended during the handshake, by the other end or after 5 s of silence
   } what;
-  int connection = -1;  ///< file descriptor, of accepted and disconnected
+  int connection = -1;  ///< file descriptor, of accepted, reached and disconnected
   std::string who;      ///< address and key, of key_refused at the coupler
 };
 

@@ -3,6 +3,7 @@
 #include "proto/transport/traffic.hpp"
 
 #include "base/error.hpp"
+#include "proto/transport/silence.hpp"
 
 #include <fmt/format.h>
 #include <google/protobuf/io/coded_stream.h>
@@ -25,7 +26,7 @@ std::uint64_t counted_bytes(const wire::Message& message, std::size_t size) {
 
 void Traffic::wait(Socket& socket) {
   const auto begin = std::chrono::steady_clock::now();
-  socket.wait(100);
+  socket.wait(static_cast<int>(1000 * longest_turn_s));
   wait_s += since(begin);
 }
 

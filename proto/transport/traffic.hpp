@@ -16,7 +16,7 @@ struct Traffic {
   double exchange_s = 0;  ///< inside an Exchange, waiting excluded
   std::uint64_t bytes_sent = 0, bytes_received = 0;
 
-  /// Waits for the socket, at most 0.1 s.
+  /// Waits for the socket, at most longest_turn_s.
   void wait(Socket& socket);
 
   /// Counts its lifetime, less what was waited, as exchange.

@@ -1,5 +1,6 @@
 #pragma once
-// One wait for one message: notices interruption, tells the log after 5 s who waits for whom, gives up at the deadline.
+// One wait for one message: notices interruption, tells the log after 5 s who waits for whom, gives up at the deadline. Only the time
+// counts in which this process was there: a machine that stood still, or a process that was stopped, does not blame the peer for it.
 
 #include <chrono>
 #include <cstdint>
@@ -16,8 +17,10 @@ class Waiting {
   /// `who` and `whom` are role names for sentences; `deadline_s` counts from now.
   Waiting(std::string who, std::string whom, std::uint64_t step, double time_s, double deadline_s);
 
-  /// Call at least every 0.1 s. Throws Interrupted after a signal, PeerLost after the deadline.
+  /// Call at least every longest_turn_s. Throws Interrupted after a signal, PeerLost after the deadline.
   void check();
+  /// Since the begin, at the last check [s]. A turn that took longer than it asked for counts as long as that.
+  double present_s() const { return present_s_; }
   void set_deadline(double deadline_s) { deadline_s_ = deadline_s; }
 
   /// After a signal the wait goes on for patience_after_interrupt_s, counted from when the first wait has noticed it.
@@ -36,7 +39,8 @@ class Waiting {
   double deadline_s_, patience_s_ = 0;
   double next_log_s_ = 5;
   bool spoken_ = false;
-  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  double present_s_ = 0;
+  std::chrono::steady_clock::time_point checked_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace tern::proto

@@ -1,6 +1,7 @@
 // How the surface has answered, learnt from windows: of masses that the formula does not know, and of plates that answer as a whole.
 
 #include <gtest/gtest.h>
+#include <omp.h>
 
 #include <cmath>
 #include <numeric>
@@ -199,6 +200,44 @@ TEST(SurfaceLumps, AreOfOneBodyAndOfOneFaceOfAThickOne) {
     body[1] = 1;
     EXPECT_EQ(common(0, 1), 0) << "of two bodies";
   }
+}
+
+// Widths are shared out among threads, and so are the pairs that carry pressures. Seen to fail with the sums of squares of all widths in
+// one array.
+TEST(Window, HasTheSameBitsForAnyNumberOfThreads) {
+  const Surface<3> surface = flat_plate<3>(14 * dx, 2 * dx, 0.6 * dx);  // 4 232 points
+  InterfaceParticles<3> particles = fluid_layers<3>(14 * dx, 3, dx, true, 2 * dx);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> disorder(-0.05 * dx, 0.05 * dx);
+  for (auto& x : particles.position) x += Vector<3>(disorder(random), disorder(random), disorder(random));
+  const std::size_t points = surface.position.size();
+  const auto load_after_windows = [&](int threads) {
+    omp_set_num_threads(threads);
+    Coupler<3> coupler(scene(3, dx), properties(points, guess));
+    SurfaceLoad<3> assumed;
+    assumed.force.assign(points, Vector<3>::Zero());
+    for (int window = 0; window < 4; ++window) {
+      const auto pressure =
+          pressure_field<3>(particles, [&](const Vector<3>& x) { return 1000 * std::sin(30 * x[0] + window) + 2000 * x[1]; });
+      coupler.first_exchange(window * dt, dt, surface, particles);
+      const SurfaceLoad<3>* load = coupler.next_load(pressure);
+      std::vector<Vector<3>> velocity = surface.velocity;
+      for (std::size_t k = 0; k < points; ++k) velocity[k] += dt / (2 * guess * surface.area[k]) * (load->force[k] - assumed.force[k]);
+      coupler.accepts(velocity);
+      coupler.last_exchange(pressure);
+      assumed = coupler.surface_load();
+    }
+    std::vector<double> bits;
+    for (const Vector<3>& force : assumed.force) bits.insert(bits.end(), force.data(), force.data() + 3);
+    const auto& condition = coupler.first_exchange(4 * dt, dt, surface, particles);  // with what has been learnt
+    bits.insert(bits.end(), condition.response.mass.begin(), condition.response.mass.end());
+    return bits;
+  };
+  const int threads_before = omp_get_max_threads();
+  const std::vector<double> of_one = load_after_windows(1);
+  EXPECT_GT(of_one.size(), 3 * points);
+  for (const int threads : {2, 3, 7}) EXPECT_EQ(load_after_windows(threads), of_one) << threads << " threads";
+  omp_set_num_threads(threads_before);
 }
 
 }  // namespace

@@ -78,7 +78,7 @@ std::vector<double> shares(const InterfaceParticles<2>& particles, const Surface
                            InterfaceScheme scheme = InterfaceScheme::riemann) {
   InterfacePairs<2> pairs(1.5 * dx, dx);
   pairs.find(particles, surface);
-  return uniform_load<2>(scheme_of<2>(scheme), pairs.all_pairs(), surface);
+  return uniform_load<2>(scheme_of<2>(scheme), pairs);
 }
 
 // Seen to fail: with the new dissipative part added instead of subtracted; with nothing carried.

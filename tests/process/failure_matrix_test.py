@@ -25,7 +25,7 @@ FOREIGN = ROOT / "python" / "tern" / "participant" / "solvers" / "rigid_spring.p
 PROGRAMS = {"fluid": "tern-fluid", "structure": "tern-structure", "coupler": "tern-coupler", "foreign": FOREIGN.name}
 ROLES = {"foreign": "structure"}  # of whom the others speak, where it is not the name
 AT_ONCE = 6  # runs side by side: most of them wait
-# A quarter of a gigabyte a message: more at once on a busy machine, and nobody's heartbeats get through for 5 s.
+# A quarter of a gigabyte a message: more at once fill the memory of a small machine.
 OVERSIZED_AT_ONCE = threading.Semaphore(1)
 
 # The points of a run at which a process fails, as fault_injection.cpp reads them; numbers of bodies in proto/wire/tern.proto.

@@ -2,15 +2,18 @@
 """The three real processes when one of them is killed, frozen or the user ends the run: noticed in time, no survivor.
 
 Seen to fail: killed fluid and coupler, without the monitors' DISCONNECTED event (5 s instead of 1); frozen, without
-heartbeats (no end within 60 s); Ctrl-C, with interrupted() always false (the three have to be killed); killed launcher,
-without the guardian; threads, with an OpenMP reduction in the dot product of the conjugate gradients.
+heartbeats (no end within 60 s); frozen together, with ZeroMQ's own limit of silence (exit code 4); Ctrl-C, with
+interrupted() always false (the three have to be killed); killed launcher, without the guardian; threads, with an OpenMP
+reduction in the dot product of the conjugate gradients.
 """
 
 import os
 import signal
+import subprocess
 import time
 import unittest
 
+from fake_build import ROOT
 from real_run import ROLES, RealRunTest
 
 
@@ -49,6 +52,44 @@ class LostProcessTest(RealRunTest):
 
     def test_a_frozen_coupler_is_noticed_within_ten_seconds(self):
         self.lose("coupler", signal.SIGSTOP, 13.0, "coupler")
+
+
+class FrozenTogetherTest(RealRunTest):
+    """A machine that stands still for a while, by stopping everybody. The structure first, so that no message is under way."""
+
+    def freeze_for_a_while(self, *words, **case):
+        process = self.start("--quiet", *words, **case)
+        own = self.wait_until_running(process)
+        structure = own.pop("structure", None) or self.foreign(process)
+        for number, pids, pause_s in ((signal.SIGSTOP, [structure], 2.5), (signal.SIGSTOP, own.values(), 12),
+                                      (signal.SIGCONT, [*own.values(), structure], 0)):
+            for pid in pids:
+                os.kill(pid, number)
+            time.sleep(pause_s)
+        _, errors = process.communicate(timeout=120)
+        self.assertEqual(process.returncode, 0, errors)
+        self.assertEqual(self.contents()["status"], "done")
+
+    @staticmethod
+    def foreign(process):
+        """The process id of a participant in Python."""
+        words = ["pgrep", "--parent", str(process.pid), "--full", "rigid_spring"]
+        return int(subprocess.run(words, capture_output=True, text=True, check=True).stdout)
+
+    def test_all_three_go_on_after_twelve_seconds(self):
+        self.freeze_for_a_while("--until", "8")
+
+    def test_a_structure_in_python_goes_on_after_twelve_seconds(self):
+        self.freeze_for_a_while("--structure", "rigid_spring.py --stiffness 1e6", "--set", "end_time=3",
+                                case=ROOT / "cases" / "conformance")
+
+    def test_a_structure_in_python_notices_a_frozen_coupler(self):
+        process = self.start("--quiet", "--structure", "rigid_spring.py --stiffness 1e6", "--set", "end_time=100",
+                             case=ROOT / "cases" / "conformance")
+        own = self.wait_until_running(process)
+        os.kill(own["coupler"], signal.SIGSTOP)
+        process.communicate(timeout=60)
+        self.assertRegex(self.contents()["processes"]["structure"]["cause"], "The coupler process was lost at step")
 
 
 class EndedByTheUserTest(RealRunTest):

@@ -3,7 +3,7 @@
 
 coupler 10.213.1.1 -- 10.213.1.2 fluid, coupler 10.213.2.1 -- 10.213.2.2 structure; no namespace sees anything else. Needs root, and
 is skipped where namespaces may not be made.
-Seen to fail: with the local run ended at 0.799 s; with heartbeat_timeout_ms = 1000 (exit code 4).
+Seen to fail: with the local run ended at 0.799 s; with longest_silence_s = 1 (exit code 4).
 """
 
 import os

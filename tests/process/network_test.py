@@ -76,7 +76,7 @@ class NetworkTest(unittest.TestCase):
         self.assertEqual(run.contents("structure")["exit_codes"], {"structure": 0})
         self.assertIn("for the 2 keys of", (run.out("coupler") / "coupler.log").read_text())
 
-    # Seen to fail (exit code 4) with heartbeat_timeout_ms = 1000.
+    # Seen to fail (exit code 4) with longest_silence_s = 1.
     def test_a_link_that_is_cut_for_two_seconds_delays_the_run_and_changes_no_bit(self):
         run = self.run_of(BITS)
         port = run.start_coupler()
@@ -93,7 +93,7 @@ class NetworkTest(unittest.TestCase):
         relay.heal()
         self.assert_same_bits(run)
 
-    # Seen to fail (nobody ends) without heartbeats.
+    # Seen to fail (nobody ends) without looking at silences.
     def test_a_link_that_is_cut_for_good_ends_both_sides_with_the_cause(self):
         run = self.run_of(SCENE)
         port = run.start_coupler()

@@ -19,10 +19,10 @@ from tern.errors import NUMERICAL_FAILURE
 from tern.participant.message_check import MAX_MESSAGE_BYTES, BadMessage, check_body
 from tern.participant.schema import wire
 from tern.participant.security import EVENTS, CannotConnect, Handshake
+from tern.participant.silence import LONGEST_TURN_S, Silence
 
 PROTOCOL_VERSION = 6
 HEARTBEAT_INTERVAL_MS = 1000
-HEARTBEAT_TIMEOUT_MS = 5000
 LINGER_MS = 500
 
 
@@ -50,6 +50,7 @@ class Participant:
         self._dimension = self._surface_points = self._interface_particles = 0
         self._next_begin_ticks = None
         self._lost = self._projected = self._extent = False
+        self._silence = Silence()
         self.step = 0
         try:
             self._handshake = Handshake(endpoint, wire.Role.Name(role).lower(), keys, insecure)
@@ -57,8 +58,7 @@ class Participant:
             raise RunEnded(2, str(fault)) from None
         self._context = zmq.Context()
         self._socket = self._context.socket(zmq.DEALER)
-        for option, value in ((zmq.LINGER, LINGER_MS), (zmq.HEARTBEAT_IVL, HEARTBEAT_INTERVAL_MS),
-                              (zmq.HEARTBEAT_TIMEOUT, HEARTBEAT_TIMEOUT_MS), (zmq.HEARTBEAT_TTL, HEARTBEAT_TIMEOUT_MS),
+        for option, value in ((zmq.LINGER, LINGER_MS), (zmq.HEARTBEAT_IVL, HEARTBEAT_INTERVAL_MS), (zmq.HEARTBEAT_TIMEOUT, 0),
                               (zmq.RECONNECT_IVL, 20), (zmq.MAXMSGSIZE, 2 * MAX_MESSAGE_BYTES)):
             self._socket.setsockopt(option, value)
         self._monitor = self._socket.get_monitor_socket(EVENTS)
@@ -118,7 +118,7 @@ class Participant:
         raise RunEnded(4, sentence)
 
     def _receive(self, kinds, connected):
-        begin, deadline_s = time.monotonic(), self._deadlines[connected]
+        looked, present_s, deadline_s = time.monotonic(), 0.0, self._deadlines[connected]
         while True:
             if self._socket.poll(0):
                 return self._take(kinds)
@@ -126,11 +126,13 @@ class Participant:
                 raise RunEnded(4, f"The coupler process was lost at step {self.step}.")
             while self._monitor.poll(0):
                 message = recv_monitor_message(self._monitor)
+                if message["event"] == zmq.EVENT_CONNECTED:
+                    self._silence.connection = message["value"]
                 if connected:
                     self._lost |= message["event"] == zmq.EVENT_DISCONNECTED
                 elif message["event"] == zmq.EVENT_HANDSHAKE_SUCCEEDED:
                     # The coupler answers when everybody has come, and is the first to give up.
-                    connected, begin, deadline_s = True, time.monotonic(), 2 * self._deadlines[0]
+                    connected, present_s, deadline_s = True, 0.0, 2 * self._deadlines[0]
                 else:
                     try:
                         self._handshake.hear(message["event"], message["value"])
@@ -138,13 +140,17 @@ class Participant:
                         raise RunEnded(2, str(fault)) from None
             if self._lost:
                 continue  # its last words may have arrived before the end of the connection
-            if time.monotonic() - begin > deadline_s:
+            # Only the time counts in which this process was there: a turn that took longer than it asked for counts as long as that.
+            before, looked = looked, time.monotonic()
+            present_s += min(looked - before, LONGEST_TURN_S)
+            self._lost |= connected and self._silence.too_long(present_s)
+            if present_s > deadline_s:
                 raise RunEnded(4, f"No message of the coupler at {self._endpoint} at step {self.step} "
                                   f"for {deadline_s:g} s.")
             poller = zmq.Poller()
             poller.register(self._socket, zmq.POLLIN)
             poller.register(self._monitor, zmq.POLLIN)
-            poller.poll(100)
+            poller.poll(1000 * LONGEST_TURN_S)
 
     def _take(self, kinds):
         frames = self._socket.recv_multipart()

@@ -14,7 +14,7 @@ import zmq
 from zmq.utils.monitor import recv_monitor_message
 
 from tern.participant.message_check import MAX_MESSAGE_BYTES, BadMessage, check_from_participant
-from tern.participant.channel import HEARTBEAT_INTERVAL_MS, HEARTBEAT_TIMEOUT_MS, LINGER_MS, PROTOCOL_VERSION
+from tern.participant.channel import HEARTBEAT_INTERVAL_MS, LINGER_MS, PROTOCOL_VERSION
 from tern.participant.conformance_relay import Relay
 from tern.participant.schema import wire
 
@@ -70,8 +70,7 @@ class Session:
         self._directory = Path(tempfile.mkdtemp(prefix="tern-conform-"))
         self._context = zmq.Context()
         self._socket = self._context.socket(zmq.ROUTER)
-        for option, value in ((zmq.LINGER, LINGER_MS), (zmq.HEARTBEAT_IVL, HEARTBEAT_INTERVAL_MS),
-                              (zmq.HEARTBEAT_TIMEOUT, HEARTBEAT_TIMEOUT_MS), (zmq.HEARTBEAT_TTL, HEARTBEAT_TIMEOUT_MS),
+        for option, value in ((zmq.LINGER, LINGER_MS), (zmq.HEARTBEAT_IVL, HEARTBEAT_INTERVAL_MS), (zmq.HEARTBEAT_TIMEOUT, 0),
                               (zmq.MAXMSGSIZE, 2 * MAX_MESSAGE_BYTES), (zmq.ROUTER_MANDATORY, 1)):
             self._socket.setsockopt(option, value)
         self._monitor = self._socket.get_monitor_socket(zmq.EVENT_DISCONNECTED)

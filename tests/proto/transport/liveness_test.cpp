@@ -1,12 +1,20 @@
 // Peers that die, freeze, fall silent or were never there are noticed in time and named; nobody waits for ever.
 // Seen to fail, one at a time, by running into the time limit of the test: monitor events ignored by the coupler, by
-// the participant; heartbeats off; the deadline and the interruption not looked at in Waiting::check.
+// the participant; silences not looked at in either channel; the deadline and the interruption not looked at in Waiting::check.
 
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
 #include <signal.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 
+#include <array>
 #include <chrono>
+#include <future>
+#include <memory>
 #include <thread>
+#include <vector>
 
 #include "base/interrupt.hpp"
 #include "channel_fixture.hpp"
@@ -39,6 +47,10 @@ class Child {
   Child& operator=(const Child&) = delete;
   void signal(int number) const { ::kill(id_, number); }
   pid_t id() const { return id_; }
+  bool ended() {
+    siginfo_t state{};
+    return ::waitid(P_PID, static_cast<id_t>(id_), &state, WEXITED | WNOHANG | WNOWAIT) != 0 || state.si_pid != 0;
+  }
   /// Waits for its end; returns the exit code, -1 after a signal.
   int exit_code() {
     int status = 0;
@@ -109,6 +121,88 @@ TEST(Liveness, AFrozenParticipantIsNoticedWithinTenSeconds) {
   EXPECT_GT(noticed, 1.0);  // a busy machine must not look like a frozen one
   EXPECT_EQ(outcome.code, 4);
   EXPECT_TRUE(outcome.says("was lost before the first step")) << outcome.sentence;
+}
+
+/// An address of this machine's own network at which nobody listens.
+std::string free_local_address() {
+  const int probe = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{.sin_family = AF_INET, .sin_port = 0, .sin_addr = {htonl(INADDR_LOOPBACK)}, .sin_zero = {}};
+  socklen_t size = sizeof(address);
+  ::bind(probe, reinterpret_cast<sockaddr*>(&address), size);
+  ::getsockname(probe, reinterpret_cast<sockaddr*>(&address), &size);
+  ::close(probe);
+  return fmt::format("tcp://127.0.0.1:{}", ntohs(address.sin_port));
+}
+
+/// A coupler that waits for a fluid, and the fluid that waits for it 7 s, as processes of their own.
+struct TwoProcesses {
+  explicit TwoProcesses(std::string address)
+      : endpoint(std::move(address)),
+        coupler([this] {
+          CouplerChannel channel(endpoint, 30, 60);
+          channel.accept({wire::FLUID}, "ab12", 2);
+          channel.welcome(2);
+          channel.receive(wire::FLUID, {Kind::kFinished});
+        }),
+        fluid([this] {
+          ParticipantChannel channel(endpoint, wire::FLUID, 30, 7);
+          join(channel, wire::FLUID);
+          channel.receive({Kind::kFinish});
+        }) {}
+  std::string endpoint;
+  Child coupler, fluid;
+};
+
+// Seen to fail without the look at the silence in ParticipantChannel, which then waits for its deadline.
+TEST(Liveness, AFrozenCouplerIsNoticedWithinTenSeconds) {
+  TemporaryEndpoint endpoint;
+  const std::array addresses{endpoint.address(), free_local_address()};
+  std::vector<std::unique_ptr<Child>> couplers;
+  for (const std::string& address : addresses)
+    couplers.push_back(std::make_unique<Child>([&] {
+      CouplerChannel channel(address, 30, 60);
+      channel.accept({wire::FLUID}, "ab12", 2);
+      channel.welcome(2);
+      channel.receive(wire::FLUID, {Kind::kFinished});
+    }));
+  std::vector<std::future<Outcome>> fluids;
+  for (const std::string& address : addresses) fluids.push_back(in_thread([&] { join_and_wait(address, wire::FLUID); }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  for (const auto& coupler : couplers) coupler->signal(SIGSTOP);
+  EXPECT_LT(seconds_of([&] {
+              for (auto& fluid : fluids) {
+                const Outcome outcome = fluid.get();
+                EXPECT_EQ(outcome.code, 4);
+                EXPECT_TRUE(outcome.says("The coupler process was lost before the first step")) << outcome.sentence;
+              }
+            }),
+            10.0);
+}
+
+// Seen to fail with ZeroMQ's own limits of 5 s (ZMQ_HEARTBEAT_TIMEOUT, ZMQ_HEARTBEAT_TTL), with which they lose each other at once; and
+// with all of the time that passes counted in Waiting::check, with which the fluid gives up.
+TEST(Liveness, WhoFrozeTogetherGoOn) {
+  TemporaryEndpoint endpoint;
+  std::vector<std::unique_ptr<TwoProcesses>> pairs;
+  for (const std::string& address : {endpoint.address(), free_local_address()}) pairs.push_back(std::make_unique<TwoProcesses>(address));
+  std::this_thread::sleep_for(std::chrono::milliseconds(2500));  // they have met, and asked each other for a sign of life
+  for (const int number : {SIGSTOP, SIGCONT}) {
+    for (const auto& pair : pairs) {
+      pair->fluid.signal(number);
+      pair->coupler.signal(number);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(number == SIGSTOP ? 7000 : 3000));
+  }
+  for (const auto& pair : pairs) {
+    EXPECT_FALSE(pair->coupler.ended()) << pair->endpoint;
+    EXPECT_FALSE(pair->fluid.ended()) << pair->endpoint;
+    pair->fluid.signal(SIGSTOP);  // and one that freezes alone is still noticed, over a network as well
+  }
+  const auto noticed = seconds_of([&] {
+    for (const auto& pair : pairs) EXPECT_EQ(pair->coupler.exit_code(), 4) << pair->endpoint;
+  });
+  EXPECT_LT(noticed, 10.0);
+  EXPECT_GT(noticed, 1.0);
 }
 
 TEST(Liveness, AnInterruptedParticipantStopsWaitingAtOnceWithItsOwnExitCode) {
