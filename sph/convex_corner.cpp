@@ -141,11 +141,13 @@ double CornerView<D>::borne_share(int k) {
   if (seen_.empty()) {
     find_behind(normal, x);
   } else {  // beyond a plate is also what lies behind one that the face sees
+    near_.set<D>(structure_, x, seen_.data(), static_cast<int>(seen_.size()));
     find(x, [&](int other) {
+      const Vector<D>& place = structure_.position[other];
       const auto is_plate_of = [&](int face) { return !passes_corner<D>(structure_.normal[face], structure_.normal[other]); };
-      return (is_plate_of(k) && (structure_.position[other] - x).dot(normal) < 0) || std::any_of(seen_.begin(), seen_.end(), [&](int face) {
-               return is_plate_of(face) && patch_separates(structure_, face, x, structure_.position[other]);
-             });
+      return (is_plate_of(k) && (place - x).dot(normal) < 0) || near_.any_between<D>(place - x, kernel_.support(), 1, [&](int face) {
+        return is_plate_of(face) && patch_separates(structure_, face, x, place);
+      });
     });
     remove_beyond_plates(x, seen_);
   }
