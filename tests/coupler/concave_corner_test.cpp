@@ -105,7 +105,7 @@ TEST(ConcaveCorner, BearsTheWeightOfWaterAtRest) {
 
 // Above the water there is nothing behind the faces of a body, as behind those of a wall: no particle is held up there, and none is pushed
 // off the wall, or water would rise along it and go round for ever.
-// Seen to fail: with every face of a body wet (0.036).
+// Seen to fail: with every face of a body wet (0.034).
 TEST(WaterLine, IsAtRestBesideABody) {
   Case c = bucket<2>();
   c.structure->bodies[0].clamps = {box({-1, -1, -1}, {1, depth + 0.5 * wall, 1})};
