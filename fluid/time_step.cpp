@@ -70,7 +70,7 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   set_surface(constants, surface, boundary_);
   see_boundary(constants, reference_.period, prediction_.position, boundary_, neighbours_);
   share_patches(domain_, constants, reference_.period, boundary_);
-  sum_over_hidden_side(constants, prediction_.position, prediction_.gravity, boundary_);
+  sum_over_hidden_side(constants, domain_.ranks(), prediction_.position, prediction_.gravity, boundary_);
 
   correct_moments(neighbours_, boundary_, state_.particle_class, correction_);  // M, C, C^F
   classify_particles(constants, neighbours_, boundary_, correction_, state_);   // free surface, spray

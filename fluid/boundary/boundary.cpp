@@ -66,13 +66,15 @@ void see_boundary(const Constants<D>& constants, const Period<D>& period, const 
 }
 
 template <int D>
-void sum_over_hidden_side(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
-                          Boundary<D>& boundary) {
+void sum_over_hidden_side(const Constants<D>& constants, const Ranks& ranks, const std::vector<Vector<D>>& position,
+                          const std::vector<Vector<D>>& gravity, Boundary<D>& boundary) {
   leave_out_dry_walls<D>(constants, boundary.patches, position, boundary.seen_walls(), boundary.walls.faces(), boundary.wall_finder,
                          boundary.space_before_walls, boundary.surface, boundary.surface_finder, boundary.walls.planes(),
                          boundary.wall_rows);
   leave_dry_planes<D>(position, boundary);
   set_wall_sums<D>(constants, position, gravity, boundary.seen_walls(), boundary.wall_rows, boundary.sums);
+  leave_out_dry_bodies<D>(constants, ranks, position, boundary.surface, boundary.surface_finder, boundary.seen_walls(),
+                          boundary.wall_finder, boundary.surface_rows);
   add_surface_sums<D>(constants, position, gravity, boundary.surface, boundary.surface_finder, boundary.covered_faces,
                       boundary.surface_rows, boundary.sums);
 }
@@ -88,12 +90,13 @@ void set_surface_velocity(const std::vector<Vector<D>>& velocity, const std::vec
   boundary.surface.velocity = velocity;
 }
 
-#define TERN_INSTANTIATE(D)                                                                                                               \
-  template struct Boundary<D>;                                                                                                            \
-  template void move_walls<D>(const Constants<D>&, const Window&, Boundary<D>&, std::vector<Vector<D>>&);                                 \
-  template void set_surface<D>(const Constants<D>&, const Surface<D>&, Boundary<D>&);                                                     \
-  template void see_boundary<D>(const Constants<D>&, const Period<D>&, const std::vector<Vector<D>>&, Boundary<D>&, Neighbours<D>&);      \
-  template void sum_over_hidden_side<D>(const Constants<D>&, const std::vector<Vector<D>>&, const std::vector<Vector<D>>&, Boundary<D>&); \
+#define TERN_INSTANTIATE(D)                                                                                                              \
+  template struct Boundary<D>;                                                                                                           \
+  template void move_walls<D>(const Constants<D>&, const Window&, Boundary<D>&, std::vector<Vector<D>>&);                                \
+  template void set_surface<D>(const Constants<D>&, const Surface<D>&, Boundary<D>&);                                                    \
+  template void see_boundary<D>(const Constants<D>&, const Period<D>&, const std::vector<Vector<D>>&, Boundary<D>&, Neighbours<D>&);     \
+  template void sum_over_hidden_side<D>(const Constants<D>&, const Ranks&, const std::vector<Vector<D>>&, const std::vector<Vector<D>>&, \
+                                        Boundary<D>&);                                                                                   \
   template void set_surface_velocity<D>(const std::vector<Vector<D>>&, const std::vector<int>&, Boundary<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

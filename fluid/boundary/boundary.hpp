@@ -56,8 +56,8 @@ void see_boundary(const Constants<D>& constants, const Period<D>& period, const 
 
 /// Wet shares and sums over the hidden side, of the faces that each particle sees. `gravity`: at each particle [m/s^2].
 template <int D>
-void sum_over_hidden_side(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
-                          Boundary<D>& boundary);
+void sum_over_hidden_side(const Constants<D>& constants, const Ranks& ranks, const std::vector<Vector<D>>& position,
+                          const std::vector<Vector<D>>& gravity, Boundary<D>& boundary);
 
 /// The surface of the same window under another load: changes the flux that the particles `at_structure` see.
 template <int D>

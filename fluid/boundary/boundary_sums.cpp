@@ -91,12 +91,12 @@ void close_round_corner(const Constants<D>& constants, const Vector<D>& x, const
   }
   for (int k : back_facing) {
     const Vector<D> d = faces.position[k] - x;
-    const double r = d.norm(), angle = subtended_angle<D>(d, Vector<D>(-faces.normal[k]), faces.area[k]);
-    const double weight = faces.area[k] * constants.faces.surface_weight(r);
+    const double r = d.norm(), angle = rows.wet[k] * subtended_angle<D>(d, Vector<D>(-faces.normal[k]), faces.area[k]);
+    const double whole = faces.area[k] * constants.faces.surface_weight(r), weight = rows.wet[k] * whole;
     hidden.density -= angle * constants.faces.hidden_density(r);
     hidden.moment -= (angle * constants.faces.hidden_moment(r) / (r * r)) * d * d.transpose();
     unborne += 2 * sums.borne_share[k] * weight * faces.normal[k] * d.transpose();
-    kept.push_back({static_cast<int>(i), k, weight});
+    kept.push_back({static_cast<int>(i), k, whole});
     sums.back_facing_gradient[i] -= weight * faces.normal[k];
     sums.unborne_gradient[i] -= (1 - sums.borne_share[k]) * weight * faces.normal[k];
   }

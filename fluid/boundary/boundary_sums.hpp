@@ -12,7 +12,7 @@ namespace tern::fluid {
 /// A particle and a face of the structure that is turned away from it past a corner (convex_corner.hpp).
 struct BackFacing {
   int particle, face;
-  double weight;  ///< A_k w~ [1/m]
+  double weight;  ///< A_k w~ [1/m], whether the face is wet or not
 };
 
 /// Sums over the hidden side of all faces a particle sees; zero away from faces. set_wall_sums() comes first.

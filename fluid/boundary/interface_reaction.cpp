@@ -22,11 +22,16 @@ void find_interface_reaction(const Constants<D>& constants, const Ranks& ranks, 
   const FaceRows& rows = boundary.surface_rows;
   BoundarySums<D>& sums = boundary.sums;
 
+  // What a face and a particle exchange does not ask whether the face is wet: f_k says that.
+  const auto whole = [&](int i, int entry) {
+    const int k = rows.face[entry];
+    return rows.wet[k] == 1 ? rows.weight[entry] : faces.area[k] * constants.faces.surface_weight((position[i] - faces.position[k]).norm());
+  };
   std::vector<double>& share = sums.reaction_share;  // f_k, then s_k / f_k
   share.assign(faces.size(), 0);
   for (const int i : at_structure)
     for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry)
-      share[rows.face[entry]] += 2 * constants.volume * rows.weight[entry] / faces.area[rows.face[entry]];
+      share[rows.face[entry]] += 2 * constants.volume * whole(i, entry) / faces.area[rows.face[entry]];
   for (const auto& of_thread : sums.back_facing)
     for (const BackFacing& back : of_thread) share[back.face] += 2 * constants.volume * back.weight / faces.area[back.face];
   const double support = constants.faces.support();
@@ -55,12 +60,12 @@ void find_interface_reaction(const Constants<D>& constants, const Ranks& ranks, 
     const Vector<D> from_particle = faces.position[k] - position[i];
     sums.reaction[i] -= share[k] * weight * faces.normal[k];
     sums.carried_weight[i] -= (2 * constants.density * gravity[i].dot(from_particle) * share[k] * weight) * faces.normal[k];
-    sums.linear_moment[i] -= (2 * (share[k] - sums.borne_share[k]) * weight) * faces.normal[k] * from_particle.transpose();
+    sums.linear_moment[i] -= (2 * (share[k] - sums.borne_share[k] * rows.wet[k]) * weight) * faces.normal[k] * from_particle.transpose();
   };
   for (const int i : at_structure) {
     sums.reaction[i].setZero();
     sums.carried_weight[i].setZero();
-    for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry) add(i, rows.face[entry], rows.weight[entry]);
+    for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry) add(i, rows.face[entry], whole(i, entry));
   }
   for (const auto& of_thread : sums.back_facing)
     for (const BackFacing& back : of_thread) add(back.particle, back.face, back.weight);

@@ -146,11 +146,53 @@ void leave_out_dry_walls(const Constants<D>& constants, const Halo& patches, con
     for (std::ptrdiff_t k = run.first; k < run.last; ++k) wall_rows.wet[k] = wall_rows.wet[walls.original[k]];
 }
 
+template <int D>
+void leave_out_dry_bodies(const Constants<D>& constants, const Ranks& ranks, const std::vector<Vector<D>>& position, const Faces<D>& bodies,
+                          const FaceFinder<D>& body_finder, const Faces<D>& walls, const FaceFinder<D>& wall_finder, FaceRows& rows) {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(rows.begin.size()), count = static_cast<std::ptrdiff_t>(bodies.size());
+  rows.wet.resize(bodies.size());
+  if (count == 0) return;
+  const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
+  rows.filled.resize(threads);
+  rows.seen.resize(threads);
+#pragma omp parallel num_threads(threads)
+  {
+    std::vector<std::int64_t>& filled = rows.filled[omp_get_thread_num()];
+    filled.assign(bodies.size(), 0);
+#pragma omp for schedule(static)
+    for (std::ptrdiff_t i = 0; i < n; ++i)
+      for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry) {
+        const int k = rows.face[entry];
+        filled[k] += std::llrint(constants.volume / filled_unit * constants.kernel.value((bodies.position[k] - position[i]).norm()));
+      }
+#pragma omp for schedule(static)
+    for (std::ptrdiff_t k = 0; k < count; ++k) {
+      std::int64_t sum = 0;
+      for (const auto& part : rows.filled) sum += part[k];
+      rows.wet[k] = filled_unit * static_cast<double>(sum);
+    }
+#pragma omp master
+    ranks.sum(std::span(rows.wet));
+#pragma omp barrier
+#pragma omp for schedule(static)
+    for (std::ptrdiff_t k = 0; k < count; ++k) {
+      if (rows.wet[k] == 0) continue;
+      const Vector<D> x = just_before(constants, bodies, k);
+      std::vector<int>& seen = rows.seen[omp_get_thread_num()];
+      const double hidden =
+          hidden_density(constants, bodies, body_finder, x, seen) + hidden_density(constants, walls, wall_finder, x, seen);
+      rows.wet[k] = wet_share(rows.wet[k] / std::max(constants.lattice.density - hidden, 0.02));
+    }
+  }
+}
+
 #define TERN_INSTANTIATE(D)                                                                                                               \
   template double hidden_density<D>(const Constants<D>&, const Faces<D>&, const FaceFinder<D>&, const Vector<D>&, std::vector<int>&);     \
   template void leave_out_dry_walls<D>(const Constants<D>&, const Halo&, const std::vector<Vector<D>>&, const Faces<D>&, const Faces<D>&, \
                                        const FaceFinder<D>&, std::vector<double>&, const Faces<D>&, const FaceFinder<D>&,                 \
-                                       const std::vector<PlaneWall>&, FaceRows&);
+                                       const std::vector<PlaneWall>&, FaceRows&);                                                         \
+  template void leave_out_dry_bodies<D>(const Constants<D>&, const Ranks&, const std::vector<Vector<D>>&, const Faces<D>&,                \
+                                        const FaceFinder<D>&, const Faces<D>&, const FaceFinder<D>&, FaceRows&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)
 #undef TERN_INSTANTIATE

@@ -6,6 +6,7 @@
 #include "fluid/boundary/plane_walls.hpp"
 #include "fluid/reference.hpp"
 #include "ranks/halo.hpp"
+#include "ranks/ranks.hpp"
 #include "sph/faces.hpp"
 
 namespace tern::fluid {
@@ -24,5 +25,10 @@ void leave_out_dry_walls(const Constants<D>& constants, const Halo& patches, con
                          const Faces<D>& whole_walls, const FaceFinder<D>& wall_finder, std::vector<double>& space,
                          const Faces<D>& structure, const FaceFinder<D>& structure_finder, const std::vector<PlaneWall>& planes,
                          FaceRows& wall_rows);
+
+/// The same of the faces of bodies: sets `rows.wet` of each, from what particles of all ranks fill of what walls and bodies leave open.
+template <int D>
+void leave_out_dry_bodies(const Constants<D>& constants, const Ranks& ranks, const std::vector<Vector<D>>& position, const Faces<D>& bodies,
+                          const FaceFinder<D>& body_finder, const Faces<D>& walls, const FaceFinder<D>& wall_finder, FaceRows& rows);
 
 }  // namespace tern::fluid

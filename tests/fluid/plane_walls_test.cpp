@@ -27,7 +27,7 @@ struct Seen {
     none.begin.resize(position.size());
     const std::vector<Vector<3>> gravity(position.size(), Vector<3>(0, -9.81, 0));
     see_boundary<3>(fluid.constants(), fluid.period(), position, boundary, none);
-    sum_over_hidden_side<3>(fluid.constants(), position, gravity, boundary);
+    sum_over_hidden_side<3>(fluid.constants(), Ranks{}, position, gravity, boundary);
   }
 };
 
@@ -120,7 +120,7 @@ TEST(PlaneWalls, GiveWayToPatchesGradually) {
       none.begin.resize(one.size());
       const std::vector<Vector<3>> gravity(one.size(), Vector<3>(0, -9.81, 0));
       see_boundary<3>(fluid.constants(), fluid.period(), one, boundary, none);
-      sum_over_hidden_side<3>(fluid.constants(), one, gravity, boundary);
+      sum_over_hidden_side<3>(fluid.constants(), Ranks{}, one, gravity, boundary);
       const double share = boundary.wall_rows.plane[first] < 0 ? 0 : boundary.wall_rows.plane_share[first];
       if (before >= 0) largest_change = std::max(largest_change, std::abs(share - before));
       least = std::min(least, share), most = std::max(most, share);
