@@ -6,6 +6,7 @@
 #include <map>
 
 #include "fixtures/interface_scenes.hpp"
+#include "fluid/boundary/interface_reaction.hpp"
 #include "fluid/fluid.hpp"
 #include "fluid/pressure/pressure_gradient.hpp"
 #include "structure/structure.hpp"
@@ -51,42 +52,56 @@ Case block_in_water(InterfaceScheme scheme, Place place, double gravity) {
   return c;
 }
 
+/// Fluid of particles out of order beside the block under this pressure.
+template <int D>
+struct Beside {
+  Case c;
+  fluid::Fluid<D> fluid;
+  structure::Structure<D> structure;
+  fluid::State<D> state;
+  InterfaceParticles<D> particles;
+  std::vector<int> rows;  ///< of these in the state
+
+  template <class Pressure>
+  Beside(InterfaceScheme scheme, Place place, double gravity, Pressure pressure)
+      : c(block_in_water<D>(scheme, place, gravity)), fluid(c), structure(c) {
+    std::mt19937 random(20261126);
+    std::uniform_real_distribution<double> shift(-0.15 * dx, 0.15 * dx);
+    state = fluid.state();
+    for (auto& x : state.position)
+      for (int a = 0; a < D; ++a) x[a] += shift(random);
+    fluid.set_state(std::move(state));
+    fluid.begin_window(0, to_ticks(window));
+    particles = fluid.see_surface(structure.surface());
+    state = fluid.state();
+    for (std::size_t i = 0; i < state.size(); ++i) state.pressure[i] = pressure(state.position[i]);
+    std::map<std::uint32_t, int> row;
+    for (std::size_t i = 0; i < state.size(); ++i) row[state.id[i]] = static_cast<int>(i);
+    for (const std::uint32_t id : particles.id) rows.push_back(row[id]);
+  }
+
+  /// What the coupler gives back to the particles [N].
+  std::vector<Vector<D>> given_back() const {
+    InterfacePressure<D> at_interface;
+    for (const int i : rows) at_interface.pressure.push_back(state.pressure[i]);
+    at_interface.velocity = particles.velocity;
+    Coupler<D> coupler(c, structure.surface_properties());
+    coupler.first_exchange(0, window, structure.surface(), particles);
+    return coupler.last_exchange(at_interface).force;
+  }
+};
+
 /// Accelerations of all particles beside the block by this pressure [m/s^2]. `ordered`: with the springs that keep particles in order.
 template <int D, class Pressure>
 std::vector<Vector<D>> accelerations(InterfaceScheme scheme, Place place, double gravity, bool ordered, Pressure pressure) {
-  const Case c = block_in_water<D>(scheme, place, gravity);
-  fluid::Fluid<D> fluid(c);
-  structure::Structure<D> structure(c);
-  std::mt19937 random(20261126);
-  std::uniform_real_distribution<double> shift(-0.15 * dx, 0.15 * dx);
-  fluid::State<D> state = fluid.state();
-  for (auto& x : state.position)
-    for (int a = 0; a < D; ++a) x[a] += shift(random);
-  fluid.set_state(std::move(state));
-  fluid.begin_window(0, to_ticks(window));
-  const Surface<D> surface = structure.surface();
-  const InterfaceParticles<D> particles = fluid.see_surface(surface);
-
-  state = fluid.state();
-  for (std::size_t i = 0; i < state.size(); ++i) state.pressure[i] = pressure(state.position[i]);
-  std::map<std::uint32_t, int> row;
-  for (std::size_t i = 0; i < state.size(); ++i) row[state.id[i]] = static_cast<int>(i);
-  std::vector<int> beside;
-  InterfacePressure<D> at_interface;
-  for (const std::uint32_t id : particles.id) {
-    beside.push_back(row[id]);
-    at_interface.pressure.push_back(state.pressure[beside.back()]);
-  }
-  at_interface.velocity = particles.velocity;
-  std::vector<Vector<D>> velocity(state.size(), Vector<D>::Zero());
-  apply_pressure_gradient(fluid.reference(), window, fluid.neighbours(), fluid.boundary(), fluid.correction(), state, &beside, velocity,
-                          ordered ? &velocity : nullptr);
-
-  Coupler<D> coupler(c, structure.surface_properties());
-  coupler.first_exchange(0, window, surface, particles);
-  const InterfaceForce<D> force = coupler.last_exchange(at_interface);
+  const Beside<D> water(scheme, place, gravity, pressure);
+  const fluid::Fluid<D>& fluid = water.fluid;
+  std::vector<Vector<D>> velocity(water.state.size(), Vector<D>::Zero());
+  apply_pressure_gradient(fluid.reference(), window, fluid.neighbours(), fluid.boundary(), fluid.correction(), water.state, &water.rows,
+                          velocity, ordered ? &velocity : nullptr);
+  const std::vector<Vector<D>> force = water.given_back();
   std::vector<Vector<D>> result;
-  for (std::size_t m = 0; m < beside.size(); ++m) result.push_back(velocity[beside[m]] / window + force.force[m] / particles.mass[m]);
+  for (std::size_t m = 0; m < force.size(); ++m) result.push_back(velocity[water.rows[m]] / window + force[m] / water.particles.mass[m]);
   return result;
 }
 
@@ -139,6 +154,34 @@ TEST(PressureLevel, BearsTheWeightOfParticlesBesideABody) {
     EXPECT_LT(floor, 1e-9) << name;
   }
   EXPECT_LT(largest_unrest<3>(InterfaceScheme::riemann, Place::middle), 1e-9);
+}
+
+/// Largest difference between what the coupler gives back and what the fluid takes that to be, over the largest force.
+template <int D>
+double largest_surprise(InterfaceScheme scheme, Place place) {
+  const Beside<D> water(scheme, place, 9.81, [&](const Vector<D>& x) { return 1e4 * (width - x[1]) + 500 * std::sin(40 * x[0]); });
+  std::vector<Vector<D>> velocity(water.state.size(), Vector<D>::Zero());
+  add_interface_reaction(water.fluid.constants(), window, water.fluid.boundary(), water.state, water.rows, velocity);
+  const std::vector<Vector<D>> force = water.given_back();
+  double largest = 0, error = 0;
+  for (std::size_t m = 0; m < force.size(); ++m) {
+    largest = std::max(largest, force[m].norm());
+    error = std::max(error, (force[m] - water.particles.mass[m] / window * velocity[water.rows[m]]).norm());
+  }
+  EXPECT_GT(largest, 0);
+  return error / largest;
+}
+
+// What a pressure solve leaves behind is that of the velocity with the force of the interface, which the fluid has to know before the
+// coupler has answered. On the same particles. Measured: 5e-16. Seen to fail: with the weight of the fluid up to the faces left out (0.03).
+TEST(InterfaceReaction, IsWhatTheCouplerGivesBack) {
+  for (const InterfaceScheme scheme : {InterfaceScheme::pi, InterfaceScheme::riemann}) {
+    const double middle = largest_surprise<2>(scheme, Place::middle), floor = largest_surprise<2>(scheme, Place::floor);
+    std::printf("[ %.1e of the largest force, on the floor %.1e ]\n", middle, floor);
+    EXPECT_LT(middle, 1e-11);
+    EXPECT_LT(floor, 1e-11);
+  }
+  EXPECT_LT(largest_surprise<3>(InterfaceScheme::riemann, Place::middle), 1e-11);
 }
 
 }  // namespace
