@@ -18,8 +18,8 @@ void find_interface_reaction(const Constants<D>& constants, const Ranks& ranks, 
                              const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
                              const std::vector<int>& at_structure, Boundary<D>& boundary);
 
-/// u += dt times the acceleration that the interface gives back to the particles `at_structure` for the pressure of the state: the coupler's
-/// answer with riemann, before contacts. find_interface_reaction() comes first.
+/// u += dt times the acceleration that the interface gives back to the particles `at_structure` for the pressure of the state: the
+/// coupler's answer with riemann and pi, before contacts. find_interface_reaction() comes first.
 template <int D>
 void add_interface_reaction(const Constants<D>& constants, double duration, const Boundary<D>& boundary, const State<D>& state,
                             const std::vector<int>& at_structure, std::vector<Vector<D>>& velocity);

@@ -283,7 +283,7 @@ void Tangent<D>::assemble(const Reference<D>& reference, const Workspace<D>& wor
 
 namespace {
 
-/// OpenBLAS, where that is the BLAS, multiplies the blocks of a factor in as many parts as it has threads, with other sums for other numbers.
+/// OpenBLAS, where that is the BLAS, multiplies the blocks of a factor in as many parts as it has threads: other sums for other numbers.
 void give_blas_one_thread() {
   static const auto set_threads = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
   if (set_threads) set_threads(1);
