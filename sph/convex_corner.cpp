@@ -13,6 +13,9 @@ namespace {
 /// them. No particle comes into a narrower one.
 constexpr double least_open = 0.25;
 
+/// Of the angle between normals: below it faces are one sheet, bent, and not the sides of a corner. Only asked for the sake of speed.
+constexpr double sheet_cosine = 0.5;
+
 /// What single precision is off by at most, as a share of the support, where lengths are within two of it.
 constexpr double rounding = 1e-5;
 
@@ -119,16 +122,10 @@ void CornerView<D>::look(const Vector<D>& x, const int* seen, int seen_count) {
       std::all_of(seen, seen + seen_count, [&](int face) { return (structure_.normal[face] - normal).squaredNorm() < 1e-12; });
   if (flat) return find_behind(normal, x);
   near_.set<D>(structure_, x, seen, seen_count);
-  int entered = seen[0];  // the lines to two far faces that lie side by side enter the body through the same face, or through the next one
   find(x, [&](int k) {
     const Vector<D>& place = structure_.position[k];
-    const auto passes = [&](int face) {
+    return near_.any_between<D>(place - x, kernel_.support(), 1, [&](int face) {
       return !passes_corner<D>(structure_.normal[face], structure_.normal[k]) && patch_separates(structure_, face, x, place);
-    };
-    return passes(entered) || near_.any_between<D>(place - x, kernel_.support(), 1, [&](int face) {
-      if (!passes(face)) return false;
-      entered = face;
-      return true;
     });
   });
 }
@@ -138,7 +135,9 @@ double CornerView<D>::borne_share(int k) {
   const Vector<D>&x = structure_.position[k], &normal = structure_.normal[k];
   seen_.clear();
   if (finder_.any_facing(x)) finder_.see(structure_, x, seen_);
-  if (seen_.empty()) {
+  const bool one_sheet =
+      std::all_of(seen_.begin(), seen_.end(), [&](int face) { return structure_.normal[face].dot(normal) > sheet_cosine; });
+  if (one_sheet) {  // what is a plate to the face is one to what it sees
     find_behind(normal, x);
   } else {  // beyond a plate is also what lies behind one that the face sees
     near_.set<D>(structure_, x, seen_.data(), static_cast<int>(seen_.size()));
