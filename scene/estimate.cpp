@@ -241,11 +241,11 @@ void estimate_fluid(const Case& scene, Estimate& result) {
 }
 
 /// Cost of a sub-step of a particle, in that of a solid in 2D. In 3D the particles on the faces of a solid, with so many of them across,
-/// have fewer neighbours; what completes the derivatives of two layers makes up for it (measured: 5.7 with two, 5.6 with three, 8.5 with
-/// six). The few particles of a shell are not worked on four at a time.
+/// have fewer neighbours; what completes the derivatives of two layers makes up for it (bench-structure_substep over what is measured here:
+/// 4.3 with two, 4.2 with three, 7.6 with six). The few particles of a shell are not worked on four at a time.
 template <int D>
 double solid_work(double across) {
-  return D == 3 ? 12 - 18 / std::max(3.0, across) : 1;
+  return D == 3 ? 11 - 20 / std::max(3.0, across) : 1;
 }
 template <int D>
 constexpr double shell_work = D == 3 ? 14 : 3;
