@@ -17,6 +17,7 @@ Fluid<D>::Fluid(const Case& scene, const Ranks& ranks)
       reference_(scene, state_.position),
       domain_(ranks, reference_),
       reports_divergence_(scene.coupling.vem_coefficient.has_value()),
+      foretells_interface_(scene.coupling.scheme != InterfaceScheme::fsa),
       boundary_(scene, reference_.constants),
       system_(reference_.period) {
   state_.reference_speed = std::max({2 * reference_.speed_floor, fluid::largest_speed(state_.velocity), largest_clamp_speed(scene)});

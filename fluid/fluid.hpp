@@ -146,7 +146,8 @@ class Fluid {
   State<D> state_;
   Reference<D> reference_;
   Domain<D> domain_;
-  bool reports_divergence_;  ///< of the particles at the structure
+  bool reports_divergence_;   ///< of the particles at the structure
+  bool foretells_interface_;  ///< whether interface_reaction.hpp knows what the scheme gives back
 
   // Rebuilt every step.
   Window window_;

@@ -173,7 +173,7 @@ void Fluid<D>::drive_out_what_is_left(const std::vector<double>& reference_press
     ScopedTimer timer(timing_.correction);
     projected = prediction_.velocity;
     apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, nullptr, projected, order);
-    if (!at_structure_.empty()) {  // as it will be with the force of the interface
+    if (foretells_interface_ && !at_structure_.empty()) {  // as it will be with the force of the interface
       std::vector<Vector<D>>* const unordered = nullptr;
       apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, &at_structure_, projected,
                               unordered);
@@ -184,14 +184,18 @@ void Fluid<D>::drive_out_what_is_left(const std::vector<double>& reference_press
                                  packed_.velocity, projected_divergence_);
     left.assign(system_.matrix.rows(), 0);
     assemble_left_behind(reference_.constants, window_.duration, state_.particle_class, projected_divergence_, divergence_target_, left);
-    system_.yielding.add_source(reference_pressure, boundary_, at_structure_, left);
-    system_.yielding.subtract_answer(at_structure_, state_.pressure, left);
+    if (foretells_interface_) {
+      system_.yielding.add_source(reference_pressure, boundary_, at_structure_, left);
+      system_.yielding.subtract_answer(at_structure_, state_.pressure, left);
+    } else {
+      for (const int i : beside_structure_.list) left[i] = 0;
+    }
     if (system_.body_tied.any()) system_.body_tied.subtract_means(left);  // the first solve has closed the sum over them
   };
   find_left(projected_velocity_, nullptr, system_.left_behind);
   {
     ScopedTimer timer(timing_.pressure_solve);
-    solve_for_correction(reference_.constants, domain_, window_, prediction_.position, at_structure_, first, state_, system_);
+    solve_for_correction(reference_.constants, domain_, window_, prediction_.position, at_structure_, any_at_structure_, state_, system_);
     add_correction(system_, state_);
   }
   if (first) {  // The share is that of the window, so that its answers are linear.

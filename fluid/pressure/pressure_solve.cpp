@@ -20,8 +20,8 @@ constexpr double rounding = 1e-12;  ///< of a mean that is subtracted
 constexpr double of_what_is_left = 0.1;
 /// The correction of the pressure is solved for to this, because a part of what it answers to stays in any case.
 constexpr double of_correction = 0.1;
-/// In a repeated window the pressures of two iterations are compared, and with them what is left of this.
-constexpr double of_repeated_correction = 1e-3;
+/// Beside a body windows are repeated, and what the fluid answers to a motion has to be that of the motion, not of what was tried before.
+constexpr double of_correction_beside_bodies = 1e-4;
 /// As long as the first is not known, or if a finer tolerance than this is asked for, the two may leave so many times the tolerance.
 constexpr double usual_tolerance = 1e-6, first_by_tolerance = 1e3, correction_by_tolerance = 1e5;
 
@@ -120,17 +120,15 @@ void solve_pressure_poisson(const Constants<D>& constants, const Domain<D>& doma
 
 template <int D>
 void solve_for_correction(const Constants<D>& constants, const Domain<D>& domain, const Window& window,
-                          const std::vector<Vector<D>>& position, const std::vector<int>& at_structure, bool first, State<D>& state,
-                          PressureSystem<D>& system) {
+                          const std::vector<Vector<D>>& position, const std::vector<int>& at_structure, bool any_at_structure,
+                          State<D>& state, PressureSystem<D>& system) {
   const SolveResult of_the_equation = system.result;
-  if (first) {
-    system.correction.assign(state.pressure.size(), 0);
-    parallel_for(static_cast<std::ptrdiff_t>(state.size()), [&](std::ptrdiff_t i) {
-      if (state.particle_class[i].pressure_unknown()) system.correction[i] = state.pressure_correction[i];
-    });
-  }
-  const double tolerance =
-      std::min(first ? of_correction : of_repeated_correction, correction_by_tolerance * constants.numerics.pressure_tolerance);
+  system.correction.assign(state.pressure.size(), 0);
+  parallel_for(static_cast<std::ptrdiff_t>(state.size()), [&](std::ptrdiff_t i) {
+    if (state.particle_class[i].pressure_unknown()) system.correction[i] = state.pressure_correction[i];
+  });
+  const double tolerance = std::min(any_at_structure ? of_correction_beside_bodies : of_correction,
+                                    correction_by_tolerance * constants.numerics.pressure_tolerance);
   solve(domain, window, position, at_structure, tolerance, system.left_behind, system.correction, state, system);
   state.left_share = of_the_equation.source > 0 ? system.result.source / of_the_equation.source : 0;
   system.result = of_the_equation;
