@@ -3,8 +3,6 @@
 
 #include <vector>
 
-#include "fluid/neighbours.hpp"
-#include "fluid/pressure/divergence_target.hpp"
 #include "fluid/pressure/pressure_system.hpp"
 #include "fluid/reference.hpp"
 #include "fluid/state.hpp"
