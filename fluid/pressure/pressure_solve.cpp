@@ -22,8 +22,9 @@ constexpr double of_what_is_left = 0.1;
 constexpr double of_correction = 0.1;
 /// Beside a body windows are repeated, and what the fluid answers to a motion has to be that of the motion, not of what was tried before.
 constexpr double of_correction_beside_bodies = 1e-4;
-/// As long as the first is not known, or if a finer tolerance than this is asked for, the two may leave so many times the tolerance.
-constexpr double usual_tolerance = 1e-6, first_by_tolerance = 1e3, correction_by_tolerance = 1e5;
+/// As long as the first is not known, or if a finer tolerance than this is asked for, the first solve may leave so many times the tolerance.
+/// The correction then becomes finer in proportion.
+constexpr double usual_tolerance = 1e-6, first_by_tolerance = 1e3;
 
 /// `solution`, from what it is, of the matrix and this source.
 template <int D>
@@ -127,8 +128,8 @@ void solve_for_correction(const Constants<D>& constants, const Domain<D>& domain
   parallel_for(static_cast<std::ptrdiff_t>(state.size()), [&](std::ptrdiff_t i) {
     if (state.particle_class[i].pressure_unknown()) system.correction[i] = state.pressure_correction[i];
   });
-  const double tolerance = std::min(any_at_structure ? of_correction_beside_bodies : of_correction,
-                                    correction_by_tolerance * constants.numerics.pressure_tolerance);
+  const double tolerance = (any_at_structure ? of_correction_beside_bodies : of_correction) *
+                           std::min(1.0, constants.numerics.pressure_tolerance / usual_tolerance);
   solve(domain, window, position, at_structure, tolerance, system.left_behind, system.correction, state, system);
   state.left_share = of_the_equation.source > 0 ? system.result.source / of_the_equation.source : 0;
   system.result = of_the_equation;
