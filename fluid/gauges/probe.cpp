@@ -12,10 +12,10 @@
 namespace tern::fluid {
 namespace {
 
-constexpr double wet_distance = 1.25;  ///< in dx: a point of a wall without a particle that near is dry
 constexpr double sheet_thickness = 3;  ///< in dx: thinner lumps above the lowest fluid are not the free surface
 constexpr double joined = 1.5;         ///< in dx: the next particle of a sheet is nearer
 constexpr double off_wall = 0.01;      ///< in dx
+constexpr double least_space = 0.02;   ///< that a wall leaves to be filled, as in wetness.cpp
 constexpr double sampling = 0.25;      ///< in dx, along lines
 
 /// Two unit vectors that span the plane across the unit vector n; the second is meant for 3D only.
@@ -239,14 +239,23 @@ template <int D>
 std::optional<double> Probe<D>::wall_pressure(const Vector<D>& x, const Vector<D>& normal, double normal_acceleration) const {
   const Constants<D>& constants = fluid_.constants();
   const Vector<D> acceleration = fluid_.gravity_at(seconds(fluid_.state().time), x) - normal_acceleration * normal;
-  double sum = 0, weight = 0, nearest = constants.kernel.support();
+  double sum = 0, weight = 0;
   for_particles_before(x, normal, [&](int i, const Vector<D>& d, double w) {
     sum += w * (fluid_.state().pressure[i] - constants.density * acceleration.dot(d));
     weight += w;
-    nearest = std::min(nearest, d.norm());
   });
-  if (nearest >= wet_distance * constants.spacing) return std::nullopt;
+  if (weight == 0) return std::nullopt;
   return sum / weight;
+}
+
+// As in the sums of the fluid over the hidden side (wetness.cpp).
+template <int D>
+double Probe<D>::share_of_wall(const Vector<D>& x, const Vector<D>& normal) const {
+  double filled = 0;
+  for_particles_before(x, normal, [&](int, const Vector<D>&, double w) { filled += w; });
+  if (filled == 0) return 0;
+  const Constants<D>& constants = fluid_.constants();
+  return wet_share(filled / std::max(constants.lattice.density - hidden(x + off_wall * constants.spacing * normal), least_space));
 }
 
 // What add_viscosity() takes from the particles before the patch, mu sum_i 2 V A_k w~ (u_i - u_k)/y, but with velocities as seen by one who
@@ -268,11 +277,19 @@ Vector<D> Probe<D>::friction(const Wall<D>& wall, const Faces<D>& faces, std::si
 template <int D>
 std::optional<double> Probe<D>::sensor(const Wall<D>& wall, const Vector<D>& at, double diameter) const {
   const Faces<D>& faces = fluid_.walls().faces();
+  const auto nearest = [&](const Vector<D>& x, auto&& looks) {
+    std::size_t found = wall.first;
+    double least = 1e300;
+    for (std::size_t k = wall.first; k < wall.last; ++k) {
+      const double distance = (faces.position[k] - x).squaredNorm();
+      if (distance < least && looks(k)) found = k, least = distance;
+    }
+    return found;
+  };
   const Vector<D> centre = wall.place(at);
-  std::size_t nearest = wall.first;
-  for (std::size_t k = wall.first; k < wall.last; ++k)
-    if ((faces.position[k] - centre).squaredNorm() < (faces.position[nearest] - centre).squaredNorm()) nearest = k;
-  const auto along = tangents<D>(faces.normal[nearest]);
+  const std::size_t middle = nearest(centre, [](std::size_t) { return true; });
+  const auto looks_along = [&](std::size_t k) { return faces.normal[k].dot(faces.normal[middle]) > 0.5; };  // not round an edge
+  const auto along = tangents<D>(faces.normal[middle]);
   const int count = std::max(2, static_cast<int>(std::ceil(diameter / (sampling * fluid_.constants().spacing))));
   double sum = 0;
   int points = 0;
@@ -280,11 +297,13 @@ std::optional<double> Probe<D>::sensor(const Wall<D>& wall, const Vector<D>& at,
     for (int a = 0; a < count; ++a) {
       const double u = (a + 0.5) / count - 0.5, v = D == 2 ? 0 : (b + 0.5) / count - 0.5;
       if (u * u + v * v > 0.25) continue;
-      const Vector<D> x = centre + diameter * (u * along[0] + v * along[1]);
-      const auto p = wall_pressure(x, faces.normal[nearest], faces.normal_acceleration[nearest]);
-      if (p && !fluid_.has_pressure()) return std::nullopt;
-      sum += p.value_or(0);
       ++points;
+      const Vector<D> x = centre + diameter * (u * along[0] + v * along[1]);
+      const std::size_t k = nearest(x, looks_along);
+      const double wet = share_of_wall(faces.position[k], faces.normal[k]);
+      if (wet == 0) continue;
+      if (!fluid_.has_pressure()) return std::nullopt;
+      sum += wet * wall_pressure(x, faces.normal[middle], faces.normal_acceleration[middle]).value_or(0);
     }
   return sum / points;
 }
@@ -296,11 +315,13 @@ std::optional<WallForce<D>> Probe<D>::force(const Wall<D>& wall, const Vector<D>
   WallForce<D> total;
   for (std::size_t k = wall.first; k < wall.last; ++k) {
     if (faces.original[k] != static_cast<int>(k)) continue;  // an image of a patch already counted
-    const auto p = wall_pressure(faces.position[k], faces.normal[k], faces.normal_acceleration[k]);
-    if (!p) continue;
+    const double wet = share_of_wall(faces.position[k], faces.normal[k]);
+    if (wet == 0) continue;
     if (!fluid_.has_pressure()) return std::nullopt;
-    Vector<D> force = -*p * faces.area[k] * faces.normal[k];
+    const double p = wall_pressure(faces.position[k], faces.normal[k], faces.normal_acceleration[k]).value();
+    Vector<D> force = -p * faces.area[k] * faces.normal[k];
     if (fluid_.constants().viscosity > 0 && !fluid_.walls().slips(static_cast<int>(k))) force += friction(wall, faces, k);
+    force *= wet;
     const Vector<D> arm = faces.position[k] - about;
     total.force += force;
     if constexpr (D == 2)

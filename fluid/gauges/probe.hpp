@@ -53,8 +53,10 @@ class Probe {
   void for_particles_before(const Vector<D>& x, const Vector<D>& normal, Visit&& visit) const;
   double hidden(const Vector<D>& x) const;
   double filling(const Vector<D>& x, double sum, const Vector<D>& centroid) const;
-  /// Nothing where the wall is dry.
+  /// Where the wall is wet; nothing where no particle is before it [Pa].
   std::optional<double> wall_pressure(const Vector<D>& x, const Vector<D>& normal, double normal_acceleration) const;
+  /// Share of the wall around its point x that is wet, from 0 to 1.
+  double share_of_wall(const Vector<D>& x, const Vector<D>& normal) const;
   /// Of the fluid on the patch of a wall that it sticks to [N/m^(3-D)].
   Vector<D> friction(const Wall<D>& wall, const Faces<D>& faces, std::size_t k) const;
   /// A body of the structure stands at x, as far as its faces near there tell.
