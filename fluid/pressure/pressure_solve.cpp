@@ -22,8 +22,8 @@ constexpr double of_what_is_left = 0.1;
 constexpr double of_correction = 0.1;
 /// Beside a body windows are repeated, and what the fluid answers to a motion has to be that of the motion, not of what was tried before.
 constexpr double of_correction_beside_bodies = 1e-4;
-/// As long as the first is not known, or if a finer tolerance than this is asked for, the first solve may leave so many times the tolerance.
-/// The correction then becomes finer in proportion.
+/// As long as the first is not known, or if a finer tolerance than this is asked for, the first solve may leave so many times the
+/// tolerance. The correction then becomes finer in proportion.
 constexpr double usual_tolerance = 1e-6, first_by_tolerance = 1e3;
 
 /// `solution`, from what it is, of the matrix and this source.
