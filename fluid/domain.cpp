@@ -126,12 +126,28 @@ Domain<D>::Domain(const Ranks& ranks, const Reference<D>& reference)
       reach_(std::max(support_, 2.2 * spacing_)) {}
 
 template <int D>
+std::pair<std::size_t, std::size_t> Domain<D>::equal_share(std::size_t n) const {
+  const std::size_t ranks = static_cast<std::size_t>(ranks_.count()), own = static_cast<std::size_t>(ranks_.own());
+  return {n * own / ranks, n * (own + 1) / ranks};
+}
+
+template <int D>
+void Domain<D>::cut_anew(State<D>& state) {
+  if (alone()) return;
+  windows_since_cut_ = 0;
+  partition_.cut(ranks_, state.position);
+  ++cuts_;
+  Prediction<D> none;
+  for (auto* values : {&none.position, &none.velocity, &none.gravity}) values->resize(state.size());
+  move(state, none, state.position);
+}
+
+template <int D>
 void Domain<D>::share_out(State<D>& state, const Shares& shares) {
   if (alone()) return;
-  const std::size_t n = state.size(), ranks = static_cast<std::size_t>(ranks_.count()), own = static_cast<std::size_t>(ranks_.own());
-  const bool known = shares.particles.size() == ranks;
-  // Any equal shares will do to begin with.
-  std::size_t first = n * own / ranks, last = n * (own + 1) / ranks;
+  const std::size_t own = static_cast<std::size_t>(ranks_.own());
+  const bool known = shares.particles.size() == static_cast<std::size_t>(ranks_.count());
+  auto [first, last] = equal_share(state.size());
   if (known) {
     first = static_cast<std::size_t>(std::accumulate(shares.particles.begin(), shares.particles.begin() + ranks_.own(), std::int64_t{0}));
     last = first + static_cast<std::size_t>(shares.particles[own]);
@@ -145,18 +161,11 @@ void Domain<D>::share_out(State<D>& state, const Shares& shares) {
     state.removed = state.leaked = 0;
     state.evaluations = {};
   }
-  windows_since_cut_ = known ? static_cast<int>(shares.windows_since_cut) : 0;
-  if (known) {
-    state.potential = shares.potential[own];
-    partition_.read_cuts(shares);
-    ++cuts_;
-    return;
-  }
-  partition_.cut(ranks_, state.position);
+  if (!known) return cut_anew(state);
+  windows_since_cut_ = static_cast<int>(shares.windows_since_cut);
+  state.potential = shares.potential[own];
+  partition_.read_cuts(shares);
   ++cuts_;
-  Prediction<D> none;
-  for (auto* values : {&none.position, &none.velocity, &none.gravity}) values->resize(state.size());
-  move(state, none, state.position);
 }
 
 template <int D>

@@ -6,6 +6,7 @@
 // are read at neighbours hold the own particles first, then the ghosts, each in rows along x (row_grid.hpp).
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "fluid/particle_class.hpp"
@@ -105,9 +106,13 @@ class Domain {
   /// Where the totals of a window say so.
   void set_imbalance(double imbalance) { imbalance_ = imbalance; }
 
+  /// Of n particles that all ranks know the first and the one after the last that are taken by this rank before space is cut.
+  std::pair<std::size_t, std::size_t> equal_share(std::size_t n) const;
   /// Of a state that all ranks know: keeps the own part, by the shares of as many ranks, or of parts that are cut anew. What counts over
   /// the run goes on at the first rank.
   void share_out(State<D>& state, const Shares& shares = {});
+  /// Cuts space and sends all particles to their owners; any rank has any of them.
+  void cut_anew(State<D>& state);
   /// Those of now, on the first rank.
   Shares shares(const State<D>& own) const;
   /// Sends particles to their owners, of parts that are cut anew where these have become too unequal.

@@ -12,17 +12,20 @@
 namespace tern::fluid {
 
 template <int D>
-Fluid<D>::Fluid(const Case& scene, const Ranks& ranks)
-    : state_(initial_state<D>(scene)),
-      reference_(scene, state_.position),
+Fluid<D>::Fluid(const Case& scene, const Ranks& ranks, const StartParticles<D>& start)
+    : reference_(scene, start),
       domain_(ranks, reference_),
       reports_divergence_(scene.coupling.vem_coefficient.has_value()),
       foretells_interface_(scene.coupling.scheme != InterfaceScheme::fsa),
       boundary_(scene, reference_.constants),
       system_(reference_.period) {
-  state_.reference_speed = std::max({2 * reference_.speed_floor, fluid::largest_speed(state_.velocity), largest_clamp_speed(scene)});
+  const auto [first, last] = domain_.equal_share(start.size());
+  state_ = initial_state(scene, start, first, last);
+  const double largest = ranks.most(fluid::largest_speed(state_.velocity));
+  state_.reference_speed = std::max({2 * reference_.speed_floor, largest, largest_clamp_speed(scene)});
   if (boundary_.walls.moving()) state_.wall_velocity.assign(boundary_.walls.faces().size(), Vector<D>::Zero());
-  set_whole_state(std::move(state_));
+  domain_.cut_anew(state_);
+  if (!domain_.alone()) set_totals();
 }
 
 template <int D>

@@ -38,7 +38,7 @@ class Fluid {
  public:
   /// Fills the fluid bodies with particles. Throws BadInput when none results. With several ranks each of them makes one, computes its
   /// own part, and has all functions called with the same arguments as the others.
-  explicit Fluid(const Case& scene, const Ranks& ranks = {});
+  explicit Fluid(const Case& scene, const Ranks& ranks = {}) : Fluid(scene, ranks, StartParticles<D>(scene)) {}
 
   // One window, in this order. Without a structure: empty surface and loads.
 
@@ -131,6 +131,7 @@ class Fluid {
 
  private:
   friend class WholeState<D>;
+  Fluid(const Case& scene, const Ranks& ranks, const StartParticles<D>& start);
   Totals<D> totals_here() const;
   void set_totals();
   Filling filling() const;  ///< by the neighbours of this window

@@ -21,27 +21,30 @@ Vector<D> Gravity<D>::at(double t, const Vector<D>& x) const {
 }
 
 template <int D>
-Reference<D>::Reference(const Case& scene, const std::vector<Vector<D>>& start)
+Reference<D>::Reference(const Case& scene, const StartParticles<D>& start)
     : constants(scene.fluid.value()), gravity(scene), period(scene), particles(start.size()), up(upward(scene)) {
   for (int c = 0; c < D; ++c) {
     domain_min[c] = scene.domain_min[c];
     domain_max[c] = scene.domain_max[c];
   }
-  gravity_size = largest_gravity<D>(scene, start);
-  Vector<D> mean = Vector<D>::Zero(), low = start[0], high = low;
-  for (const auto& x : start) {
+  const auto for_each_place = [&](auto&& visit) { start.for_each(0, start.size(), [&](std::size_t, const Vector<D>& x) { visit(x); }); };
+  std::vector<Vector<D>> places;  // where gravity may differ
+  start.for_each(0, gravity.uniform() ? 1 : start.size(), [&](std::size_t, const Vector<D>& x) { places.push_back(x); });
+  gravity_size = largest_gravity<D>(scene, places);
+  Vector<D> mean = Vector<D>::Zero(), low = places[0], high = low;
+  for_each_place([&](const Vector<D>& x) {
     mean += x / static_cast<double>(start.size());
     low = low.cwiseMin(x), high = high.cwiseMax(x);
-  }
+  });
   const Vector<D> g = gravity.at(0, mean);
   // Where gravity is not the same everywhere (about a centre, it vanishes in the middle), or sets in later, the widest extent counts.
   double height = (high - low).maxCoeff();
   if (gravity.uniform() && g.norm() > 0.5 * gravity_size) {
     double bottom = 1e300, top = -1e300;
-    for (const auto& x : start) {
+    for_each_place([&](const Vector<D>& x) {
       const double along = -x.dot(g) / g.norm();
       bottom = std::min(bottom, along), top = std::max(top, along);
-    }
+    });
     height = top - bottom;
   }
   if (gravity_size > 0) speed_floor = 0.5 * std::sqrt(gravity_size * (height + constants.spacing));

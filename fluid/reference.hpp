@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/vector.hpp"
+#include "fluid/initial_state.hpp"
 #include "fluid/period.hpp"
 #include "scene/case_file.hpp"
 #include "scene/gauges.hpp"
@@ -52,8 +53,7 @@ class Gravity {
 
 template <int D>
 struct Reference {
-  /// `start`: of all particles [m].
-  Reference(const Case& scene, const std::vector<Vector<D>>& start);
+  Reference(const Case& scene, const StartParticles<D>& start);
 
   Constants<D> constants;
   Gravity<D> gravity;

@@ -44,7 +44,7 @@ struct FaceRows {
 
   // Scratch, kept so that a step allocates nothing.
   std::vector<std::vector<int>> seen;             ///< by thread, what particles of all threads but the first see
-  std::vector<std::vector<std::int64_t>> filled;  ///< by thread, per face
+  std::vector<std::vector<std::int64_t>> filled;  ///< by thread, per face; between windows those of the walls are 0
 };
 
 /// Square of half a patch, 10 % larger so that no ray slips between two patches of a bent surface [m^2].

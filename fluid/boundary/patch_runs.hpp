@@ -23,7 +23,8 @@ inline void parts_near(const std::vector<PlaneWall>& planes, double support, con
   parts.clear();
   for (const PlaneWall& plane : planes) {
     GridPart part{{0, 0}, {0, 0}};
-    for (int c = 0; c < 2 && particles > 0; ++c) {
+    const bool near = particles > 0 && plane.height(plane.side > 0 ? low : high) < 1.01 * support;
+    for (int c = 0; c < 2 && near; ++c) {
       // Half a patch and the one in which that ends.
       const double from = (low[plane.along[c]] - support - plane.low[c]) / plane.step[c] - 1.5;
       const double to = (high[plane.along[c]] + support - plane.low[c]) / plane.step[c] + 1.5;

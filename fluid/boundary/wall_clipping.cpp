@@ -22,16 +22,16 @@ void ClippedWalls<D>::clip(const Faces<D>& walls, const FaceFinder<D>& finder, c
     if (structure.size() == 0) return;
     faces_ = walls;
     any_ = true;
+    largest_ = 0;
+    for (int wall = 0; wall < static_cast<int>(walls.size()); ++wall) largest_ = std::max(largest_, half_length(walls, wall));
   }
   for (int wall : clipped_) {
     faces_.position[wall] = walls.position[wall];
     faces_.area[wall] = walls.area[wall];
   }
   clipped_.clear();
-  double largest = 0;  // half the length of a patch of a wall
-  for (int wall = 0; wall < static_cast<int>(walls.size()); ++wall) largest = std::max(largest, half_length(walls, wall));
   for (int k = 0; k < static_cast<int>(structure.size()); ++k) {
-    const double reach = std::sqrt(double(D)) * (largest + half_length(structure, k)) + largest;  // the finder may lag by half a patch
+    const double reach = std::sqrt(double(D)) * (largest_ + half_length(structure, k)) + largest_;  // the finder may lag by half a patch
     finder.for_each_near(structure.position[k], reach, [&](int wall) {
       if (faces_.area[wall] == walls.area[wall]) cut(wall, structure, k);  // what is cut already is no longer a square
     });

@@ -29,6 +29,7 @@ class ClippedWalls {
   void cut(int wall, const Faces<D>& structure, int k);
 
   Faces<D> faces_;
+  double largest_ = 0;  ///< half the length of a patch [m]
   bool any_ = false;
   std::vector<int> clipped_;
 };

@@ -29,18 +29,19 @@ inline void fill_row(const Constants<3>& constants, double scale, double step, d
   }
 }
 
-/// What all threads of all ranks have filled, as the part of the first thread.
-void add_up_over_ranks(const Halo& patches, std::vector<std::vector<std::int64_t>>& filled) {
-  for (std::size_t thread = 1; thread < filled.size(); ++thread)
-    for (std::size_t k = 0; k < filled[thread].size(); ++k) filled[0][k] += std::exchange(filled[thread][k], 0);
-  patches.collect(filled[0], [](std::int64_t& own, std::int64_t other) { own += other; });
-  patches.update(filled[0]);
-}
-
 /// Patches first .. last - 1.
 struct Run {
   std::ptrdiff_t first, last;
 };
+
+/// What all threads of all ranks have filled, as the part of the first thread. `runs`: the patches that own particles fill.
+void add_up_over_ranks(const Halo& patches, const std::vector<Run>& runs, std::vector<std::vector<std::int64_t>>& filled) {
+  for (std::size_t thread = 1; thread < filled.size(); ++thread)
+    for (const Run& run : runs)
+      for (std::ptrdiff_t k = run.first; k < run.last; ++k) filled[0][k] += std::exchange(filled[thread][k], 0);
+  patches.collect(filled[0], [](std::int64_t& own, std::int64_t other) { own += other; });
+  patches.update(filled[0]);
+}
 
 /// All patches; where there are several ranks, of plane walls only those near the own particles, row by row.
 template <int D>
@@ -104,7 +105,7 @@ void leave_out_dry_walls(const Constants<D>& constants, const Halo& patches, con
 #pragma omp parallel num_threads(threads)
   {
     std::vector<std::int64_t>& filled = wall_rows.filled[omp_get_thread_num()];
-    filled.assign(walls.size(), 0);
+    filled.resize(walls.size(), 0);
 #pragma omp for schedule(static)
     for (std::ptrdiff_t i = 0; i < n; ++i) {
       if constexpr (D == 3) {
@@ -123,14 +124,14 @@ void leave_out_dry_walls(const Constants<D>& constants, const Halo& patches, con
     }
     if (!patches.alone()) {
 #pragma omp master
-      add_up_over_ranks(patches, wall_rows.filled);
+      add_up_over_ranks(patches, runs, wall_rows.filled);
 #pragma omp barrier
     }
     for (const Run& run : runs)
 #pragma omp for schedule(static)
       for (std::ptrdiff_t k = run.first; k < run.last; ++k) {
         std::int64_t sum = 0;
-        for (const auto& part : wall_rows.filled) sum += part[k];
+        for (auto& part : wall_rows.filled) sum += std::exchange(part[k], 0);
         wall_rows.wet[k] = 0;
         if (sum == 0) continue;
         const Vector<D> x = just_before(constants, walls, k);
@@ -142,7 +143,8 @@ void leave_out_dry_walls(const Constants<D>& constants, const Halo& patches, con
         wall_rows.wet[k] = wet_share(filled_unit * static_cast<double>(sum) / std::max(space[k] - hidden, 0.02));
       }
   }
-  for (const Run& run : runs)  // an image comes after its original
+  patches.for_each_place([&](int k) { wall_rows.filled[0][k] = 0; });  // some are filled by other ranks alone
+  for (const Run& run : runs)                                          // an image comes after its original
     for (std::ptrdiff_t k = run.first; k < run.last; ++k) wall_rows.wet[k] = wall_rows.wet[walls.original[k]];
 }
 

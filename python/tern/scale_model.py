@@ -15,10 +15,9 @@ from tern.errors import BAD_INPUT, Error
 COARSEST = 150  # nodes of the multigrid's last grid at most, as in fluid/pressure/multigrid.cpp
 SUPPORT = 3     # of the kernel, in spacings
 PARTS = ("own particles", "ghosts", "whole grids", "patches of walls", "messages", "bytes", "sums over all", "cuts", "imbalance")
-PROCESS_BYTES = 30e6          # of a rank without particles, as scene/estimate.cpp has it
+PROCESS_BYTES = 30e6  # of a rank without particles, as scene/estimate.cpp has it
 PARTICLE_BYTES = {2: 2000, 3: 6000}
-GHOST_BYTES = 300             # assumed
-START_BYTES = {2: 50, 3: 66}  # of each particle of the whole start: every rank makes it (fields of fluid/state.hpp)
+GHOST_BYTES = 300  # assumed
 
 
 @dataclass(frozen=True)
@@ -29,8 +28,8 @@ class Fluid:
     particle_s: float   # CPU for a particle, in one process
     ghost_s: float      # for a copy of a particle, with the nodes around it
     node_s: float       # for a node of a grid that every rank has
-    patch_s: float      # for a patch of a wall, of which every rank has all
-    patches: float      # over the particles to the power of (D - 1)/D
+    patch_s: float      # for a patch of a wall that every rank sets to zero
+    patches: float      # such patches over the particles to the power of (D - 1)/D
     ghost_bytes: float  # of a ghost in each exchange, in the mean
 
     @property
@@ -55,10 +54,11 @@ COMPARED_S = 1.5e-9  # a particle with a cut
 
 # Iterations, bytes: bench/scale_model.py --count 8. CPU of a particle: bench/fluid_cpu.py (docs/SPEED.md). CPU of a ghost: docs/SCALE.md.
 # CPU of a node: what multigrid and conjugate gradients take of a step (docs/SPEED.md), over the nodes of the finest grid.
-# Patches: of dam_break_3d, and of dam_break_front; a patch is eight bytes to be set to zero.
+# Patches: of dam_break_front; a patch is eight bytes to be set to zero. In 3D a rank sets those of a tank that are near to it alone, which
+# the CPU of its particles has.
 MEASURED = {
     2: Fluid(2, 3.9, 0.95e-6, 0.2e-6, 0.34e-6, 0.5e-9, 20, 12),
-    3: Fluid(3, 5.2, 4.4e-6, 0.9e-6, 3.2e-6, 0.5e-9, 136, 15),
+    3: Fluid(3, 5.2, 4.4e-6, 0.9e-6, 3.2e-6, 0.5e-9, 0, 15),
 }
 
 
@@ -136,7 +136,7 @@ def memory(dimension, ranks, particles):
     """Bytes that a rank of so many particles holds."""
     held = PROCESS_BYTES + PARTICLE_BYTES[dimension] * particles
     if ranks > 1:
-        held += GHOST_BYTES * around(particles, ranks, dimension, SUPPORT) + START_BYTES[dimension] * ranks * particles
+        held += GHOST_BYTES * around(particles, ranks, dimension, SUPPORT)
     return held
 
 

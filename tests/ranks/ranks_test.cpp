@@ -269,14 +269,14 @@ TEST(Marks, OnGhostsGoToTheirOwners) {
   EXPECT_LT(given, static_cast<std::ptrdiff_t>(own));
 }
 
-/// Largest distance of particles after each of 20 windows from those of one rank, which begins at `start`; in spacings.
+/// Largest distance of particles after each of so many windows from those of one rank, which begins at `start`; in spacings.
 template <int D>
-std::vector<double> distances(const Case& scene, const State<D>& start, const Ranks& ranks) {
+std::vector<double> distances(const Case& scene, const State<D>& start, const Ranks& ranks, int windows) {
   Fluid<D> one(scene), many(scene, ranks);
   one.set_state(start);
   many.set_whole_state(start);
   std::vector<double> distance;
-  for (int k = 0; k < 20; ++k) {
+  for (int k = 0; k < windows; ++k) {
     const double duration = one.propose_step().seconds;
     step(one, duration);
     step(many, duration);
@@ -290,7 +290,16 @@ TEST(ManyWindows, OfAWaveStayWithThoseOfOneRank) {
   Case scene = testing::scene(2, 0.025, {water_with_wave(1, 0.05)}, {tank({0, 0, 0}, {1, 1, 0})});
   scene.fluid->numerics.pressure_tolerance = 1e-15;
   const State<2> start = disordered<2>(scene, 10);
-  const auto distance = distances(scene, start, Ranks::all());
+  const auto distance = distances(scene, start, Ranks::all(), 20);
+  EXPECT_LT(distance.back(), 1e-7);
+}
+
+// How far patches of the walls are filled begins at 0 in every window, also where other ranks alone fill them.
+// Seen to fail: with what other ranks have filled kept for the next window (0.0025 spacings, 4 ranks).
+TEST(ManyWindows, InATankIn3DStayWithThoseOfOneRank) {
+  Case scene = dam_break_on_block(3, 0.2 / 10);
+  scene.fluid->numerics.pressure_tolerance = 1e-15;
+  const auto distance = distances(scene, disordered<3>(scene, 10), Ranks::all(), 4);
   EXPECT_LT(distance.back(), 1e-7);
 }
 
