@@ -116,6 +116,7 @@ void Fluid<D>::prepare_pressure() {
     compute_density_source(reference_, prediction_.bulk_speed, neighbours_, boundary_, correction_, state_.particle_class, density_source_);
   }
   find_enclosed_fluid(domain_, neighbours_, correction_, state_, system_);
+  flux_made_up_ = make_up_flux(at_structure_, state_.particle_class, boundary_);
   set_divergence_target(window_.duration, neighbours_, beside_structure_, packed_, density_source_, divergence_target_);
   assemble_pressure_matrix(reference_.constants, state_, neighbours_, boundary_, correction_, system_.matrix);
   pressure_prepared_ = true;
@@ -131,13 +132,16 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
     if (first && load.repeats) prediction_.unprojected_velocity = prediction_.velocity;
     if (!first) return_to_unprojected_velocity(load.surface_velocity);
     const bool pushed = push(load.force);  // u* += dt a_dissipative
-    if (pushed || !first) {
+    if (pushed || !first || flux_made_up_) {
       // Elsewhere nothing has changed since see_surface().
       compute_divergence(&beside_structure_.list);
     }
-    if (first)
+    if (first) {
       complete_pressure_matrix(constants, domain_.ranks(), load, neighbours_, boundary_, correction_, prediction_, at_structure_, state_,
                                system_);
+      // Where no surface lets a region change its volume, its own mean density is the one to keep.
+      if (system_.body_tied.any()) system_.body_tied.subtract_means(divergence_target_);
+    }
     assemble_pressure_source(constants, window_.duration, load, state_, prediction_, boundary_, at_structure_, divergence_,
                              divergence_target_, system_);
   }

@@ -31,13 +31,6 @@ void EnclosedRegions::subtract_means(std::vector<double>& values) {
     if (region[i] >= 0) values[i] -= sum[region[i]];
 }
 
-void EnclosedRegions::set_sums(const std::vector<double>& sums, std::vector<double>& values) {
-  add_up(values);
-  for (std::size_t k = 0; k < size.size(); ++k) sum[k] = (sums[k] - sum[k]) / size[k];
-  for (std::size_t i = 0; i < region.size(); ++i)
-    if (region[i] >= 0) values[i] += sum[region[i]];
-}
-
 template <int D>
 void find_enclosed_regions(const Neighbours<D>& neighbours, const std::vector<ParticleClass>& particle_class,
                            const std::vector<std::uint8_t>& at_surface, EnclosedRegions& regions) {
@@ -197,60 +190,6 @@ void select_regions(const EnclosedRegions& regions, const std::vector<std::uint8
   for (std::size_t i = 0; i < regions.region.size(); ++i) selected.region[i] = regions.region[i] < 0 ? -1 : number[regions.region[i]];
 }
 
-namespace {
-
-/// Number of the wall whose patches the particles of each region see most of; -1: no wall moves, or none is seen.
-template <int D>
-std::vector<int> main_walls(const Boundary<D>& boundary, const EnclosedRegions& regions) {
-  std::vector<int> result(regions.size.size(), -1);
-  if (!boundary.walls.moving()) return result;
-  const std::vector<Wall<D>>& walls = boundary.walls.all();
-  std::vector<double> seen(regions.size.size() * walls.size(), 0);
-  const FaceRows& rows = boundary.wall_rows;
-  for (std::size_t i = 0; i < regions.region.size(); ++i) {
-    if (regions.region[i] < 0) continue;
-    for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry)
-      seen[static_cast<std::size_t>(regions.region[i]) * walls.size() + boundary.walls.wall_of(rows.face[entry])] += rows.weight[entry];
-  }
-  regions.ranks.sum(std::span(seen));
-  for (std::size_t r = 0; r < result.size(); ++r) {
-    const auto first = seen.begin() + static_cast<std::ptrdiff_t>(r * walls.size());
-    const auto most = std::max_element(first, first + static_cast<std::ptrdiff_t>(walls.size()));
-    if (*most > 0) result[r] = static_cast<int>(most - first);
-  }
-  return result;
-}
-
-}  // namespace
-
-template <int D>
-void find_swept_volume(const Constants<D>& constants, const Boundary<D>& boundary, const EnclosedRegions& regions,
-                       std::vector<double>& swept) {
-  swept.assign(regions.size.size(), 0);
-  const std::vector<int> frame = main_walls(boundary, regions);
-  const Faces<D>&walls = boundary.walls.faces(), &surface = boundary.surface;
-  const FaceRows &wall_rows = boundary.wall_rows, &surface_rows = boundary.surface_rows;
-  for (std::size_t i = 0; i < regions.region.size(); ++i) {
-    const int r = regions.region[i];
-    if (r < 0) continue;
-    const auto speed = [&](const Faces<D>& faces, int k) {
-      Vector<D> velocity = faces.velocity[k];
-      if (frame[r] >= 0) velocity -= boundary.walls.all()[frame[r]].velocity(faces.position[k]);
-      return velocity.dot(faces.normal[k]);
-    };
-    double sum = 0;
-    if (boundary.walls.moving())
-      for (int entry = wall_rows.begin[i]; entry < wall_rows.begin[i] + wall_rows.count[i]; ++entry)
-        sum += wall_rows.weight[entry] * speed(walls, wall_rows.face[entry]);
-    for (int entry = surface_rows.begin[i]; entry < surface_rows.begin[i] + surface_rows.count[i]; ++entry) {
-      const int k = surface_rows.face[entry];
-      sum += boundary.sums.swept_share[k] * surface_rows.weight[entry] * speed(surface, k);
-    }
-    swept[r] += 2 * constants.volume * sum;
-  }
-  regions.ranks.sum(std::span(swept));
-}
-
 template <int D>
 void account_for_enclosed_fluid(const Reference<D>& reference, const Window& window, const Boundary<D>& boundary,
                                 const std::vector<double>& source, EnclosedRegions& regions, State<D>& state) {
@@ -310,7 +249,6 @@ void account_for_enclosed_fluid(const Reference<D>& reference, const Window& win
                                                   const std::vector<std::uint32_t>&, const std::vector<std::uint8_t>&, EnclosedRegions&); \
   template void find_enclosed_regions<D>(const Neighbours<D>&, const std::vector<ParticleClass>&, const std::vector<std::uint8_t>&,       \
                                          EnclosedRegions&);                                                                               \
-  template void find_swept_volume<D>(const Constants<D>&, const Boundary<D>&, const EnclosedRegions&, std::vector<double>&);              \
   template void account_for_enclosed_fluid<D>(const Reference<D>&, const Window&, const Boundary<D>&, const std::vector<double>&,         \
                                               EnclosedRegions&, State<D>&);
 TERN_INSTANTIATE(2)

@@ -37,8 +37,6 @@ struct EnclosedRegions {
   void add_up(const std::vector<double>& values);
   /// Takes the mean over each region out of the values of its rows.
   void subtract_means(std::vector<double>& values);
-  /// Shifts the values of the rows of each region by as much as lets them sum to this.
-  void set_sums(const std::vector<double>& sums, std::vector<double>& values);
 };
 
 /// Finds the connected sets of unknowns none of which is `at_surface`. Costs little where all is tied: ties spread along the order of the
@@ -55,13 +53,6 @@ void find_enclosed_regions_of_ranks(const Domain<D>& domain, const Neighbours<D>
 
 /// Those of `regions` whose number has this `property`.
 void select_regions(const EnclosedRegions& regions, const std::vector<std::uint8_t>& property, bool value, EnclosedRegions& selected);
-
-/// Volume per time that faces push into each region [m^D/s], by the share of each face that bears its load: the power of a uniform pressure
-/// on the structure over that pressure. Counted in the frame of the wall that bounds most of the region, in which a container that moves as
-/// a whole sweeps nothing.
-template <int D>
-void find_swept_volume(const Constants<D>& constants, const Boundary<D>& boundary, const EnclosedRegions& regions,
-                       std::vector<double>& swept);
 
 /// Accounts for what the regions are asked for and cannot do, into state.enclosed, with one warning; finds whether the fluid fills its
 /// enclosure for good. `source`: right-hand side of the pressure equation. Uses regions.sum.

@@ -31,7 +31,6 @@ struct PressureSystem {
   // Scratch.
   std::vector<std::uint8_t> at_surface;  ///< particles whose pressure a free surface ties
   std::vector<double> squared_change;    ///< of what is left behind, by part
-  std::vector<double> swept;             ///< by faces, of each region that bodies tie
   ConjugateGradientWork work;
 };
 
