@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/parallel.hpp"
 #include "coupler/interface_condition.hpp"
 #include "coupler/schemes/scheme.hpp"
 #include "sph/contact.hpp"
@@ -12,29 +13,29 @@ template <int D>
 void add_pressure(const Setup<D>& setup, const InterfacePressure<D>& pressure, Workspace<D>& window, Evaluations& evaluations) {
   const auto& pairs = window.pairs;
   evaluations.pressure += static_cast<long>(pairs.all_pairs().size());
-  Vector<D> weight;
-  for (int c = 0; c < D; ++c) weight[c] = setup.density * setup.gravity[c](window.begin);
-  const CarriedPressure<D> carried{pressure.pressure, window.particles, window.surface, weight};
-  setup.scheme.weigh_pressures(setup.kernel, pairs, carried, window.point_pressures);
-  const auto force_of = [&](const InterfacePair<D>& pair) {
-    return Vector<D>(window.point_pressures(pair, carried(pair.particle, pair.point)) * pair.b);
-  };
-  for (std::size_t i = 0; i < window.particles.id.size(); ++i) {
-    Vector<D> sum = Vector<D>::Zero();
-    for (const auto& pair : pairs.pairs_of(i)) {
-      const Vector<D> force = force_of(pair);
-      window.load.force[pair.point] += force;
-      sum += force;
-    }
-    window.particle_force.force[i] -= sum;
-  }
-  for (const auto& pair : pairs.back_facing_pairs()) add_pair_force(pair, force_of(pair), window.load, window.particle_force.force);
+  const Vector<D> gravity = [&] {
+    Vector<D> g;
+    for (int c = 0; c < D; ++c) g[c] = setup.gravity[c](window.begin);
+    return g;
+  }();
+  // Pressure of every particle, carried to the surface by the weight of the fluid between. Behind a wall it goes on as before
+  // it: an image carries what its particle does.
+  std::vector<double>& carried = window.carried;
+  const PairRange<D> all = pairs.all_pairs();
+  carried.resize(all.size());
+  parallel_for(static_cast<std::ptrdiff_t>(all.size()), [&](std::ptrdiff_t m) {
+    const int i = all.particle(m);
+    const Vector<D> d = window.surface.position[all.point(m)] - window.particles.position[i];
+    carried[m] = pressure.pressure[i] + setup.density * gravity.dot(d);
+  });
+  if (setup.scheme.pair_pressures)
+    setup.scheme.pair_pressures({setup.kernel, all, window.surface, window.particles, pairs.weighed_area()}, carried);
+  std::size_t m = 0;
+  std::vector<Vector<D>>& on_particles = window.particle_force.force;
+  for (const auto& pair : pairs.pairs()) add_pair_force(pair, Vector<D>(carried[m++] * pair.b), window.load, on_particles);
+  for (const auto& pair : pairs.back_facing_pairs()) add_pair_force(pair, Vector<D>(carried[m++] * pair.b), window.load, on_particles);
   // What images take back, the fluid has from the mirror that its walls are.
-  window.image_force.clear();
-  for (const auto& pair : pairs.image_pairs()) {
-    window.image_force.push_back(force_of(pair));
-    window.load.force[pair.point] += window.image_force.back();
-  }
+  for (const auto& pair : pairs.image_pairs()) window.load.force[pair.point] += carried[m++] * pair.b;
 }
 
 template <int D>

@@ -41,7 +41,6 @@ struct FacesFrom {
 
 /// Kept by the caller, so that a step allocates nothing.
 struct CornerScratch {
-  FaceView view;
   std::vector<int> back_facing, turned, seen;
   FacesFrom far, near;
 };
@@ -57,7 +56,6 @@ class CornerView {
         finder_(finder),
         covered_(covered),
         kernel_(kernel),
-        view_(scratch.view),
         back_facing_(scratch.back_facing),
         turned_(scratch.turned),
         seen_(scratch.seen),
@@ -66,12 +64,7 @@ class CornerView {
 
   /// Sets back_facing() for a particle at x: faces within the support that are turned away from it and bound what hides behind those it
   /// sees, at least one.
-  void look(const Vector<D>& x, const int* seen, int seen_count) {
-    finder_.look(x, view_);
-    find_past(x, seen, seen_count);
-  }
-  /// The same with the search for what it sees, which is appended to `seen`.
-  void see(const Vector<D>& x, std::vector<int>& seen);
+  void look(const Vector<D>& x, const int* seen, int seen_count);
   const std::vector<int>& back_facing() const { return back_facing_; }
 
   /// Share of the pressures before face k that is its load, 1 away from corners. A face has a half space before it, but beside
@@ -79,19 +72,16 @@ class CornerView {
   double borne_share(int k);
 
  private:
-  void find_past(const Vector<D>& x, const int* seen, int seen_count);
   template <class Turned>
   void find(const Vector<D>& x, Turned&& behind_plate);
   void remove_beyond_plates(const Vector<D>& x, std::vector<int>& faces);
   bool is_turned(const Vector<D>& x, int k) const;
-  double behind_cones(const Vector<D>& x, const std::vector<int>& faces, double side) const;
   void find_behind(const Vector<D>& normal, const Vector<D>& x);
 
   const Faces<D>& structure_;
   const FaceFinder<D>& finder_;
   const std::vector<std::uint8_t>& covered_;
   const FaceKernel<D>& kernel_;
-  FaceView& view_;  ///< from where it looks
   std::vector<int>&back_facing_, &turned_, &seen_;
   FacesFrom &far_, &near_;
 };

@@ -66,16 +66,6 @@ bool patch_separates(const Faces<D>& faces, int k, const Vector<D>& a, const Vec
   return offset.squaredNorm() < patch_reach2<D>(faces.area[k]);
 }
 
-/// Patches around a place as they show to it, in batches of `near_lanes` in the order of the cells: bit m is patch first + m. Kept by the
-/// caller, so that a step allocates nothing.
-struct FaceView {
-  struct Batch {
-    int first;
-    std::uint8_t facing, sure, turned;  ///< as in PatchBits
-  };
-  std::vector<Batch> batches;
-};
-
 /// A cell list over faces that finds what a particle sees: patches that face it within the support and that no two-sided
 /// patch hides.
 template <int D>
@@ -146,89 +136,73 @@ class FaceFinder {
     return found;
   }
 
-  /// All that x may see of the patches, and that may be turned away from it: what the next four functions ask. Rounding decides nothing.
-  void look(const Vector<D>& x, FaceView& view) const {
-    view.batches.clear();
-    for_ranges_around(x, [&](int begin, int end, const std::array<float, D>& from) {
-      for (int m = begin; m < end; m += near_lanes) {
-        const PatchBits bits = patch_bits<D>(coordinate_, normal_, m, from, near2_, limit2_, slack_);
-        const unsigned inside = bits_before(~0u, m, end);
-        if (((bits.facing | bits.turned) & inside) != 0)
-          view.batches.push_back({m, static_cast<std::uint8_t>(bits.facing & inside), static_cast<std::uint8_t>(bits.sure & inside),
-                                  static_cast<std::uint8_t>(bits.turned & inside)});
-      }
-    });
-  }
-
   /// Calls visit(k) for all faces within the support of x that may be turned away from it.
   template <class Visit>
-  void for_each_turned(const FaceView& view, Visit&& visit) const {
-    for (const FaceView::Batch& batch : view.batches)
-      for (unsigned bits = batch.turned; bits != 0; bits &= bits - 1) visit(contents_.order[batch.first + std::countr_zero(bits)]);
+  void for_each_turned_around(const Vector<D>& x, Visit&& visit) const {
+    std::array<int, candidates + near_lanes> near;
+    for_ranges_around(x, [&](int begin, int end, const std::array<float, D>& from) {
+      int found = 0;
+      for (int m = begin; m < end; m += near_lanes) found = append_places(bits_before(turned_bits(m, from), m, end), m, found, near.data());
+      for (int m = 0; m < found; ++m) visit(contents_.order[near[m]]);
+    });
   }
 
   /// Whether holds(k) is true for any of them whose normal has a product above `least` with `direction`, a unit vector.
   template <class Holds>
-  bool any_turned(const FaceView& view, const Vector<D>& direction, double least, Holds&& holds) const {
+  bool any_turned_around(const Vector<D>& x, const Vector<D>& direction, double least, Holds&& holds) const {
     std::array<float, D> along;
     for (int c = 0; c < D; ++c) along[c] = static_cast<float>(direction[c]);
-    for (const FaceView::Batch& batch : view.batches) {
-      if (batch.turned == 0) continue;
-      unsigned bits = batch.turned & direction_bits<D>(normal_, batch.first, along, static_cast<float>(least - 1e-6));
-      for (; bits != 0; bits &= bits - 1)
-        if (holds(contents_.order[batch.first + std::countr_zero(bits)])) return true;
-    }
-    return false;
+    bool found = false;
+    for_ranges_around(x, [&](int begin, int end, const std::array<float, D>& from) {
+      for (int m = begin; m < end && !found; m += near_lanes) {
+        const unsigned turned = turned_bits(m, from);
+        if (turned == 0) continue;
+        unsigned bits = bits_before(turned & direction_bits<D>(normal_, m, along, static_cast<float>(least - 1e-6)), m, end);
+        for (; bits != 0 && !found; bits &= bits - 1) found = holds(contents_.order[m + std::countr_zero(bits)]);
+      }
+    });
+    return found;
   }
 
   /// Whether any face surely faces x: by more than single precision leaves open, so none that lies in one plane with x.
-  static bool any_facing(const FaceView& view) {
-    return std::any_of(view.batches.begin(), view.batches.end(), [](const FaceView::Batch& batch) { return batch.sure != 0; });
+  bool any_facing(const Vector<D>& x) const {
+    bool found = false;
+    for_ranges_around(x, [&](int begin, int end, const std::array<float, D>& from) {
+      for (int m = begin; m < end && !found; m += near_lanes)
+        found = bits_before(patch_bits<D>(coordinate_, normal_, m, from, near2_, limit2_, -1, slack_).sure, m, end) != 0;
+    });
+    return found;
   }
 
-  /// Appends to `seen` the faces that x sees; `view`: from x.
-  void see(const Faces<D>& faces, const Vector<D>& x, const FaceView& view, std::vector<int>& seen) const {
-    const std::size_t first = seen.size();
-    std::size_t most = first;
-    for (const FaceView::Batch& batch : view.batches) most += static_cast<std::size_t>(std::popcount(batch.facing));
-    seen.resize(most);
-    int* next = seen.data() + first;
-    for (const FaceView::Batch& batch : view.batches)
-      for (unsigned bits = facing_bits(faces, x, batch.first, batch.facing, batch.sure); bits != 0; bits &= bits - 1)
-        *next++ = contents_.order[batch.first + std::countr_zero(bits)];
-    seen.resize(static_cast<std::size_t>(next - seen.data()));
-    remove_hidden(faces, x, seen, first);
-  }
-
-  /// The same without what is turned away.
+  /// Appends to `seen` the faces that x sees.
   void see(const Faces<D>& faces, const Vector<D>& x, std::vector<int>& seen) const {
     if (faces.size() == 0) return;
-    const std::size_t first = seen.size();
+    const auto first = seen.size();
     std::array<int, candidates + near_lanes> near;
     for_ranges_around(x, [&](int begin, int end, const std::array<float, D>& from) {
       int found = 0;
       for (int m = begin; m < end; m += near_lanes) {
-        const PatchBits bits = patch_bits<D>(coordinate_, normal_, m, from, near2_, limit2_, slack_);
-        found = append_places(facing_bits(faces, x, m, bits_before(bits.facing, m, end), bits.sure), m, found, near.data());
+        const PatchBits facing = patch_bits<D>(coordinate_, normal_, m, from, near2_, limit2_, -1, slack_);
+        unsigned bits = bits_before(facing.may, m, end);
+        for (unsigned open = bits & ~facing.sure; open != 0; open &= open - 1) {
+          const int k = contents_.order[m + std::countr_zero(open)];
+          const Vector<D> d = faces.position[k] - x;
+          if (d.squaredNorm() >= support_ * support_ || d.dot(faces.normal[k]) >= 0) bits &= ~(open & -open);
+        }
+        found = append_places(bits, m, found, near.data());
       }
       const std::size_t before = seen.size();
       seen.resize(before + static_cast<std::size_t>(found));
       for (int m = 0; m < found; ++m) seen[before + static_cast<std::size_t>(m)] = contents_.order[near[m]];
     });
-    remove_hidden(faces, x, seen, first);
+    if (first < seen.size() && any_behind_another(faces, x, seen, first)) remove_hidden(faces, x, seen, first);
   }
 
  private:
   static constexpr int candidates = 256;  ///< tested at a time
 
-  /// Of the patches `first` + m that may face x, those that do.
-  unsigned facing_bits(const Faces<D>& faces, const Vector<D>& x, int first, unsigned may, unsigned sure) const {
-    for (unsigned open = may & ~sure; open != 0; open &= open - 1) {
-      const int k = contents_.order[first + std::countr_zero(open)];
-      const Vector<D> d = faces.position[k] - x;
-      if (d.squaredNorm() >= support_ * support_ || d.dot(faces.normal[k]) >= 0) may &= ~(open & -open);
-    }
-    return may;
+  unsigned turned_bits(int first, const std::array<float, D>& from) const {
+    return patch_bits<D>(coordinate_, normal_, first, from, near2_, limit2_, 1, slack_).may;
   }
 
   /// Calls visit(begin, end, x from the corner of the box) for ranges of the patches in the order of the cells, of at most `candidates`,
@@ -268,31 +242,36 @@ class FaceFinder {
   static double least_depth(double area) { return 0.1 * (D == 2 ? area : std::sqrt(area)); }
 
   void remove_hidden(const Faces<D>& faces, const Vector<D>& x, std::vector<int>& seen, std::size_t first) const {
-    if (first == seen.size() || !any_behind_another(faces, x, seen, first)) return;
     // A hidden patch may not be dropped before all have been asked: it may be the one that hides another. Until then it is
     // marked by its complement.
-    // Each is held against each, and few hide one. Two looks at all of them in single precision, without branch and division and a shade
-    // less strict, so that rounding decides nothing, leave those to the exact question. The first one asks only which lie behind another
-    // that lies before them: neighbours on a convex surface lie behind each other and hide nothing. The second is patch_separates().
-    using Lanes = std::array<float, candidates>;
-    std::array<Lanes, D> away, facing;
-    Lanes front, sunk, reach;
-    const float rounding = static_cast<float>(1e-5 * support_), rounding2 = static_cast<float>(1e-5 * support_ * support_);
+    // Each is held against each, and few hide one. Two looks at all of them, without branch and division and a shade less strict, so
+    // that rounding decides nothing, leave those to the exact question. The first one asks only which lie behind another that lies
+    // before them, in single precision. The second is patch_separates.
+    using Lanes = std::array<double, candidates>;
+    using ShortLanes = std::array<float, candidates>;
+    std::array<Lanes, D> position, normal, from;
+    std::array<ShortLanes, D> away, facing;
+    Lanes front, depth, reach2;
+    ShortLanes sunk;
+    const float rounding = static_cast<float>(1e-5 * support_);
     std::array<int, candidates> cutter;
-    std::array<std::int32_t, candidates> perhaps;  // as wide as the numbers
     for (auto next = first; next < seen.size();) {
       int cutters = 0;
       for (; next < seen.size() && cutters < candidates; ++next) {
         const int k = seen[next] < 0 ? ~seen[next] : seen[next];
         if (!faces.two_sided[k]) continue;
-        const Vector<D> d = faces.position[k] - x;
+        const Vector<D> d = x - faces.position[k];
         for (int c = 0; c < D; ++c) {
-          away[c][cutters] = static_cast<float>(d[c]);
+          position[c][cutters] = faces.position[k][c];
+          normal[c][cutters] = faces.normal[k][c];
+          from[c][cutters] = d[c];
+          away[c][cutters] = static_cast<float>(-d[c]);
           facing[c][cutters] = static_cast<float>(faces.normal[k][c]);
         }
-        front[cutters] = static_cast<float>(-d.dot(faces.normal[k]));
-        sunk[cutters] = static_cast<float>(least_depth(faces.area[k])) - rounding;
-        reach[cutters] = static_cast<float>(1.001 * std::sqrt(patch_reach2<D>(faces.area[k])));
+        front[cutters] = d.dot(faces.normal[k]);
+        depth[cutters] = least_depth(faces.area[k]);
+        sunk[cutters] = static_cast<float>(depth[cutters]) - rounding;
+        reach2[cutters] = 1.001 * patch_reach2<D>(faces.area[k]);
         cutter[cutters++] = k;
       }
       for (auto m = first; m < seen.size(); ++m) {
@@ -304,7 +283,7 @@ class FaceFinder {
           at[c] = static_cast<float>(place[c] - x[c]);
           up[c] = static_cast<float>(faces.normal[k][c]);
         }
-        std::int32_t behind_one = 0;
+        std::int32_t behind_one = 0;  // as wide as the numbers
         for (int o = 0; o < cutters; ++o) {
           float before = 0, above = 0;
           for (int c = 0; c < D; ++c) {
@@ -314,19 +293,20 @@ class FaceFinder {
           behind_one += (before > -rounding) & (above > sunk[o]);
         }
         if (behind_one == 0) continue;
+        std::int64_t perhaps = 0;
         for (int o = 0; o < cutters; ++o) {
-          float drop = 0, offset2 = 0;  // drop: of the place below x
-          for (int c = 0; c < D; ++c) drop -= at[c] * facing[c][o];
+          double behind = 0, offset2 = 0;
+          for (int c = 0; c < D; ++c) behind += (place[c] - position[c][o]) * normal[c][o];
           for (int c = 0; c < D; ++c) {
-            const float offset = at[c] * front[o] - away[c][o] * drop;  // times the height between the ends
+            const double offset = (place[c] - position[c][o]) * front[o] - from[c][o] * behind;  // times the height between the ends
             offset2 += offset * offset;
           }
-          const float bound = reach[o] * drop + rounding2;
-          perhaps[o] = (drop - front[o] > sunk[o]) & (offset2 < bound * bound);
+          const double height = front[o] - behind;
+          perhaps += (behind < -0.999 * depth[o]) & (offset2 < reach2[o] * height * height);
         }
-        for (int o = 0; o < cutters; ++o)
-          if (perhaps[o] && (faces.position[cutter[o]] - place).dot(faces.normal[k]) > 0 &&
-              patch_separates(faces, cutter[o], x, place, least_depth(faces.area[cutter[o]]))) {
+        for (int o = 0; perhaps > 0 && o < cutters; ++o)
+          // What hides a patch stands in front of it: neighbours on a convex surface lie behind each other and hide nothing.
+          if ((faces.position[cutter[o]] - place).dot(faces.normal[k]) > 0 && patch_separates(faces, cutter[o], x, place, depth[o])) {
             seen[m] = ~k;
             break;
           }

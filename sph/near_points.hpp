@@ -70,16 +70,17 @@ unsigned near_bits(const std::array<std::vector<float>, D>& coordinate, int firs
 #endif
 }
 
-/// Of `near_lanes` patches those that may be near and look at a place, those that do for sure, and those that may be near and turned away.
+/// Of `near_lanes` patches: those that may be near and turned as asked, and those that are for sure.
 struct PatchBits {
-  unsigned facing = 0, sure = 0, turned = 0;
+  unsigned may = 0, sure = 0;
 };
 
-/// Bit m: patch first + m is nearer to x than the square root of `limit2`, and the product of its normal with the way to it is below
-/// `slack` (facing) or above -`slack` (turned). `near2` and -`slack` for those that are near and face x for sure.
+/// Bit m: patch first + m is nearer to x than the square root of `limit2`, and the product of its normal with the way to it is above
+/// `least`. `side` 1: the product, of patches that are turned away from x; -1: its negative, of those that look at x.
+/// Of `near2` and `limit2`, and of -`slack` and `slack` for the product, the one of each leaves what rounding leaves open to `may`.
 template <int D>
 PatchBits patch_bits(const std::array<std::vector<float>, D>& coordinate, const std::array<std::vector<float>, D>& normal, int first,
-                     const std::array<float, D>& x, float near2, float limit2, float slack) {
+                     const std::array<float, D>& x, float near2, float limit2, float side, float slack) {
 #ifdef __AVX2__
   __m256 distance2 = _mm256_setzero_ps(), product = _mm256_setzero_ps();
   for (int c = 0; c < D; ++c) {
@@ -87,13 +88,12 @@ PatchBits patch_bits(const std::array<std::vector<float>, D>& coordinate, const 
     distance2 = _mm256_fmadd_ps(d, d, distance2);
     product = _mm256_fmadd_ps(d, _mm256_loadu_ps(normal[c].data() + first), product);
   }
-  const auto bits = [](__m256 mask) { return static_cast<unsigned>(_mm256_movemask_ps(mask)); };
-  const unsigned may_be_near = bits(_mm256_cmp_ps(distance2, _mm256_set1_ps(limit2), _CMP_LT_OQ));
-  if (may_be_near == 0) return {};
-  return {may_be_near & bits(_mm256_cmp_ps(product, _mm256_set1_ps(slack), _CMP_LT_OQ)),
-          bits(_mm256_and_ps(_mm256_cmp_ps(distance2, _mm256_set1_ps(near2), _CMP_LT_OQ),
-                             _mm256_cmp_ps(product, _mm256_set1_ps(-slack), _CMP_LT_OQ))),
-          may_be_near & bits(_mm256_cmp_ps(product, _mm256_set1_ps(-slack), _CMP_GT_OQ))};
+  product = _mm256_mul_ps(product, _mm256_set1_ps(side));
+  const auto bits = [&](float limit, float least) {
+    return static_cast<unsigned>(_mm256_movemask_ps(_mm256_and_ps(_mm256_cmp_ps(distance2, _mm256_set1_ps(limit), _CMP_LT_OQ),
+                                                                  _mm256_cmp_ps(product, _mm256_set1_ps(least), _CMP_GT_OQ))));
+  };
+  return {bits(limit2, -slack), bits(near2, slack)};
 #else
   PatchBits bits;
   for (int m = 0; m < near_lanes; ++m) {
@@ -103,9 +103,9 @@ PatchBits patch_bits(const std::array<std::vector<float>, D>& coordinate, const 
       distance2 += d * d;
       product += d * normal[c][first + m];
     }
-    bits.facing |= static_cast<unsigned>((distance2 < limit2) & (product < slack)) << m;
-    bits.sure |= static_cast<unsigned>((distance2 < near2) & (product < -slack)) << m;
-    bits.turned |= static_cast<unsigned>((distance2 < limit2) & (product > -slack)) << m;
+    product *= side;
+    bits.may |= static_cast<unsigned>((distance2 < limit2) & (product > -slack)) << m;
+    bits.sure |= static_cast<unsigned>((distance2 < near2) & (product > slack)) << m;
   }
   return bits;
 #endif

@@ -27,7 +27,7 @@ void InterfacePairs<D>::find(const InterfaceParticles<D>& particles, const Surfa
   pairs_.clear();
   particle_pairs_ = back_facing_pairs_ = 0;
   for (Found& found : found_) found.standing.clear();
-  for (std::vector<double>* sum : {&seen_share_, &filled_}) sum->assign(surface.position.size(), 0);
+  for (std::vector<double>* sum : {&seen_share_, &filled_, &weighed_area_}) sum->assign(surface.position.size(), 0);
   if (particles.id.empty()) return;
   faces_.position = surface.position;
   faces_.normal = surface.normal;
@@ -134,10 +134,14 @@ void InterfacePairs<D>::look(const InterfaceParticles<D>& particles) {
     CornerView<D> corners(faces_, finder_, covered_, kernel_, found.corners);
     for (std::ptrdiff_t i = first; i < last; ++i) {
       const std::size_t before = found.seen.size();
-      corners.see(particles.position[i], found.seen);
-      found.seen_count.push_back(static_cast<int>(found.seen.size() - before));
+      finder_.see(faces_, particles.position[i], found.seen);
+      const int count = static_cast<int>(found.seen.size() - before);
+      found.seen_count.push_back(count);
+      found.back_facing_count.push_back(0);
+      if (count == 0) continue;
+      corners.look(particles.position[i], found.seen.data() + before, count);
       found.back_facing.insert(found.back_facing.end(), corners.back_facing().begin(), corners.back_facing().end());
-      found.back_facing_count.push_back(static_cast<int>(corners.back_facing().size()));
+      found.back_facing_count.back() = static_cast<int>(corners.back_facing().size());
     }
   });
 }
@@ -161,14 +165,17 @@ void InterfacePairs<D>::find_borne_shares() {
 
 template <int D>
 void InterfacePairs<D>::sum_by_points(const Surface<D>& surface) {
-  const auto add = [&](std::size_t first, std::size_t last) {
-    for (std::size_t m = first; m < last; ++m) filled_[pairs_[m].point] -= pairs_[m].weight;  // b_ik . n_k
+  const auto add = [&](const PairRange<D>& range) {
+    for (const auto& pair : range) {
+      const double area = -pair.b.dot(surface.normal[pair.point]);
+      filled_[pair.point] += area / surface.area[pair.point];
+      weighed_area_[pair.point] += area;
+    }
   };
-  add(0, particle_pairs_);
+  add(pairs());
   for (std::size_t k = 0; k < filled_.size(); ++k)
-    if (filled_[k] != 0) seen_share_[k] = filled_[k] / (surface.area[k] * borne_share_[k]);
-  add(particle_pairs_, pairs_.size());
-  for (std::size_t k = 0; k < filled_.size(); ++k) filled_[k] /= surface.area[k];
+    if (filled_[k] != 0) seen_share_[k] = filled_[k] / borne_share_[k];
+  add(range(particle_pairs_, pairs_.size()));
 }
 
 template class InterfacePairs<2>;

@@ -92,8 +92,6 @@ class InterfacePairs {
 
   /// Of the particles themselves.
   PairRange<D> pairs() const { return range(0, particle_pairs_); }
-  /// Of particle i; all particles one after the other are pairs().
-  PairRange<D> pairs_of(std::size_t i) const { return range(first_[i], first_[i + 1]); }
   /// Of particles past a corner with faces that are turned away from them (sph/convex_corner.hpp): of the pressure only.
   PairRange<D> back_facing_pairs() const { return range(particle_pairs_, particle_pairs_ + back_facing_pairs_); }
   /// Of their images behind walls: `particle` is the one that is mirrored, everything else is that of the image.
@@ -108,6 +106,8 @@ class InterfacePairs {
   const std::vector<double>& seen_share() const { return seen_share_; }
   /// The same of all pairs, as they are weighed.
   const std::vector<double>& filled() const { return filled_; }
+  /// The same times the area of the point: the sum of -b_ik . n_k over all pairs [m^(D-1)].
+  const std::vector<double>& weighed_area() const { return weighed_area_; }
 
   /// Those of the particles, the back-facing ones, then those of the images.
   PairRange<D> all_pairs() const { return range(0, pairs_.size()); }
@@ -142,8 +142,8 @@ class InterfacePairs {
   std::size_t particle_pairs_ = 0, back_facing_pairs_ = 0;
   std::vector<std::uint8_t> covered_, asked_;  ///< per surface point; asked_: some particle has a pair with it
   std::vector<double> borne_share_;
-  std::vector<double> seen_share_, filled_;      ///< per surface point
-  std::vector<std::size_t> first_;               ///< pair of each particle, then the number of them all
+  std::vector<double> seen_share_, filled_, weighed_area_;  ///< per surface point
+  std::vector<std::size_t> first_;                          ///< pair of each particle, then the number of them all
   std::vector<std::size_t> begin_, begin_past_;  ///< of the pairs of each thread's particles, those they see and those past corners
 };
 
