@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "fluid/boundary/wetness.hpp"
 #include "fluid/motion/viscosity.hpp"
@@ -277,18 +278,17 @@ Vector<D> Probe<D>::friction(const Wall<D>& wall, const Faces<D>& faces, std::si
 template <int D>
 std::optional<double> Probe<D>::sensor(const Wall<D>& wall, const Vector<D>& at, double diameter) const {
   const Faces<D>& faces = fluid_.walls().faces();
-  const auto nearest = [&](const Vector<D>& x, auto&& looks) {
-    std::size_t found = wall.first;
-    double least = 1e300;
-    for (std::size_t k = wall.first; k < wall.last; ++k) {
-      const double distance = (faces.position[k] - x).squaredNorm();
-      if (distance < least && looks(k)) found = k, least = distance;
-    }
-    return found;
-  };
   const Vector<D> centre = wall.place(at);
-  const std::size_t middle = nearest(centre, [](std::size_t) { return true; });
-  const auto looks_along = [&](std::size_t k) { return faces.normal[k].dot(faces.normal[middle]) > 0.5; };  // not round an edge
+  const auto squared = [&](std::size_t k, const Vector<D>& x) { return (faces.position[k] - x).squaredNorm(); };
+  std::size_t middle = wall.first;
+  for (std::size_t k = wall.first; k < wall.last; ++k)
+    if (squared(k, centre) < squared(middle, centre)) middle = k;
+  // The patches that look the same way, not round an edge, and may be the nearest to a place of the gauge. Such a place is at most half a
+  // diameter from the centre; so the patch nearest to it is at most a diameter farther from the centre than the middle patch.
+  const double reach = std::sqrt(squared(middle, centre)) + 1.01 * diameter;
+  std::vector<std::size_t> near;
+  for (std::size_t k = wall.first; k < wall.last; ++k)
+    if (squared(k, centre) <= reach * reach && faces.normal[k].dot(faces.normal[middle]) > 0.5) near.push_back(k);
   const auto along = tangents<D>(faces.normal[middle]);
   const int count = std::max(2, static_cast<int>(std::ceil(diameter / (sampling * fluid_.constants().spacing))));
   double sum = 0;
@@ -299,7 +299,8 @@ std::optional<double> Probe<D>::sensor(const Wall<D>& wall, const Vector<D>& at,
       if (u * u + v * v > 0.25) continue;
       ++points;
       const Vector<D> x = centre + diameter * (u * along[0] + v * along[1]);
-      const std::size_t k = nearest(x, looks_along);
+      const std::size_t k =
+          *std::min_element(near.begin(), near.end(), [&](auto one, auto other) { return squared(one, x) < squared(other, x); });
       const double wet = share_of_wall(faces.position[k], faces.normal[k]);
       if (wet == 0) continue;
       if (!fluid_.has_pressure()) return std::nullopt;
