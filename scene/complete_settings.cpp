@@ -155,8 +155,8 @@ class Completion {
       if (is_thin_2d && dimension_ == 3) fail_at(body.where, fmt::format("a {} has no meaning in 3D; use a tube.", kind));
       if (kind == "tube" && dimension_ == 2) fail_at(body.where, "a tube has no meaning in 2D; use a ring.");
       if (kind == "plate" && dimension_ == 2) fail_at(body.where, "a plate has no meaning in 2D; use a line.");
-      if (is_thin && (p.table != "structure.body" || p.type != ParameterType::shape))
-        fail_at(body.where, fmt::format("a {} can be the shape of a [[structure.body]] only, as a whole; here use {}.", kind,
+      if (is_thin && (p.type != ParameterType::shape || (p.table != "structure.body" && p.table != "fluid.body")))
+        fail_at(body.where, fmt::format("a {} can be in the shape of a [[structure.body]] or a [[fluid.body]] only; here use {}.", kind,
                                         dimension_ == 2 ? "a difference of balls or polygons" : "boxes and balls"));
       complete.set(kind, complete_table("shape." + kind, body));
     }

@@ -126,19 +126,25 @@ class Sampler {
     return true;
   }
 
-  // 3D: keeps the share of the patch whose sub-samples lie on the final boundary.
-  void add_patch(const Patch& raw, double area) {
-    const double sign = leaves_[current_].sign;
-    const auto patch = [&](double u, double v) {
+  /// As the shape has it: one that is subtracted looks the other way.
+  Patch turned(const Patch& raw) const {
+    return [&raw, sign = leaves_[current_].sign](double u, double v) {
       SurfacePoint<D> p = raw(u, v);
       p.normal *= sign;
       return p;
     };
+  }
+
+  void add_patch(const Patch& raw, double area) {
+    const Patch patch = turned(raw);
     if (leaves_.size() == 1) return add(patch(0.5, 0.5), area);
-    if (is_far_from_others(patch)) {
-      if (on_final_boundary(patch(0.5, 0.5))) add(patch(0.5, 0.5), area);
-      return;
-    }
+    if (!is_far_from_others(patch)) return add_samples(raw, area);
+    if (on_final_boundary(patch(0.5, 0.5))) add(patch(0.5, 0.5), area);
+  }
+
+  // 3D: keeps the share of the patch whose sub-samples lie on the final boundary.
+  void add_samples(const Patch& raw, double area) {
+    const Patch patch = turned(raw);
     constexpr int samples = 8;
     double u_sum = 0, v_sum = 0;
     int kept = 0;
@@ -302,7 +308,8 @@ class Sampler {
     }
   }
 
-  /// Both faces, cut into squares that end at the sides, and the rim. A plate is a whole shape: none of it is hidden.
+  /// Both faces, cut into squares that end at the sides, and the rim. Where other shapes may hide some of it, what a side or another shape
+  /// leaves of a square is found by its sub-samples.
   void sample_plate(const Shape& leaf) {
     Outline outline;
     for (const auto& vertex : leaf.vertices) outline.emplace_back(vertex[0], vertex[1]);
@@ -319,8 +326,20 @@ class Sampler {
       for (long i = 0; i < pieces[0]; ++i) {
         const Vector<2> left(low[0] + static_cast<double>(i) * step[0], 0), right = left + Vector<2>(step[0], 0);
         const PlaneArea piece = area_of(cut(cut(row, left, Vector<2>(-1, 0)), right, Vector<2>(1, 0)));
-        if (piece.area <= 1e-9 * step[0] * step[1]) continue;
-        for (const double side : {1.0, -1.0}) add({place(piece.centre, 0.5 * side * leaf.thickness), side * axis(2)}, piece.area);
+        const double whole = step[0] * step[1];
+        if (piece.area <= 1e-9 * whole) continue;
+        for (const double side : {1.0, -1.0}) {
+          const Patch square = [&](double u, double v) {
+            return SurfacePoint<D>{place(Vector<2>(left[0] + u * step[0], below[1] + v * step[1]), 0.5 * side * leaf.thickness),
+                                   side * axis(2)};
+          };
+          if (leaves_.size() == 1)
+            add({place(piece.centre, 0.5 * side * leaf.thickness), side * axis(2)}, piece.area);
+          else if (piece.area >= whole * (1 - 1e-9))
+            add_patch(square, whole);
+          else
+            add_samples(square, whole);
+        }
       }
     }
     const long across = count(leaf.thickness);
@@ -330,9 +349,12 @@ class Sampler {
       const long n = count(along.norm());
       for (long j = 0; j < across; ++j)
         for (long i = 0; i < n; ++i) {
-          const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(n);
-          const double z = ((static_cast<double>(j) + 0.5) / static_cast<double>(across) - 0.5) * leaf.thickness;
-          add({place(from + share * along, z), normal}, along.norm() * leaf.thickness / static_cast<double>(n * across));
+          const Patch piece = [&](double u, double v) {
+            const double share = (static_cast<double>(i) + u) / static_cast<double>(n);
+            const double z = ((static_cast<double>(j) + v) / static_cast<double>(across) - 0.5) * leaf.thickness;
+            return SurfacePoint<D>{place(from + share * along, z), normal};
+          };
+          add_patch(piece, along.norm() * leaf.thickness / static_cast<double>(n * across));
         }
     }
   }

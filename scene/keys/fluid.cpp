@@ -24,7 +24,9 @@ const Rows<FluidCase>& fluid_rows() {
 const Rows<FluidBody>& body_rows() {
   // clang-format off
   static const Rows<FluidBody> rows = {
-      {"shape", &FluidBody::shape, "", required, any, "Region that is filled; best when its sides are whole multiples of the spacing."},
+      {"shape", &FluidBody::shape, "", required, any,
+       "Region that is filled; best when its sides are whole multiples of the spacing. Bodies and obstacles in it are cut out by "
+       "`difference`."},
       {"velocity", &FluidBody::velocity, "m/s", absent, a_speed, "Initial velocity, expressions in x, y, z; absent = at rest."},
   };
   // clang-format on

@@ -237,19 +237,21 @@ const Rows<Shape>& shape_rows() {
 }  // namespace
 
 std::vector<TableDefinition> shape_tables() {
-  return {{"shape", false, Presence::filled,
-           "A solid, written as an inline table with exactly one of these keys, e.g. `{ box = { min = [0, 0], max = [1, 2] } }`.",
-           parameters_of(shape_rows())},
-          {"shape.box", false, Presence::filled, "A box along the axes.", parameters_of(box_rows())},
-          {"shape.polygon", false, Presence::filled, "A polygon; 2D only.", parameters_of(polygon_rows())},
-          {"shape.ball", false, Presence::filled, "A disc (2D) or ball (3D).", parameters_of(ball_rows())},
-          {"shape.ring", false, Presence::filled, "A ring, or an arc of one; of an elastic body in 2D.", parameters_of(ring_rows())},
-          {"shape.line", false, Presence::filled, "A line of straight pieces with a thickness; of an elastic body in 2D.",
-           parameters_of(line_rows())},
-          {"shape.tube", false, Presence::filled, "A round tube, or a part of one between two angles; of an elastic body in 3D.",
-           parameters_of(tube_rows())},
-          {"shape.plate", false, Presence::filled, "A flat polygon in space with a thickness; of an elastic body in 3D.",
-           parameters_of(plate_rows())}};
+  return {
+      {"shape", false, Presence::filled,
+       "A solid, written as an inline table with exactly one of these keys, e.g. `{ box = { min = [0, 0], max = [1, 2] } }`.",
+       parameters_of(shape_rows())},
+      {"shape.box", false, Presence::filled, "A box along the axes.", parameters_of(box_rows())},
+      {"shape.polygon", false, Presence::filled, "A polygon; 2D only.", parameters_of(polygon_rows())},
+      {"shape.ball", false, Presence::filled, "A disc (2D) or ball (3D).", parameters_of(ball_rows())},
+      {"shape.ring", false, Presence::filled, "A ring, or an arc of one; in 2D, of an elastic body or cut out of the fluid.",
+       parameters_of(ring_rows())},
+      {"shape.line", false, Presence::filled,
+       "A line of straight pieces with a thickness; in 2D, of an elastic body or cut out of the fluid.", parameters_of(line_rows())},
+      {"shape.tube", false, Presence::filled,
+       "A round tube, or a part of one between two angles; in 3D, of an elastic body or cut out of the fluid.", parameters_of(tube_rows())},
+      {"shape.plate", false, Presence::filled,
+       "A flat polygon in space with a thickness; in 3D, of an elastic body or cut out of the fluid.", parameters_of(plate_rows())}};
 }
 
 Shape read_shape(const Setting& table) { return filled(shape_rows(), table); }

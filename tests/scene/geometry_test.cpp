@@ -149,6 +149,27 @@ TEST(Geometry, APlateIsASolidWithASurface) {
   }
 }
 
+// A plate with a hole that a ball leaves, and a box less a tilted plate that ends above its top. Seen to fail: with all of
+// the surface of a plate kept, as it stands (1.037 for 0.960 m^3).
+TEST(Geometry, APlateMayBePartOfASolid) {
+  const double pi = std::numbers::pi;
+  const Shape sheet = plate_shape({{0, 0, 0}, {1.1, 0, 0}, {1.1, 0, 0.9}, {0, 0, 1}}, 0.1);
+  const Shape with_hole = combine(difference, {sheet, ball({0.5, 0, 0.5}, 0.15)});
+  SurfacePoints<3> s = sample_surface<3>(with_hole, 0.02);
+  expect_points_lie_on_the_boundary_and_look_outwards<3>(with_hole, s, 0.02);
+  const double hole = pi * (0.15 * 0.15 * 0.1 - 0.1 * 0.1 * 0.1 / 12);
+  EXPECT_NEAR(enclosed(s), 0.1 * 1.1 * 0.95 - hole, 2e-4);
+  EXPECT_LT(closure(s).norm(), 1e-3);
+
+  const double slant = std::sqrt(0.5);
+  const Shape tilted = plate_shape({{0.2, 0.5, 0.1}, {0.2, 0.5, 0.9}, {1, 1.3, 0.9}, {1, 1.3, 0.1}}, 0.1 * slant);
+  const Shape cut = combine(difference, {box({0, 0, 0}, {1, 1, 1}), tilted});
+  s = sample_surface<3>(cut, 0.02);
+  expect_points_lie_on_the_boundary_and_look_outwards<3>(cut, s, 0.02);
+  EXPECT_NEAR(enclosed(s), 1 - 0.8 * 0.1 * 0.5, 2e-4);  // 0.1 wide along x, from 0.5 to 1 along y, in the mean of both faces
+  EXPECT_LT(closure(s).norm(), 1e-3);
+}
+
 // Seen to fail: with the ends of arcs left out of the distance, with the inner face that looks outwards.
 TEST(Geometry, RingsLinesAndTubesAreSolidsWithASurface) {
   const double pi = std::numbers::pi;
