@@ -42,6 +42,7 @@ struct BodyEstimate {
   double sub_step = 0;          ///< [s]
   double added_mass_ratio = 0;  ///< of one wet face, first cantilever mode; 0 = not thin or no fluid
   double bending_period = 0;    ///< of the first bending with one wet face [s]; 0 = not thin or no fluid
+  double displaced_mass = 0;    ///< of a loose body: of the fluid that it displaces when it dives, over its own; 0 = held or no fluid
 };
 
 struct Estimate {

@@ -171,9 +171,24 @@ TEST(Estimate, ReckonsWithIterationsForLightBodies) {
   const Estimate heavy = estimate(case_of("rising_disc", {{{"structure.body.disc.density", "1000"}}, ""})),
                  light = estimate(case_of("rising_disc"));
   EXPECT_EQ(heavy.iterations, 1);
-  EXPECT_EQ(light.iterations, 2);
   EXPECT_GT(light.fluid_cpu, 2 * heavy.fluid_cpu);
-  EXPECT_GT(estimate(case_of("rising_disc", {{{"structure.body.disc.density", "1"}}, ""})).iterations, 3);
+  EXPECT_EQ(estimate(case_of("dam_break_plate", {{{"structure.body.plate.density", "700"}}, ""})).iterations, 2);
+}
+
+// What runs took: `./tern run rising_disc --set structure.body.disc.density=...`, and rising_ball_3d at 12.5 mm. A ball of a shell is as
+// light as what it keeps the water out of. Seen to fail: with the mass behind the faces alone (2 for a disc of 10, 1 for balls of 100 to 700).
+TEST(Estimate, ReckonsWithTheIterationsOfLooseBodiesThatTheirFluidCarriesOff) {
+  const auto iterations = [](const std::string& name, const std::string& body, const char* density) {
+    return estimate(case_of(name, {{{"structure.body." + body + ".density", density}}, ""})).iterations;
+  };
+  for (const auto& [density, taken] : {std::pair{"10", 7.39}, {"100", 3.05}, {"300", 2.35}, {"1000", 1.07}})
+    EXPECT_NEAR(iterations("rising_disc", "disc", density), taken, 0.15 * taken) << density;
+  for (const auto& [density, taken] : {std::pair{"30", 5.18}, {"100", 3.18}, {"300", 2.18}, {"700", 1.41}, {"1200", 1.13}})
+    EXPECT_NEAR(iterations("rising_ball_3d", "ball", density), taken, 0.15 * taken) << density;
+  const double whole = 0.05 * 0.05 * 0.05, hollow = 0.045 * 0.045 * 0.045;
+  const double displaced = 1000 / 1100.0 * whole / (whole - hollow);
+  EXPECT_NEAR(estimate(case_of("ball_drop")).bodies[0].displaced_mass, displaced, 0.05 * displaced);
+  EXPECT_EQ(estimate(case_of("dam_break_plate")).bodies[0].displaced_mass, 0);
 }
 
 // c_p = sqrt(E (1 - nu)/(rho (1 + nu)(1 - 2 nu))); seen to fail with the plane-stress speed.
