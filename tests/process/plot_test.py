@@ -7,6 +7,7 @@ import subprocess
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import h5py
 import matplotlib
@@ -330,6 +331,31 @@ shape = { box = { min = [0, 0], max = [0.2, 0.2] } }
         self.assertEqual(len(marks), 1)
         np.testing.assert_allclose(marks[0], at, atol=1e-6)
         self.assertEqual([text.get_text() for text in axis.texts].count("sensor"), 1)
+
+    def test_each_body_is_drawn_at_its_own_spacing(self):
+        # A cube of 216 particles 20 mm apart, a sheet of 49 that are 80 mm apart. Seen to fail: with one spacing, the median of all: the
+        # sheet had no surface, and discs a quarter as large.
+        made_up_run.write_3d(self.run_directory)
+        cube = 0.02 * np.stack(np.meshgrid(*3 * [np.arange(6)], indexing="ij"), axis=-1).reshape(-1, 3) + [0.1, 0.6, 0.1]
+        x, z = (part.ravel() for part in np.meshgrid(*2 * [0.08 * np.arange(7)]))
+        place = np.concatenate([cube, np.column_stack([0.3 + x, np.full(49, 0.8), 0.3 + z])])
+        made_up_run.write_frames(self.run_directory / "structure.h5", place, 5, von_mises=place[:, 1], stress_xy=place[:, 1],
+                                 body=np.repeat(np.array([0, 1], dtype=np.uint32), [216, 49]))
+        run = tern.Run(self.run_directory)
+        spacings = run.spacings("structure")
+        np.testing.assert_allclose([spacings[0], spacings[1]], [0.02, 0.08])
+        _, fluid, structure = fields.read(run, 0.0)
+        box = scenes.box_of(run, fluid, structure)
+        with mock.patch.object(scenes.render, "image") as image:
+            scenes.pixels(run, fluid, structure, [(0, 1), (0, 1)], "pressure", box, scenes.Look())
+        parts = image.call_args.args[0]
+        np.testing.assert_allclose([part[2] for part in parts], [0.05, 0.02, 0.08])
+        low, high = np.array(render.surface(*parts[2][:3], box, None).GetBounds()).reshape(3, 2).T
+        np.testing.assert_allclose([low[0], high[0], low[2], high[2]], [0.3, 0.78, 0.3, 0.78], atol=0.05)
+        with mock.patch.object(fields, "EllipseCollection", wraps=EllipseCollection) as discs:
+            _, figure = scenes.figure(run, 0.0, scenes.Look(slice=(1, 0.8)))
+        self.addCleanup(plt.close, figure)
+        np.testing.assert_allclose(discs.call_args_list[-1].args[0], np.full(49, 1.15 * 0.08))
 
     def test_a_shell_thicker_than_its_spacing_is_drawn_in_layers(self):
         # Seen to fail: with one layer.

@@ -34,8 +34,16 @@ def choose_times(run, times):
     return sorted({min(existing, key=lambda time: abs(time - want)) for want in wanted})
 
 
+def spacing_of_each(run, fields, process):
+    """The spacing [m] of the body of each particle of a frame."""
+    spacings = run.spacings(process)
+    if "body" not in fields:
+        return np.full(len(fields["position"]), spacings.get(0, np.nan))
+    return np.array([spacings[int(body)] for body in fields["body"]])
+
+
 def _discs(axis, position, values, spacing, colours, limits):
-    diameter = np.full(len(position), 1.15 * spacing)  # a little overlap: no white between the discs of a full lattice
+    diameter = 1.15 * spacing  # a little overlap: no white between the discs of a full lattice
     discs = EllipseCollection(diameter, diameter, np.zeros(len(position)), units="xy", offsets=position[:, :2],
                               transOffset=axis.transData, array=values, cmap=colours)
     discs.set_clim(*limits)
@@ -93,7 +101,7 @@ def flat(run, fields, process, cut):
     if cut is None:
         return fields | {name: fields[name][:, :2] for name in ("position", "surface_position") if name in fields}
     reach, count = run.spacing(process), len(fields["position"])
-    shown = np.abs(fields["position"][:, cut.direction] - cut.at) <= reach
+    shown = np.abs(fields["position"][:, cut.direction] - cut.at) <= spacing_of_each(run, fields, process)
     result = {name: values[shown] if len(values) == count else values for name, values in fields.items()}
     result["position"] = result["position"][:, cut.kept]
     if "surface_position" in fields:
@@ -157,9 +165,10 @@ def _draw(axis, run, fluid, structure, limits, field, placed, cut, view):
     gauges = gauge_places(run, structure)
     fluid, structure = flat(run, fluid, "fluid", cut), flat(run, structure, "structure", cut)
     if fluid is not None:
-        drawn[0] = _discs(axis, fluid["position"], of_fluid(fluid), run.spacing("fluid"), fluid_colours, limits[0])
+        drawn[0] = _discs(axis, fluid["position"], of_fluid(fluid), spacing_of_each(run, fluid, "fluid"), fluid_colours, limits[0])
     if structure is not None:
-        drawn[1] = _discs(axis, structure["position"], of_structure(structure), run.spacing("structure"), structure_colours, limits[1])
+        drawn[1] = _discs(axis, structure["position"], of_structure(structure), spacing_of_each(run, structure, "structure"),
+                          structure_colours, limits[1])
         if "surface_position" in structure:
             _outline(axis, structure["surface_position"])
     draw_gauges(axis, gauges, cut.kept if cut else (0, 1))

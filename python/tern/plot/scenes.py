@@ -87,28 +87,29 @@ def check(run, plane, box, option):
 
 
 def in_layers(side, values, spacing):
-    """(position, value) of particles that fill their bodies: a shell thicker than its spacing is several layers.
+    """(position, value) of the particles of a body so that they fill it: a shell thicker than its spacing is several layers.
 
     Its normal at a particle is across the plane that fits the eight nearest ones best.
     """
     position, thickness = side["position"], side.get("shell_thickness")
     if thickness is None or thickness.max() < 1.5 * spacing:
         return position, values
-    places, kept = [], []
-    for body in np.unique(side["body"]):
-        own = side["body"] == body
-        place, count = position[own], max(1, round(float(thickness[own][0]) / spacing))
-        if count > 1:
-            normal = np.empty_like(place)
-            for number, x in enumerate(place):
-                squared = np.sum((place - x) ** 2, axis=1)
-                near = place[np.argpartition(squared, min(8, len(place) - 1))[:9]]
-                normal[number] = np.linalg.svd(near - near.mean(axis=0))[2][-1]
-        for layer in range(count):
-            height = ((layer + 0.5) / count - 0.5) * float(thickness[own][0])
-            places.append(place + height * normal if count > 1 else place)
-            kept.append(values[own])
-    return np.concatenate(places), np.concatenate(kept)
+    count = round(float(thickness[0]) / spacing)
+    normal = np.empty_like(position)
+    for number, x in enumerate(position):
+        squared = np.sum((position - x) ** 2, axis=1)
+        near = position[np.argpartition(squared, min(8, len(position) - 1))[:9]]
+        normal[number] = np.linalg.svd(near - near.mean(axis=0))[2][-1]
+    heights = ((np.arange(count) + 0.5) / count - 0.5) * float(thickness[0])
+    return np.concatenate([position + height * normal for height in heights]), np.tile(values, count)
+
+
+def bodies_of(run, process, side):
+    """[(number, fields of its particles, spacing [m])] of the bodies of a frame; the fluid is one."""
+    numbers = side["body"] if "body" in side else np.zeros(len(side["position"]), dtype=int)
+    count = len(numbers)
+    return [(int(body), {name: values[numbers == body] for name, values in side.items() if len(values) == count},
+             run.spacings(process)[int(body)]) for body in np.unique(numbers)]
 
 
 def pixels(run, fluid, structure, limits, field, box, look):
@@ -118,9 +119,10 @@ def pixels(run, fluid, structure, limits, field, box, look):
         if side is None or len(side["position"]) == 0:
             continue
         known = values is not MISES[2] or "von_mises" in side
-        place, value = in_layers(side, values(side) if known else np.zeros(len(side["position"])), run.spacing(process))
         is_hiding = process == "fluid" and structure is not None and not look.clip
-        parts.append((place, value, run.spacing(process), colours if known else None, range_, SEEN_THROUGH if is_hiding else 1.0))
+        for _, body, spacing in bodies_of(run, process, side):
+            place, value = in_layers(body, values(body) if known else np.zeros(len(body["position"])), spacing)
+            parts.append((place, value, spacing, colours if known else None, range_, SEEN_THROUGH if is_hiding else 1.0))
     placed = walls.placed(run.settings.get("wall", []), fluid)
     return render.image(parts, placed, box, run.settings.get("gravity", []), look.camera, look.clip), [
         wall["name"] for wall, place in placed if place is None]

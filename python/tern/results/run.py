@@ -130,16 +130,27 @@ class Run:
         return frames.Frames(self.frames_of("fluid"), self.frames_of("structure"))
 
     @functools.cache
-    def spacing(self, process):
-        """Particle spacing [m], from the first frame: the median distance to the nearest neighbour; None without frames."""
+    def spacings(self, process):
+        """{number of a body: its particle spacing [m]}, from the first frame: the median distance to the nearest neighbour in the body.
+
+        The fluid is body 0, and so is all of a structure whose frames do not name bodies. None without frames.
+        """
         if not self.frames_of(process):
             return None
         import numpy as np
-        position = self.frames_of(process)[0]["position"]
-        sample = position[:: max(1, len(position) // 150)]
-        distance = np.linalg.norm(sample[:, None, :] - position[None, :, :], axis=2)
-        distance[distance == 0] = np.inf
-        return float(np.median(distance.min(axis=1)))
+        frame = self.frames_of(process)[0]
+        number = frame["body"] if "body" in frame else np.zeros(len(frame["position"]), dtype=int)
+
+        def of_body(position):
+            sample = position[:: max(1, len(position) // 150)]
+            distance = np.linalg.norm(sample[:, None, :] - position[None, :, :], axis=2)
+            distance[distance == 0] = np.inf
+            return float(np.median(distance.min(axis=1)))
+        return {int(body): of_body(frame["position"][number == body]) for body in np.unique(number)}
+
+    def spacing(self, process):
+        """Particle spacing [m], of the coarsest body; None without frames."""
+        return max(self.spacings(process).values(), default=None) if self.frames_of(process) else None
 
     # For pictures.
 
