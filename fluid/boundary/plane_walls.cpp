@@ -199,7 +199,8 @@ void leave_dry_planes(const std::vector<Vector<D>>& position, Boundary<D>& bound
         list_patches(planes[rows.plane[i]], support, position[i], rows.face);
         rows.count[i] = static_cast<int>(rows.face.size()) - rows.begin[i];
       }
-      if (rows.plane_share[i] == 0) rows.plane[i] = -1;
+      // Just within reach of the plane there may be no patch to share with, nor anything of the plane to be shared.
+      if (rows.plane_share[i] == 0 || rows.count[i] == 0) rows.plane[i] = -1;
     }
     rows.weight.resize(rows.face.size());
   }

@@ -24,7 +24,7 @@ struct Seen {
 
   Seen(const Fluid<3>& fluid, const Case& c, const std::vector<Vector<3>>& position) : boundary(c, fluid.constants()) {
     Neighbours<3> none;
-    none.begin.resize(position.size());
+    for (std::vector<int>* of_rows : {&none.begin, &none.length, &none.count}) of_rows->resize(position.size());
     const std::vector<Vector<3>> gravity(position.size(), Vector<3>(0, -9.81, 0));
     see_boundary<3>(fluid.constants(), fluid.period(), position, boundary, none);
     sum_over_hidden_side<3>(fluid.constants(), Ranks{}, position, gravity, boundary);
@@ -131,6 +131,25 @@ TEST(PlaneWalls, GiveWayToPatchesGradually) {
     EXPECT_LT(largest_change, 0.3);
     std::printf("largest change of the share in %.3f spacings: %.3f\n", 4 * step / dx, largest_change);
   }
+}
+
+// Just within reach of the floor, over the corner of four patches whose middles are beyond it, and half a spacing from seeing the wall at
+// its side too: its row of patches is empty. The next row begins with a patch behind which it is, 19 m. Seen to fail: with the plane taken
+// from the first patch of the row (signal 11).
+TEST(PlaneWalls, NeedNoPatchWithinReach) {
+  const Case c = scene(3, dx, {box({0, 0, 0}, {0.5, 0.1, 0.4})}, {tank({0, 0, 0}, {20, 0.6, 0.4}), obstacle({12, 0, 0}, {19.2, 0.4, 0.4})});
+  Fluid<3> fluid(c);
+  std::vector<Vector<3>> position = fluid.state().position;
+  const std::size_t probe = position.size();
+  position.push_back({3.4 * dx, fluid.constants().faces.support() - 0.01 * dx, 4 * dx});
+  position.push_back({19.2 + 0.5 * dx, 6 * dx, 4 * dx});
+  const Seen seen(fluid, c, position);
+  const FaceRows& rows = seen.boundary.wall_rows;
+  ASSERT_GT(rows.plane_share[probe], 0);
+  ASSERT_LT(rows.plane_share[probe], 1);
+  ASSERT_EQ(rows.count[probe], 0);
+  EXPECT_EQ(seen.boundary.sums.number_density[probe], 0);
+  EXPECT_EQ(seen.boundary.sums.moment[probe].norm(), 0);
 }
 
 // Seen to fail: with the crossing looked for in the patch at the foot alone.
