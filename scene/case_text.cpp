@@ -37,7 +37,7 @@ std::string duration(double seconds) {
 }
 
 std::string iterations_text(const Estimate& e) {
-  return e.iterations > 1 ? fmt::format(" of about {:.0f} coupling iterations", e.iterations) : "";
+  return e.iterations >= 1.5 ? fmt::format(" of about {:.0f} coupling iterations", e.iterations) : "";
 }
 
 std::string step_limits(const Case& scene, const Estimate& e) {

@@ -113,7 +113,7 @@ TEST(Estimate, ReckonsWithThePointsOfABodyIn3D) {
   EXPECT_GT(a_particle_step(part), 2 * a_particle_step(whole));
   Case dry = c;
   dry.structure.reset();
-  EXPECT_NEAR(estimate(dry).fluid_cpu / estimate(dry).steps, whole.fluid_cpu / whole.steps / 1.4, 1e-6);
+  EXPECT_NEAR(estimate(dry).fluid_cpu / estimate(dry).steps, whole.fluid_cpu / whole.steps / (1 + 0.4 * (whole.iterations - 1)), 1e-6);
 }
 
 // Of a body of many particles the factor fills up. Seen to fail with the figure of some hundred for all.
@@ -164,19 +164,26 @@ TEST(Estimate, OfASceneAtRestHasAWindowPerFrameAtLeast) {
   EXPECT_EQ(estimate(c).steps, std::ceil(c.end_time / c.output.frame_interval));
 }
 
-// Seen to fail: with one iteration for all.
+// What runs took, those of plates in splashes. Seen to fail: with one iteration for all; with two for all below half a layer (1 for
+// dam_break_plate).
 TEST(Estimate, ReckonsWithIterationsForLightBodies) {
-  EXPECT_EQ(estimate(case_of("submerged_block")).iterations, 1);
+  for (const auto& [name, taken] : {std::pair{"dam_break_obstacle", 0.96},
+                                    {"hydrostatic_plate", 1.0},
+                                    {"piston", 1.0},
+                                    {"dam_break_plate", 1.6},
+                                    {"dam_break_plate_3d", 2.12},
+                                    {"submerged_block", 1.03}})
+    EXPECT_NEAR(estimate(case_of(name)).iterations, taken, 0.15 * taken) << name;
   EXPECT_GT(estimate(case_of("submerged_block", {{{"coupling.algorithm", "implicit"}}, ""})).iterations, 1);
   const Estimate heavy = estimate(case_of("rising_disc", {{{"structure.body.disc.density", "1000"}}, ""})),
                  light = estimate(case_of("rising_disc"));
-  EXPECT_EQ(heavy.iterations, 1);
+  EXPECT_NEAR(heavy.iterations, 1.07, 0.05);
   EXPECT_GT(light.fluid_cpu, 2 * heavy.fluid_cpu);
-  EXPECT_EQ(estimate(case_of("dam_break_plate", {{{"structure.body.plate.density", "700"}}, ""})).iterations, 2);
 }
 
 // What runs took: `./tern run rising_disc --set structure.body.disc.density=...`, and rising_ball_3d at 12.5 mm. A ball of a shell is as
-// light as what it keeps the water out of. Seen to fail: with the mass behind the faces alone (2 for a disc of 10, 1 for balls of 100 to 700).
+// light as what it keeps the water out of. Seen to fail: with the mass behind the faces alone (2 for a disc of 10, 1 for balls of 100
+// to 700).
 TEST(Estimate, ReckonsWithTheIterationsOfLooseBodiesThatTheirFluidCarriesOff) {
   const auto iterations = [](const std::string& name, const std::string& body, const char* density) {
     return estimate(case_of(name, {{{"structure.body." + body + ".density", density}}, ""})).iterations;
