@@ -107,7 +107,7 @@ std::string check_text(const Case& scene, const Costs& costs) {
   for (std::size_t i = 0; i < e.bodies.size(); ++i) {
     const BodyEstimate& body = e.bodies[i];
     const double spacing = scene.structure->bodies[i].spacing;
-    text += fmt::format("  {:<16} {} of {} m, {} of them clamped, {:.3g} across; {} surface points\n", body.name, body.particles, spacing,
+    text += fmt::format("  {:<16} {} of {} m, {} of them held, {:.3g} across; {} surface points\n", body.name, body.particles, spacing,
                         body.clamped, body.thickness / spacing, body.surface_points);
   }
   text += preset_text(scene);
@@ -233,7 +233,7 @@ std::string explain_text(const Case& scene, const Costs& costs) {
                       : body.plane_stress  ? " in plane stress"
                                            : " in plane strain",
                       body.density, body.young_modulus, body.poisson_ratio, 1e3 * e.bodies[i].thickness,
-                      body.clamps.empty() ? "free" : fmt::format("{} of {} particles clamped", e.bodies[i].clamped, e.bodies[i].particles));
+                      body.clamps.empty() ? "free" : fmt::format("{} of {} particles held", e.bodies[i].clamped, e.bodies[i].particles));
     }
     for (const StructureBody& body : scene.structure->bodies) text += shell_text(scene.dimension, body);
     for (const ClampCase& clamp : scene.structure->clamps)

@@ -110,7 +110,7 @@ class CasePictureTest(unittest.TestCase):
         self.addCleanup(plt.close, figure)
         axis = next(axis for axis in figure.axes if axis.get_legend())
         legend = "\n".join(text.get_text() for text in axis.get_legend().get_texts())
-        for part in ("fluid: 200 particles, spacing 0.01 m", "plate: 96 particles, spacing 0.005 m", "clamped: 16 particles",
+        for part in ("fluid: 200 particles, spacing 0.01 m", "plate: 96 particles, spacing 0.005 m", "held: 16 particles",
                      "walls: tank (open: y_max), gate", "gate: its middle moves by up to 0.05 m", "gauges: tip",
                      "gauges not drawn: push (interface force)", "velocity at the start, up to 0.19 m/s"):
             self.assertIn(part, legend)

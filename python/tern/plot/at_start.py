@@ -140,7 +140,7 @@ def legend_of(settings, start, bodies, motions, places):
         rest = solids[MOST_NAMES:]
         lines.append((_handle("0.5"), f"{len(rest)} more bodies: {_count(sum(body.count for body in rest), 'particles')}"))
     if clamped := sum(body.clamped_count for body in bodies):
-        lines.append((_handle(CLAMPED), f"clamped: {_count(clamped, 'particles')}"))
+        lines.append((_handle(CLAMPED), f"held: {_count(clamped, 'particles')}"))
     if names := [wall["name"] + (" (open: " + ", ".join(wall["open"]) + ")" if wall.get("open") else "")
                  for wall in settings.get("wall", [])]:
         lines.append((Line2D([], [], color="0.35"), "walls: " + ", ".join(names)))
