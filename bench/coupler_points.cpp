@@ -25,19 +25,21 @@ double seconds_by(clockid_t clock) {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// `bent`: the normals of a plate in waves, so that what a particle sees has no common plane.
+/// `bent`: a plate in waves, of a radius of 0.6 m at the crests.
 void measure(int wanted, bool bent) {
   const double half = 0.5 * point_spacing * std::round(std::sqrt(wanted / 2.0));
   Surface<3> surface = flat_plate<3>(half, 0.004, point_spacing);
+  const auto rise = [bent](const Vector<3>& x) { return bent ? -0.025 * std::cos(8 * x[0]) : 0; };
   for (std::size_t k = 0; bent && k < surface.position.size(); ++k) {
-    const double slope = 0.2 * std::sin(8 * surface.position[k][0]), side = surface.normal[k][1];
-    surface.normal[k] = side * Vector<3>(-std::sin(slope), std::cos(slope), 0);
+    Vector<3>& x = surface.position[k];
+    surface.normal[k] = surface.normal[k][1] * Vector<3>(-0.2 * std::sin(8 * x[0]), 1, 0).normalized();
+    x[1] += rise(x);
   }
   InterfaceParticles<3> particles = fluid_layers<3>(half, 3, spacing, true, 0.004);
   particles.divergence.clear();
   std::mt19937 random(1);
   std::uniform_real_distribution<double> disorder(-0.05 * spacing, 0.05 * spacing);
-  for (auto& x : particles.position) x += Vector<3>(disorder(random), disorder(random), disorder(random));
+  for (auto& x : particles.position) x += Vector<3>(disorder(random), rise(x) + disorder(random), disorder(random));
   const std::size_t points = surface.position.size();
   coupler::Coupler<3> coupler(scene(3, spacing), properties(points, section_mass));
 

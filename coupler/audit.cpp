@@ -26,9 +26,9 @@ void audit_balance(Workspace<D>& window) {
   for (std::size_t i = 0; i < particles.id.size(); ++i) {
     add(particles.position[i], window.particle_force.force[i] + window.condition.force[i]);
   }
-  std::size_t m = pairs.pairs().size() + pairs.back_facing_pairs().size();
+  std::size_t m = 0;
   for (const auto& pair : pairs.image_pairs())  // theirs is what walls give the fluid
-    add(window.surface.position[pair.point] + pair.offset, Vector<D>(-window.carried[m++] * pair.b));
+    add(window.surface.position[pair.point] + pair.offset, Vector<D>(-window.image_force[m++]));
   WindowAudit& audit = window.audit;
   for (std::size_t k = 0; k < window.load.force.size(); ++k) {
     if (!window.load.force[k].allFinite())

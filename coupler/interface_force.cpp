@@ -13,29 +13,44 @@ template <int D>
 void add_pressure(const Setup<D>& setup, const InterfacePressure<D>& pressure, Workspace<D>& window, Evaluations& evaluations) {
   const auto& pairs = window.pairs;
   evaluations.pressure += static_cast<long>(pairs.all_pairs().size());
-  const Vector<D> gravity = [&] {
-    Vector<D> g;
-    for (int c = 0; c < D; ++c) g[c] = setup.gravity[c](window.begin);
-    return g;
-  }();
-  // Pressure of every particle, carried to the surface by the weight of the fluid between. Behind a wall it goes on as before
-  // it: an image carries what its particle does.
-  std::vector<double>& carried = window.carried;
-  const PairRange<D> all = pairs.all_pairs();
-  carried.resize(all.size());
-  parallel_for(static_cast<std::ptrdiff_t>(all.size()), [&](std::ptrdiff_t m) {
-    const int i = all.particle(m);
-    const Vector<D> d = window.surface.position[all.point(m)] - window.particles.position[i];
-    carried[m] = pressure.pressure[i] + setup.density * gravity.dot(d);
+  Vector<D> weight;
+  for (int c = 0; c < D; ++c) weight[c] = setup.density * setup.gravity[c](window.begin);
+  const CarriedPressure<D> carried{pressure.pressure, window.particles, window.surface, weight};
+  setup.scheme.weigh_pressures(setup.kernel, pairs, carried, window.point_pressures);
+  const auto force_of = [&](const InterfacePair<D>& pair) {
+    return Vector<D>(window.point_pressures(pair, carried(pair.particle, pair.point)) * pair.b);
+  };
+  // All pairs of a point push along its normal: it sums numbers.
+  const PointPressures<D>& points = window.point_pressures;
+  window.point_sums.reset(pairs.parts(), window.surface.position.size());
+  pairs.for_parts([&](int part, std::ptrdiff_t first, std::ptrdiff_t last) {
+    double* on_point = window.point_sums.start(part);
+    for (std::ptrdiff_t i = first; i < last; ++i) {
+      const PairRange<D> of_particle = pairs.pairs_of(i);
+      const Vector<D> x = window.particles.position[i];
+      const double p = pressure.pressure[i];
+      Vector<D> sum = Vector<D>::Zero();
+      for (const auto& pair : of_particle.kept()) {
+        const PairPoint<D>& point = of_particle.point(pair);
+        const Vector<D> way = point.position - x;
+        double here = p + weight.dot(way);
+        if (!points.gradient.empty()) here += points.gradient[pair.point].dot(way);
+        const double force = points.share[pair.point] * here * pair.weight;
+        on_point[pair.point] += force;
+        sum += force * point.normal;
+      }
+      window.particle_force.force[i] -= sum;
+    }
   });
-  if (setup.scheme.pair_pressures)
-    setup.scheme.pair_pressures({setup.kernel, all, window.surface, window.particles, pairs.weighed_area()}, carried);
-  std::size_t m = 0;
-  std::vector<Vector<D>>& on_particles = window.particle_force.force;
-  for (const auto& pair : pairs.pairs()) add_pair_force(pair, Vector<D>(carried[m++] * pair.b), window.load, on_particles);
-  for (const auto& pair : pairs.back_facing_pairs()) add_pair_force(pair, Vector<D>(carried[m++] * pair.b), window.load, on_particles);
+  parallel_for(static_cast<std::ptrdiff_t>(window.load.force.size()),
+               [&](std::ptrdiff_t k) { window.load.force[k] += window.point_sums.sum(k) * window.surface.normal[k]; });
+  for (const auto& pair : pairs.back_facing_pairs()) add_pair_force(pair, force_of(pair), window.load, window.particle_force.force);
   // What images take back, the fluid has from the mirror that its walls are.
-  for (const auto& pair : pairs.image_pairs()) window.load.force[pair.point] += carried[m++] * pair.b;
+  window.image_force.clear();
+  for (const auto& pair : pairs.image_pairs()) {
+    window.image_force.push_back(force_of(pair));
+    window.load.force[pair.point] += window.image_force.back();
+  }
 }
 
 template <int D>
@@ -49,24 +64,32 @@ void settle_contacts(const Setup<D>& setup, const InterfacePressure<D>& pressure
   LumpMotion<D> answered(window.answer.lumps, window.answer.mass, window.duration);  // to what exceeds the assumed load
   if (iterates)
     for (std::size_t k = 0; k < surface.position.size(); ++k) answered.push(k, window.load.force[k] - window.assumed_load.force[k]);
-  window.pairs.for_each_standing([&](const InterfacePair<D>& pair) {
+  // What a pair approaches with more than it may [m/s].
+  struct Approach {
+    double approach, permitted, expected;
+  };
+  const auto approach_of = [&](const InterfacePair<D>& pair) {
     const int i = pair.particle, k = pair.point;
     const Vector<D>& n = surface.normal[k];
     const Vector<D> velocity = pressure.velocity[i] + (window.duration / particles.mass[i]) * on_particles[i];
     const double permitted =
         permitted_approach((particles.position[i] - surface.position[k]).dot(n), setup.contact_distance, window.duration);
     const double approach = (surface.velocity[k] - velocity).dot(n) - permitted;
-    // Where the coupling is explicit the face gives way as the mass does that lies behind the particle.
-    double behind = window.responding_mass[k] * std::pow(particles.volume[i], (D - 1.0) / D), expected = approach;
-    if (iterates) {
-      // As the pressure equation has it, to what exceeds the assumed load. When both sides agree nothing does, and the
-      // particle has the velocity of the face, be that held by its stiffness or free.
-      behind = answered.mass(k);
-      expected += answered.velocity(k).dot(n);
-    }
+    // Where windows are repeated the face gives way as the pressure equation has it, to what exceeds the assumed load. When both sides
+    // agree nothing does, and the particle has the velocity of the face, be that held by its stiffness or free.
+    return Approach{approach, permitted, iterates ? approach + answered.velocity(k).dot(n) : approach};
+  };
+  // Contacts are settled one after the other, for each changes what the next ones find. Up to the first one nothing has changed.
+  const auto first = window.pairs.first_standing([&](const InterfacePair<D>& pair) { return approach_of(pair).expected > 0; });
+  window.pairs.for_each_standing(first, [&](const InterfacePair<D>& pair) {
+    const int k = pair.point;
+    const auto [approach, permitted, expected] = approach_of(pair);
     if (expected <= 0) return;
-    const double mass = particles.mass[i] * behind / (particles.mass[i] + behind);
-    const Vector<D> force = -(mass * expected / window.duration) * n;
+    // Where the coupling is explicit the face gives way as the mass does that lies behind the particle.
+    const double behind =
+        iterates ? answered.mass(k) : window.responding_mass[k] * std::pow(particles.volume[pair.particle], (D - 1.0) / D);
+    const double mass = particles.mass[pair.particle] * behind / (particles.mass[pair.particle] + behind);
+    const Vector<D> force = -(mass * expected / window.duration) * surface.normal[k];
     add_pair_force(pair, force, window.load, on_particles);
     if (iterates) {
       window.contact.force[k] += force;

@@ -57,24 +57,19 @@ class LumpMotion {
  public:
   /// `mass`: of every lump [kg/m^(3-D)]; `duration`: of the push [s].
   LumpMotion(const SurfaceLumps& lumps, std::span<const double> mass, double duration)
-      : lumps_(lumps), mass_(mass), duration_(duration), force_(lumps.count, Vector<D>::Zero()) {}
+      : lumps_(lumps), duration_(duration), quickness_(lumps.count), force_(lumps.count, Vector<D>::Zero()) {
+    for (std::size_t a = 0; a < lumps.count; ++a) quickness_[a] = duration / mass[a];
+  }
 
   void push(std::size_t k, const Vector<D>& force) {
     for (std::size_t s = k * lumps_.per_point; s < (k + 1) * lumps_.per_point; ++s) force_[lumps_.lump[s]] += lumps_.share[s] * force;
-  }
-
-  /// The same pushes on lumps of these masses.
-  LumpMotion with(std::span<const double> mass) const {
-    LumpMotion other = *this;
-    other.mass_ = mass;
-    return other;
   }
 
   /// How much faster point k is by all pushes [m/s].
   Vector<D> velocity(std::size_t k) const {
     Vector<D> sum = Vector<D>::Zero();
     for (std::size_t s = k * lumps_.per_point; s < (k + 1) * lumps_.per_point; ++s)
-      if (lumps_.share[s] > 0) sum += lumps_.share[s] * duration_ / mass_[lumps_.lump[s]] * force_[lumps_.lump[s]];
+      if (lumps_.share[s] > 0) sum += lumps_.share[s] * quickness_[lumps_.lump[s]] * force_[lumps_.lump[s]];
     return sum;
   }
 
@@ -82,14 +77,14 @@ class LumpMotion {
   double mass(std::size_t k) const {
     double inverse = 0;
     for (std::size_t s = k * lumps_.per_point; s < (k + 1) * lumps_.per_point; ++s)
-      inverse += lumps_.share[s] * lumps_.share[s] / mass_[lumps_.lump[s]];
-    return 1 / inverse;
+      inverse += lumps_.share[s] * lumps_.share[s] * quickness_[lumps_.lump[s]];
+    return duration_ / inverse;
   }
 
  private:
   const SurfaceLumps& lumps_;
-  std::span<const double> mass_;
   double duration_;
+  std::vector<double> quickness_;  ///< of each lump: duration over mass [s/kg m^(D-3)]
   std::vector<Vector<D>> force_;
 };
 

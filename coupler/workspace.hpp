@@ -5,6 +5,7 @@
 
 #include "coupler/audit.hpp"
 #include "coupler/schemes/interface_pairs.hpp"
+#include "coupler/schemes/scheme.hpp"
 #include "coupler/setup.hpp"
 #include "coupler/surface_lumps.hpp"
 #include "proto/interface.hpp"
@@ -26,7 +27,9 @@ struct Workspace {
   SurfaceLoad<D> assumed_load;             ///< under which the structure has made the present iteration
   SurfaceLoad<D> assumed_contact;          ///< the contacts in it
   InterfaceCondition<D> condition;         ///< what the fluid is told before its pressure solve
-  std::vector<double> carried;             ///< pressure of every pair; times b_ik its force [Pa]
+  PointPressures<D> point_pressures;       ///< what the scheme makes of the pressures of the particles
+  PointSums point_sums;                    ///< kept, so that a window allocates nothing
+  std::vector<Vector<D>> image_force;      ///< of the pressure of every pair of an image
   InterfaceForce<D> particle_force;        ///< of pressure and contacts on the interface particles
   SurfaceLoad<D> answered_load;            ///< what the fluid answers an assumed load with
   SurfaceLoad<D> load;                     ///< everything that the fluid answers the present iteration with

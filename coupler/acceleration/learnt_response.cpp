@@ -73,6 +73,8 @@ SurfaceAnswer LearntResponse<D>::answer(const Setup<D>& setup, const std::vector
 
   SurfaceAnswer made;
   for (const std::size_t width : chosen) made.lumps.per_point = std::max(made.lumps.per_point, lumps_[width].per_point);
+  made.lumps.lump.reserve(made.lumps.per_point * body.size());
+  made.lumps.share.reserve(made.lumps.per_point * body.size());
   std::vector<std::vector<double>> mass(lumps_.size());
   std::vector<std::vector<std::uint32_t>> number(lumps_.size());
   constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
@@ -116,25 +118,44 @@ void LearntResponse<D>::learn(const Setup<D>& setup, const Workspace<D>& window,
     if (window.share[k] > 0) changed_[setup.properties.body[k]] += surface.area[k] * changed[k] * changed[k];
   }
   const auto learn_width = [&](std::ptrdiff_t width) {
+    struct Lump {
+      double mass = 0, quickness = 0;
+      Vector<D> push = Vector<D>::Zero();  // the force, then the velocity by the guessed mass
+    };
     const SurfaceLumps& lumps = lumps_[width];
-    const std::vector<double> guessed = lump_masses(lumps, window.responding_mass, surface.area);
-    std::vector<double> learnt = guessed;
-    for (std::size_t a = 0; a < lumps.count; ++a) learnt[a] /= quickness(width, a);
-    LumpMotion<D> of_guess(lumps, guessed, window.duration);
-    for (std::size_t k = 0; k < points; ++k) of_guess.push(k, window.answered_load.force[k] - window.assumed_load.force[k]);
-    const LumpMotion<D> of_learnt = of_guess.with(learnt);
+    const std::size_t per_point = lumps.per_point;
+    std::vector<Lump> of(lumps.count);
+    for (std::size_t k = 0; k < points; ++k) {
+      const double mass = window.responding_mass[k] * surface.area[k];
+      const Vector<D> force = window.answered_load.force[k] - window.assumed_load.force[k];
+      for (std::size_t s = k * per_point; s < (k + 1) * per_point; ++s) {
+        Lump& lump = of[lumps.lump[s]];
+        lump.mass += lumps.share[s] * mass;
+        lump.push += lumps.share[s] * force;
+      }
+    }
+    for (std::size_t a = 0; a < lumps.count; ++a) {
+      of[a].push *= window.duration / of[a].mass;
+      of[a].quickness = quickness(width, a);
+    }
     std::vector<double> answer(lumps.count, 0), square(lumps.count, 0), error(setup.body_density.size(), 0);
     double sum = 0;
     for (std::size_t k = 0; k < points; ++k) {
       if (window.share[k] == 0) continue;  // dry
-      const double by_guess = of_guess.velocity(k).dot(surface.normal[k]), foretold = of_learnt.velocity(k).dot(surface.normal[k]);
-      error[setup.properties.body[k]] += surface.area[k] * std::pow(foretold - changed[k], 2);
-      for (std::size_t s = k * lumps.per_point; s < (k + 1) * lumps.per_point; ++s) {
-        const double weight = lumps.share[s] * surface.area[k];
-        answer[lumps.lump[s]] += weight * changed[k] * by_guess;
-        square[lumps.lump[s]] += weight * by_guess * by_guess;
-        sum += weight * by_guess * by_guess;
+      double by_guess = 0, foretold = 0;
+      for (std::size_t s = k * per_point; s < (k + 1) * per_point; ++s) {
+        const Lump& lump = of[lumps.lump[s]];
+        const double part = lumps.share[s] * lump.push.dot(surface.normal[k]);
+        by_guess += part;
+        foretold += lump.quickness * part;
       }
+      error[setup.properties.body[k]] += surface.area[k] * std::pow(foretold - changed[k], 2);
+      const double of_answer = surface.area[k] * changed[k] * by_guess, of_square = surface.area[k] * by_guess * by_guess;
+      for (std::size_t s = k * per_point; s < (k + 1) * per_point; ++s) {
+        answer[lumps.lump[s]] += lumps.share[s] * of_answer;
+        square[lumps.lump[s]] += lumps.share[s] * of_square;
+      }
+      sum += of_square;
     }
     const double least = least_change * sum / static_cast<double>(lumps.count);
     for (std::size_t a = 0; a < lumps.count; ++a) {

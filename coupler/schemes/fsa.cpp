@@ -38,38 +38,36 @@ Vector<D> corrected_gradient(const FaceSums<D>& sums) {
 }
 
 template <int D>
-void pair_pressures(const PairView<D>& view, std::vector<double>& carried) {
-  const auto& [kernel, pairs, surface, particles, weighed_area] = view;
+void find_gradients(const Kernel<D>& kernel, const InterfacePairs<D>& pairs, const CarriedPressure<D>& carried, PointPressures<D>& points) {
+  const Surface<D>& surface = carried.surface;
   std::vector<FaceSums<D>> sums(surface.position.size());
-  for (std::size_t m = 0; m < pairs.size(); ++m) {
-    FaceSums<D>& at = sums[pairs[m].point];
-    const double b = -pairs[m].b.dot(surface.normal[pairs[m].point]), q = carried[m];
+  for (const auto& pair : pairs.all_pairs()) {
+    FaceSums<D>& at = sums[pair.point];
+    const double b = -pair.b.dot(surface.normal[pair.point]), q = carried(pair.particle, pair.point);
     at.area += b;
     at.pressure += b * q;
-    const Vector<D>& d = pairs[m].offset;
-    const Vector<D> gradient = particles.volume[pairs[m].particle] * kernel.gradient_weight(d.norm()) * d;
+    const Vector<D>& d = pair.offset;
+    const Vector<D> gradient = carried.particles.volume[pair.particle] * kernel.gradient_weight(d.norm()) * d;
     at.offset += b * d;
     at.gradient += gradient;
     at.product += gradient * q;
     at.moment += gradient * d.transpose();
   }
-  std::vector<double> share(sums.size(), 0);
-  std::vector<Vector<D>> gradient(sums.size(), Vector<D>::Zero());
+  points.share.assign(sums.size(), 0);
+  points.gradient.assign(sums.size(), Vector<D>::Zero());
   for (std::size_t k = 0; k < sums.size(); ++k) {
     const double filled = sums[k].area / surface.area[k];
     if (wet_share(filled) == 0) continue;
-    share[k] = wet_share(filled) / filled;
-    gradient[k] = corrected_gradient<D>(sums[k]);
+    points.share[k] = wet_share(filled) / filled;
+    points.gradient[k] = corrected_gradient<D>(sums[k]);
   }
-  for (std::size_t m = 0; m < pairs.size(); ++m)
-    carried[m] = share[pairs[m].point] * (carried[m] - gradient[pairs[m].point].dot(pairs[m].offset));
 }
 
 }  // namespace
 
 template <int D>
 Scheme<D> fsa() {
-  return {wet_share, pair_pressures<D>, nullptr};
+  return {wet_share, find_gradients<D>, nullptr};
 }
 
 template Scheme<2> fsa<2>();

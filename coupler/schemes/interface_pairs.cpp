@@ -2,32 +2,21 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 
-#include <omp.h>
+#include "base/parallel.hpp"
 
 namespace tern::coupler {
-namespace {
-
-constexpr std::ptrdiff_t worth_threads = 512;  ///< particles
-
-/// work(thread, first, last) for equal ranges of [0, n), in their order.
-template <class Work>
-void for_ranges(std::ptrdiff_t n, int threads, Work&& work) {
-  if (threads == 1) return work(0, std::ptrdiff_t{0}, n);
-#pragma omp parallel for num_threads(threads) schedule(static, 1)
-  for (int thread = 0; thread < threads; ++thread) work(thread, n * thread / threads, n * (thread + 1) / threads);
-}
-
-}  // namespace
-
 template <int D>
 void InterfacePairs<D>::find(const InterfaceParticles<D>& particles, const Surface<D>& surface) {
   pairs_.clear();
   particle_pairs_ = back_facing_pairs_ = 0;
+  found_.resize(particle_parts(static_cast<std::ptrdiff_t>(particles.id.size())));
   for (Found& found : found_) found.standing.clear();
-  for (std::vector<double>* sum : {&seen_share_, &filled_, &weighed_area_}) sum->assign(surface.position.size(), 0);
+  first_.assign(particles.id.size() + 1, 0);
+  for (std::vector<double>* sum : {&seen_share_, &filled_}) sum->assign(surface.position.size(), 0);
   if (particles.id.empty()) return;
   faces_.position = surface.position;
   faces_.normal = surface.normal;
@@ -37,17 +26,15 @@ void InterfacePairs<D>::find(const InterfaceParticles<D>& particles, const Surfa
   covered_.assign(surface.position.size(), 0);
   for (std::uint32_t k : particles.covered) covered_[k] = 1;
   look(particles);
-  find_borne_shares();
+  set_points();
 
-  const auto n = static_cast<std::ptrdiff_t>(particles.id.size());
   place_.assign(particles.position.begin(), particles.position.end());
   place_.insert(place_.end(), particles.image_position.begin(), particles.image_position.end());
   particle_.resize(particles.id.size());
   std::iota(particle_.begin(), particle_.end(), 0);
   particle_.insert(particle_.end(), particles.image_of.begin(), particles.image_of.end());
 
-  // Pairs of particles with points that they see come first, thread by thread. Behind all of these come those past corners.
-  const int threads = static_cast<int>(found_.size());
+  // Pairs of particles with points that they see come first, part by part. Behind all of these come those past corners.
   begin_.clear();
   begin_past_.clear();
   for (const Found& found : found_) {
@@ -59,18 +46,18 @@ void InterfacePairs<D>::find(const InterfaceParticles<D>& particles, const Surfa
     back_facing_pairs_ += found.back_facing.size();
   }
   pairs_.resize(particle_pairs_ + back_facing_pairs_);
-  first_.resize(particles.id.size() + 1);
   first_.back() = particle_pairs_;
-  for_ranges(n, threads, [&](int thread, std::ptrdiff_t first, std::ptrdiff_t last) {
-    Found& found = found_[thread];
-    found.standing.clear();
+  sums_.reset(parts(), faces_.size());
+  for_parts([&](int part, std::ptrdiff_t first, std::ptrdiff_t last) {
+    Found& found = found_[part];
+    double* filled = sums_.start(part);
     std::size_t seen = 0, past = 0;
     for (std::ptrdiff_t i = first; i < last; ++i) {
-      first_[i] = begin_[thread] + seen;
+      first_[i] = begin_[part] + seen;
       const int count = found.seen_count[i - first], count_past = found.back_facing_count[i - first];
-      weigh(particles, static_cast<int>(i), found.seen.data() + seen, count, pairs_.data() + first_[i], first_[i], &found.standing);
-      weigh(particles, static_cast<int>(i), found.back_facing.data() + past, count_past, pairs_.data() + begin_past_[thread] + past, 0,
-            nullptr);
+      weigh(particles, static_cast<int>(i), found.seen.data() + seen, count, pairs_.data() + first_[i], first_[i], &found.standing, filled);
+      weigh(particles, static_cast<int>(i), found.back_facing.data() + past, count_past, pairs_.data() + begin_past_[part] + past, 0,
+            nullptr, nullptr);
       seen += static_cast<std::size_t>(count);
       past += count_past;
     }
@@ -83,10 +70,10 @@ void InterfacePairs<D>::find(const InterfaceParticles<D>& particles, const Surfa
       const Vector<D> offset = particles.image_position[m] - surface.position[k];
       if (offset.dot(surface.normal[k]) > 0 && offset.squaredNorm() < kernel_.support() * kernel_.support())
         pairs_.push_back({static_cast<std::uint32_t>(particles.id.size() + m), k,
-                          weight(particles.volume[i], surface.area[k], borne_share_[k], offset.norm())});
+                          weight(particles.volume[i], points_[k].area, points_[k].borne_share, offset.norm())});
     }
   }
-  sum_by_points(surface);
+  sum_by_points();
 }
 
 /// What the normal is multiplied with.
@@ -96,10 +83,10 @@ double InterfacePairs<D>::weight(double volume, double area, double borne_share,
 }
 
 /// Pairs of a particle with these points. `standing`: appends of those the number from `first` on that stand over their patch
-/// (stands_over()); null: nobody asks.
+/// (stands_over()); `filled`: takes from the sum of every point what the pair weighs. Null: nobody asks.
 template <int D>
 void InterfacePairs<D>::weigh(const InterfaceParticles<D>& particles, int particle, const int* points, std::ptrdiff_t count, Kept* pairs,
-                              std::size_t first, std::vector<std::size_t>* standing) const {
+                              std::size_t first, std::vector<std::size_t>* standing, double* filled) const {
   constexpr std::ptrdiff_t together = 64;
   std::array<double, together> distance2, height, area, share, weights, beside;
   const Vector<D>& x = particles.position[particle];
@@ -107,16 +94,17 @@ void InterfacePairs<D>::weigh(const InterfaceParticles<D>& particles, int partic
   for (std::ptrdiff_t done = 0; done < count; done += together) {
     const std::ptrdiff_t here = std::min(together, count - done);
     for (std::ptrdiff_t m = 0; m < here; ++m) {
-      const int k = points[done + m];
-      const Vector<D> d = x - faces_.position[k];
+      const PairPoint<D>& point = points_[points[done + m]];
+      const Vector<D> d = x - point.position;
       distance2[m] = d.squaredNorm();
-      height[m] = d.dot(faces_.normal[k]);
-      area[m] = faces_.area[k];
-      share[m] = borne_share_[k];
+      height[m] = d.dot(point.normal);
+      area[m] = point.area;
+      share[m] = point.borne_share;
     }
     for (std::ptrdiff_t m = 0; m < here; ++m) weights[m] = weight(volume, area[m], share[m], std::sqrt(distance2[m]));
     for (std::ptrdiff_t m = 0; m < here; ++m) pairs[done + m] = {static_cast<std::uint32_t>(particle), points[done + m], weights[m]};
     if (standing == nullptr) continue;
+    for (std::ptrdiff_t m = 0; m < here; ++m) filled[points[done + m]] -= weights[m];  // b_ik . n_k
     for (std::ptrdiff_t m = 0; m < here; ++m) beside[m] = distance2[m] - height[m] * height[m] - patch_reach2<D>(area[m]);
     for (std::ptrdiff_t m = 0; m < here; ++m)
       if (beside[m] < 0) standing->push_back(first + static_cast<std::size_t>(done + m));
@@ -126,10 +114,10 @@ void InterfacePairs<D>::weigh(const InterfaceParticles<D>& particles, int partic
 /// Which points every particle sees, and which are past a corner of what it sees.
 template <int D>
 void InterfacePairs<D>::look(const InterfaceParticles<D>& particles) {
-  const auto n = static_cast<std::ptrdiff_t>(particles.id.size());
-  found_.resize(n < worth_threads ? 1 : static_cast<std::size_t>(omp_get_max_threads()));
-  for_ranges(n, static_cast<int>(found_.size()), [&](int thread, std::ptrdiff_t first, std::ptrdiff_t last) {
-    Found& found = found_[thread];
+  asked_.assign(faces_.size(), 0);
+  const auto ask = [&](int k) { std::atomic_ref(asked_[k]).store(1, std::memory_order_relaxed); };
+  for_parts([&](int part, std::ptrdiff_t first, std::ptrdiff_t last) {
+    Found& found = found_[part];
     for (auto* list : {&found.seen, &found.back_facing, &found.seen_count, &found.back_facing_count}) list->clear();
     CornerView<D> corners(faces_, finder_, covered_, kernel_, found.corners);
     for (std::ptrdiff_t i = first; i < last; ++i) {
@@ -143,39 +131,30 @@ void InterfacePairs<D>::look(const InterfaceParticles<D>& particles) {
       found.back_facing.insert(found.back_facing.end(), corners.back_facing().begin(), corners.back_facing().end());
       found.back_facing_count.back() = static_cast<int>(corners.back_facing().size());
     }
+    for (const int k : found.seen) ask(k);
+    for (const int k : found.back_facing) ask(k);
   });
 }
 
-/// Of the points that have pairs; 0 of the others.
+/// Those of points that have no pairs bear 0.
 template <int D>
-void InterfacePairs<D>::find_borne_shares() {
-  asked_.assign(faces_.size(), 0);
-  for (const Found& found : found_) {
-    for (const int k : found.seen) asked_[k] = 1;
-    for (const int k : found.back_facing) asked_[k] = 1;
-  }
-  borne_share_.assign(faces_.size(), 0);
-  for_ranges(static_cast<std::ptrdiff_t>(faces_.size()), static_cast<int>(found_.size()),
-             [&](int thread, std::ptrdiff_t first, std::ptrdiff_t last) {
-               CornerView<D> corners(faces_, finder_, covered_, kernel_, found_[thread].corners);
-               for (std::ptrdiff_t k = first; k < last; ++k)
-                 if (asked_[k]) borne_share_[k] = corners.borne_share(static_cast<int>(k));
-             });
+void InterfacePairs<D>::set_points() {
+  points_.resize(faces_.size());
+  run_parts(static_cast<std::ptrdiff_t>(faces_.size()), parts(), [&](int part, std::ptrdiff_t first, std::ptrdiff_t last) {
+    CornerView<D> corners(faces_, finder_, covered_, kernel_, found_[part].corners);
+    for (std::ptrdiff_t k = first; k < last; ++k)
+      points_[k] = {faces_.position[k], faces_.normal[k], faces_.area[k], asked_[k] ? corners.borne_share(static_cast<int>(k)) : 0};
+  });
 }
 
+/// `sums_` has those of the pairs with points that are seen.
 template <int D>
-void InterfacePairs<D>::sum_by_points(const Surface<D>& surface) {
-  const auto add = [&](const PairRange<D>& range) {
-    for (const auto& pair : range) {
-      const double area = -pair.b.dot(surface.normal[pair.point]);
-      filled_[pair.point] += area / surface.area[pair.point];
-      weighed_area_[pair.point] += area;
-    }
-  };
-  add(pairs());
+void InterfacePairs<D>::sum_by_points() {
+  parallel_for(static_cast<std::ptrdiff_t>(filled_.size()), [&](std::ptrdiff_t k) { filled_[k] = sums_.sum(k); });
   for (std::size_t k = 0; k < filled_.size(); ++k)
-    if (filled_[k] != 0) seen_share_[k] = filled_[k] / borne_share_[k];
-  add(range(particle_pairs_, pairs_.size()));
+    if (filled_[k] != 0) seen_share_[k] = filled_[k] / (points_[k].area * points_[k].borne_share);
+  for (std::size_t m = particle_pairs_; m < pairs_.size(); ++m) filled_[pairs_[m].point] -= pairs_[m].weight;
+  for (std::size_t k = 0; k < filled_.size(); ++k) filled_[k] /= points_[k].area;
 }
 
 template class InterfacePairs<2>;

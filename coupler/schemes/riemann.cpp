@@ -38,7 +38,7 @@ void add_dissipation(const Setup<D>& setup, Workspace<D>& window, Evaluations& e
 
 template <int D>
 Scheme<D> riemann() {
-  return {wet_share, mean_pair_pressures<D>, add_dissipation<D>};
+  return {wet_share, take_means<D>, add_dissipation<D>};
 }
 
 template Scheme<2> riemann<2>();

@@ -13,7 +13,8 @@ constexpr double least_doubling = 2;  ///< of a vibration over the kinks that it
 /// Of the kinks of a vibration, how much may be something else (squares); white noise of many points leaves 0.4.
 constexpr double most_of_others = 0.1;
 
-void keep(std::deque<Eigen::VectorXd>& last, const Eigen::VectorXd& values) {
+template <class Value>
+void keep(std::deque<Value>& last, const Value& values) {
   last.push_back(values);
   if (last.size() > LoadAlternation::vibration + 2) last.pop_front();
 }
@@ -21,13 +22,12 @@ void keep(std::deque<Eigen::VectorXd>& last, const Eigen::VectorXd& values) {
 }  // namespace
 
 bool LoadAlternation::is_growing_vibration(double least) {
-  if (kinks_.size() < vibration + 2) return false;
+  if (squares_.size() < vibration + 2) return false;
   // The best a_{n+1} = p a_n - q a_{n-1}.
   double nn = 0, nb = 0, bb = 0, na = 0, ba = 0, aa = 0;
-  for (std::size_t n = 1; n + 1 < kinks_.size(); ++n) {
-    const auto &before = kinks_[n - 1], &now = kinks_[n], &after = kinks_[n + 1];
-    nn += now.dot(now), nb += now.dot(before), bb += before.dot(before);
-    na += now.dot(after), ba += before.dot(after), aa += after.dot(after);
+  for (std::size_t n = 1; n + 1 < squares_.size(); ++n) {
+    nn += squares_[n], nb += products_[n], bb += squares_[n - 1];
+    na += products_[n + 1], ba += second_products_[n + 1], aa += squares_[n + 1];
   }
   const double determinant = nn * bb - nb * nb;
   if (!(determinant > 0)) return false;
@@ -37,7 +37,7 @@ bool LoadAlternation::is_growing_vibration(double least) {
   if (!(p < 0 && p * p <= 4 * q && others < most_of_others * aa && std::pow(q, 0.5 * vibration) >= least_doubling)) return false;
   // That growth from the first half of them to the second, so that it is not a blow and its echo.
   double early = 0, late = 0;
-  for (std::size_t n = 0; n < kinks_.size(); ++n) (n < kinks_.size() / 2 ? early : late) += kinks_[n].squaredNorm();
+  for (std::size_t n = 0; n < squares_.size(); ++n) (n < squares_.size() / 2 ? early : late) += squares_[n];
   if (late > 2 * std::pow(q, 0.5 * vibration) * early) return false;
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(loads_.front().size());
   for (const auto& load : loads_) sum += load;
@@ -56,17 +56,24 @@ bool LoadAlternation::add(const Eigen::VectorXd& load, double least) {
     return false;
   }
   keep(loads_, load);
-  double squares = (load + last_).squaredNorm();
-  for (std::size_t n = 1; n + 1 < loads_.size(); ++n) squares += (loads_[n] + loads_[n - 1]).squaredNorm();
+  keep(sums_, (load + last_).squaredNorm());
+  double squares = sums_.back();
+  for (std::size_t n = 1; n + 1 < sums_.size(); ++n) squares += sums_[n];
   mean_ = std::sqrt(squares / static_cast<double>(std::max<std::size_t>(loads_.size() - 1, 1))) / 2;
-  const Eigen::VectorXd change = load - last_;
+  Eigen::VectorXd change = load - last_;
   last_ = load;
-  const Eigen::VectorXd before = std::exchange(change_, change);
-  if (before.size() == 0) return false;
-  const Eigen::VectorXd kink = change - before, kink_before = std::exchange(kink_, kink);
-  if (kink_before.size() > 0 && !(kink.dot(kink_before) < opposite * kink.norm() * kink_before.norm())) amplitudes_.clear();
-  keep(kinks_, kink_);
-  amplitude_ = kink_.norm() / 4;
+  change_.swap(change);  // now of the window before
+  if (change.size() == 0) return false;
+  second_before_ = std::move(kink_before_);
+  kink_before_ = std::move(kink_);
+  kink_ = change_ - change;
+  const auto product = [&](const Eigen::VectorXd& other) { return other.size() > 0 ? kink_.dot(other) : 0; };
+  const double square = kink_.squaredNorm(), with_before = product(kink_before_);
+  if (kink_before_.size() > 0 && !(with_before < opposite * std::sqrt(square) * std::sqrt(squares_.back()))) amplitudes_.clear();
+  keep(squares_, square);
+  keep(products_, with_before);
+  keep(second_products_, product(second_before_));
+  amplitude_ = std::sqrt(square) / 4;
   amplitudes_.push_back(amplitude_);
   if (amplitudes_.size() > 2 * reversals + 1) amplitudes_.pop_front();
   const double now = amplitudes_.back();

@@ -38,7 +38,12 @@ class LoadAlternation {
     visit("kink", all.kink_...);
     visit("amplitudes", all.amplitudes_...);
     visit("loads", all.loads_...);
-    visit("kinks", all.kinks_...);
+    visit("kink_before", all.kink_before_...);
+    visit("second_before", all.second_before_...);
+    visit("sums", all.sums_...);
+    visit("squares", all.squares_...);
+    visit("products", all.products_...);
+    visit("second_products", all.second_products_...);
     visit("mean", all.mean_...);
     visit("amplitude", all.amplitude_...);
   }
@@ -46,9 +51,11 @@ class LoadAlternation {
  private:
   bool is_growing_vibration(double least);
 
-  Eigen::VectorXd last_, change_, kink_;
-  std::deque<double> amplitudes_;              ///< since the load began to turn round in every window, at most 2 reversals + 1
-  std::deque<Eigen::VectorXd> loads_, kinks_;  ///< the last `vibration` + 2
+  Eigen::VectorXd last_, change_, kink_, kink_before_, second_before_;
+  std::deque<double> amplitudes_;      ///< since the load began to turn round in every window, at most 2 reversals + 1
+  std::deque<Eigen::VectorXd> loads_;  ///< the last `vibration` + 2, as the following
+  std::deque<double> sums_;            ///< |F_n + F_{n-1}|^2
+  std::deque<double> squares_, products_, second_products_;  ///< |a_n|^2, a_n . a_{n-1}, a_n . a_{n-2}
   double mean_ = 0, amplitude_ = 0;
 };
 

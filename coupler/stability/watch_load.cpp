@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
-#include "coupler/acceleration/flat.hpp"
 #include "coupler/stability/observations.hpp"
 #include "coupler/workspace.hpp"
 
@@ -17,7 +16,7 @@ constexpr double least_alternation = 1e-3;
 /// The load on one body, and where.
 template <int D>
 struct BodyLoad {
-  SurfaceLoad<D> load;
+  Eigen::VectorXd load;
   std::vector<std::size_t> point;
   double area = 0;  ///< root of the sum of squares [m^(D-1)]
 };
@@ -28,10 +27,12 @@ BodyLoad<D> load_on(std::size_t body, const SurfaceProperties& properties, const
   double area = 0;
   for (std::size_t k = 0; k < window.load.force.size(); ++k) {
     if (properties.body[k] != body) continue;
-    own.load.force.push_back(window.load.force[k]);
     own.point.push_back(k);
     area += window.surface.area[k] * window.surface.area[k];
   }
+  own.load.resize(D * static_cast<Eigen::Index>(own.point.size()));
+  for (std::size_t m = 0; m < own.point.size(); ++m)
+    own.load.template segment<D>(D * static_cast<Eigen::Index>(m)) = window.load.force[own.point[m]];
   own.area = std::sqrt(area);
   return own;
 }
@@ -56,7 +57,7 @@ void watch_load(const Setup<D>& setup, const Workspace<D>& window, Observations&
   for (std::size_t b = 0; b < seen.alternation.size(); ++b) {
     const BodyLoad<D> own = load_on(b, setup.properties, window);
     LoadAlternation& alternation = seen.alternation[b];
-    if (!alternation.add(flat(own.load), unit * own.area)) continue;
+    if (!alternation.add(own.load, unit * own.area)) continue;
     throw NumericalFailure(fmt::format(
         "The load on body '{}' turns round from window to window at t = {:.6g} s: by {:.3g} {} (norm over its surface points) "
         "about a mean of {:.3g}, most near ({}) m, and without dying out; the limit is the mean, or a tenth of it when it grows by half "

@@ -28,7 +28,7 @@ double sign(int n) { return n % 2 ? -1 : 1; }
 
 // Seen to fail: with the cosine at -0.6 (noise), without the mean (small ripple), with the mean of two windows (load that passes through
 // zero), without the growth (ring that dies out); of vibrations: without them, without their growth (steady one), without the sign of p
-// (what windows resolve), without the halves (blow).
+// (what windows resolve), without the halves (blow), with the product of a kink and the last one in place of that with the second last.
 TEST(LoadAlternation, IsFoundOnlyWhereTheLoadTurnsRoundAgainAndAgain) {
   EXPECT_EQ(found([](int n, int k) { return 1 + 0.01 * std::pow(1.5, n) * sign(n) * std::sin(0.1 * k + 0.2); }), 11);
   EXPECT_EQ(found([](int n, int) { return n > 20 ? 2 * sign(n) : 0; }), 25);

@@ -1,7 +1,7 @@
 """./tern run --ranks: results, refusals, and how such a run ends.
 
-Seen red: with cuts and shares that a checkpoint does not hold (Continued); with a first_cause that does not ask which rank was
-killed, and with the second that mpirun gives ranks to end (Ends).
+Seen red: with another number of ranks in one of the ten launches (Results); with cuts and shares that a checkpoint does not hold
+(Continued); with a first_cause that does not ask which rank was killed, and with the second that mpirun gives ranks to end (Ends).
 """
 
 import json
@@ -55,6 +55,15 @@ class Results(RanksTest):
         text = json.dumps(fluid)
         for name in ("ranks", "rank_imbalance", "ghost_share"):
             self.assertIn(f'"{name}"', text)
+
+    def test_ten_launches_have_the_same_bits(self):
+        for count in ("2", "3"):
+            for launch in range(10):
+                with self.subTest(ranks=count, launch=launch):
+                    ended = self.run_case(f"n{count}-{launch}", "--until", "0.13", "--ranks", count, *OVERSUBSCRIBED, *COARSE)
+                    self.assertEqual(ended, (0, ""))
+                    self.assert_the_same_results(f"n{count}-0", f"n{count}-{launch}")
+            self.assertGreaterEqual(self.contents(f"n{count}-0")["steps"], 50)
 
 
 class Coupled(RanksTest):
