@@ -139,8 +139,8 @@ class Fluid {
   void compute_divergence(const std::vector<int>* only);
   /// Adds dt f/m to the velocity of the particles at the structure; whether any force is not 0.
   bool push(const std::vector<Vector<D>>& force);
-  /// Corrects the pressure for what its equation has left of the divergence in the windows before, and finds what it leaves in this one.
-  void correct_pressure(const std::vector<double>& reference_pressure, bool first);
+  /// Corrects the pressure for what its equation has left of the divergence.
+  void drive_out_what_is_left(const std::vector<double>& reference_pressure, bool first);
   /// Undoes what the last coupling iteration has done to the fluid.
   void return_to_unprojected_velocity(const std::vector<Vector<D>>& surface_velocity);
 

@@ -55,9 +55,7 @@ struct State {
   std::vector<Vector<D>> position;            ///< [m]
   std::vector<Vector<D>> velocity;            ///< [m/s]
   std::vector<double> pressure;               ///< [Pa]
-  std::vector<double> pressure_correction;    ///< the part of it that answers what the equation leaves behind [Pa]
-  std::vector<double> left_behind;            ///< by the equation: mean over the last windows (left_behind.hpp) [Pa m^(D-2)], ...
-  std::vector<double> left_behind_twice;      ///< ... and the mean of that mean
+  std::vector<double> pressure_correction;    ///< the part of it that answers what the first solve has left behind [Pa]
   std::vector<std::uint32_t> id;              ///< label, stable over the run
   std::vector<ParticleClass> particle_class;  ///< of the last step
 
@@ -85,8 +83,6 @@ struct State {
     visit("velocity", all.velocity...);
     visit("pressure", all.pressure...);
     visit("pressure_correction", all.pressure_correction...);
-    visit("left_behind", all.left_behind...);
-    visit("left_behind_twice", all.left_behind_twice...);
     visit("id", all.id...);
     visit("particle_class", all.particle_class...);
     visit("wall_velocity", all.wall_velocity...);
@@ -113,8 +109,6 @@ void for_each_particle_field(AnyState& state, Visit&& visit) {
   visit("velocity", "m/s", state.velocity);
   visit("pressure", "Pa", state.pressure);
   visit("pressure_correction", nullptr, state.pressure_correction);
-  visit("left_behind", nullptr, state.left_behind);
-  visit("left_behind_twice", nullptr, state.left_behind_twice);
   visit("id", "", state.id);
   visit("flag", "", state.particle_class);
 }

@@ -3,7 +3,7 @@
 //
 //   begin_window     r* = r^n + dt/2 u^n,  u* = u^n + dt g;  neighbours at r*
 //   see_surface      faces of walls and structure;  M, C, n;  free surface;  u* += dt nu lap u^n, noise damped;  div u*
-//   solve_pressure   u* += dt a_dissipative;  pressure Poisson equation, and for what it has left lately;  u** = u* - dt grad p / rho
+//   solve_pressure   u* += dt a_dissipative;  pressure Poisson equation, and once more for what is left;  u** = u* - dt grad p / rho
 //   end_window       u^{n+1} = u** + dt a_interface;  contacts;  r^{n+1} = r* + dt/2 u^{n+1};  shifting
 //
 // Drift, kick, drift: forces and incompressibility belong to the middle of the window, which makes the step time-symmetric
@@ -153,7 +153,7 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
     }
     solve_pressure_poisson(constants, domain_, window_, prediction_.position, at_structure_, any_at_structure_, state_, system_);
   }
-  correct_pressure(load.reference_pressure, first);
+  drive_out_what_is_left(load.reference_pressure, first);
   ScopedTimer timer(timing_.correction);
   apply_pressure_gradient(reference_, window_.duration, neighbours_, boundary_, correction_, state_, &at_structure_, prediction_.velocity,
                           &prediction_.velocity);  // u** at the structure
@@ -168,7 +168,7 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
 }
 
 template <int D>
-void Fluid<D>::correct_pressure(const std::vector<double>& reference_pressure, bool first) {
+void Fluid<D>::drive_out_what_is_left(const std::vector<double>& reference_pressure, bool first) {
   const auto find_left = [&](std::vector<Vector<D>>& projected, std::vector<Vector<D>>* order, std::vector<double>& left) {
     ScopedTimer timer(timing_.correction);
     projected = prediction_.velocity;
@@ -192,18 +192,19 @@ void Fluid<D>::correct_pressure(const std::vector<double>& reference_pressure, b
     }
     if (system_.body_tied.any()) system_.body_tied.subtract_means(left);  // the first solve has closed the sum over them
   };
-  velocity_known_ = first;
-  if (!first) return add_share(system_, state_);  // The correction is that of the window, whatever is tried in it.
   find_left(projected_velocity_, nullptr, system_.left_behind);
   {
     ScopedTimer timer(timing_.pressure_solve);
-    solve_for_correction(reference_.constants, domain_, window_, prediction_.position, at_structure_, state_, system_);
+    solve_for_correction(reference_.constants, domain_, window_, prediction_.position, at_structure_, any_at_structure_, state_, system_);
     add_correction(system_, state_);
   }
-  ordering_velocity_.assign(state_.size(), Vector<D>::Zero());
-  find_left(corrected_velocity_, &ordering_velocity_, system_.answered);
-  find_best_share(domain_.ranks(), system_);
+  if (first) {  // The share is that of the window, so that its answers are linear.
+    ordering_velocity_.assign(state_.size(), Vector<D>::Zero());
+    find_left(corrected_velocity_, &ordering_velocity_, system_.still_left);
+    find_best_share(domain_.ranks(), system_);
+  }
   keep_share(system_, state_);
+  velocity_known_ = first;
 }
 
 template <int D>
@@ -228,7 +229,6 @@ void Fluid<D>::end_window(const InterfaceForce<D>& force) {
   ScopedTimer timer(timing_.correction);
   const Constants<D>& constants = reference_.constants;
   push(force.force);  // u^{n+1} = u** + dt a_interface
-  remember_left_behind(system_, state_);
   settle_wall_contacts(constants, window_.duration, boundary_, prediction_.position, prediction_.velocity);
   domain_.forget_ghosts(state_);
   check_speed(domain_.ranks(), window_, prediction_, boundary_.surface.velocity, state_);
@@ -291,7 +291,7 @@ void Fluid<D>::return_to_unprojected_velocity(const std::vector<Vector<D>>& surf
   template InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>&);              \
   template void Fluid<D>::prepare_pressure();                                           \
   template InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>&); \
-  template void Fluid<D>::correct_pressure(const std::vector<double>&, bool);           \
+  template void Fluid<D>::drive_out_what_is_left(const std::vector<double>&, bool);     \
   template void Fluid<D>::complete_velocity();                                          \
   template void Fluid<D>::end_window(const InterfaceForce<D>&);                         \
   template void Fluid<D>::pass_window();                                                \

@@ -8,7 +8,6 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
-#include "fluid/pressure/left_behind.hpp"
 
 namespace tern::fluid {
 namespace {
@@ -19,8 +18,10 @@ constexpr double rounding = 1e-12;  ///< of a mean that is subtracted
 /// Where no particle is at a body, the correction answers to what the first solve leaves as well. It may leave this part of what is left
 /// behind anyway. Beside a body nothing answers to it.
 constexpr double of_what_is_left = 0.1;
-/// The correction of the pressure is solved for to this, from that of the window before. It may lag by so much.
-constexpr double of_correction = 0.01;
+/// The correction of the pressure is solved for to this, because a part of what it answers to stays in any case.
+constexpr double of_correction = 0.1;
+/// Beside a body windows are repeated, and what the fluid answers to a motion has to be that of the motion, not of what was tried before.
+constexpr double of_correction_beside_bodies = 1e-4;
 /// As long as the first is not known, or if a finer tolerance than this is asked for, the first solve may leave so many times that one.
 /// The correction then becomes finer in proportion.
 constexpr double usual_tolerance = 1e-6, first_by_tolerance = 1e3;
@@ -120,18 +121,16 @@ void solve_pressure_poisson(const Constants<D>& constants, const Domain<D>& doma
 
 template <int D>
 void solve_for_correction(const Constants<D>& constants, const Domain<D>& domain, const Window& window,
-                          const std::vector<Vector<D>>& position, const std::vector<int>& at_structure, State<D>& state,
-                          PressureSystem<D>& system) {
+                          const std::vector<Vector<D>>& position, const std::vector<int>& at_structure, bool any_at_structure,
+                          State<D>& state, PressureSystem<D>& system) {
   const SolveResult of_the_equation = system.result;
   system.correction.assign(state.pressure.size(), 0);
-  system.expected.assign(system.matrix.rows(), 0);
   parallel_for(static_cast<std::ptrdiff_t>(state.size()), [&](std::ptrdiff_t i) {
-    if (!state.particle_class[i].pressure_unknown()) return;
-    system.expected[i] = expected_left_behind(state.left_behind[i], state.left_behind_twice[i]);
-    system.correction[i] = state.pressure_correction[i];
+    if (state.particle_class[i].pressure_unknown()) system.correction[i] = state.pressure_correction[i];
   });
-  const double tolerance = of_correction * std::min(1.0, constants.numerics.pressure_tolerance / usual_tolerance);
-  solve(domain, window, position, at_structure, tolerance, system.expected, system.correction, state, system);
+  const double tolerance = (any_at_structure ? of_correction_beside_bodies : of_correction) *
+                           std::min(1.0, constants.numerics.pressure_tolerance / usual_tolerance);
+  solve(domain, window, position, at_structure, tolerance, system.left_behind, system.correction, state, system);
   state.left_share = of_the_equation.source > 0 ? system.result.source / of_the_equation.source : 0;
   system.result = of_the_equation;
 }
@@ -145,8 +144,8 @@ template void solve_pressure_poisson<2>(const Constants<2>&, const Domain<2>&, c
 template void solve_pressure_poisson<3>(const Constants<3>&, const Domain<3>&, const Window&, const std::vector<Vector<3>>&,
                                         const std::vector<int>&, bool, State<3>&, PressureSystem<3>&);
 template void solve_for_correction<2>(const Constants<2>&, const Domain<2>&, const Window&, const std::vector<Vector<2>>&,
-                                      const std::vector<int>&, State<2>&, PressureSystem<2>&);
+                                      const std::vector<int>&, bool, State<2>&, PressureSystem<2>&);
 template void solve_for_correction<3>(const Constants<3>&, const Domain<3>&, const Window&, const std::vector<Vector<3>>&,
-                                      const std::vector<int>&, State<3>&, PressureSystem<3>&);
+                                      const std::vector<int>&, bool, State<3>&, PressureSystem<3>&);
 
 }  // namespace tern::fluid

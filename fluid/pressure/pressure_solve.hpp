@@ -23,11 +23,11 @@ void solve_pressure_poisson(const Constants<D>& constants, const Domain<D>& doma
                             const std::vector<Vector<D>>& position, const std::vector<int>& at_structure, bool any_at_structure,
                             State<D>& state, PressureSystem<D>& system);
 
-/// system.correction: what the matrix answers to what the windows before have left behind (state.left_behind), which comes to
-/// system.expected. Leaves system.result as the solve before made it.
+/// system.correction: what the matrix answers to system.left_behind, roughly or, where any particle of any rank is at the structure,
+/// closely. Leaves system.result as the solve before made it.
 template <int D>
 void solve_for_correction(const Constants<D>& constants, const Domain<D>& domain, const Window& window,
-                          const std::vector<Vector<D>>& position, const std::vector<int>& at_structure, State<D>& state,
-                          PressureSystem<D>& system);
+                          const std::vector<Vector<D>>& position, const std::vector<int>& at_structure, bool any_at_structure,
+                          State<D>& state, PressureSystem<D>& system);
 
 }  // namespace tern::fluid

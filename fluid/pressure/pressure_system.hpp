@@ -16,14 +16,12 @@ template <int D>
 struct PressureSystem {
   explicit PressureSystem(const Period<D>& period) : multigrid(period) {}
 
-  EdgeMatrix matrix;                     ///< with a bound in place of how the structure yields
-  YieldingSurface<D> yielding;           ///< how it does
-  std::vector<double> source, solution;  ///< 0 where there is no unknown
-  std::vector<double> left_behind;       ///< by the solve of the equation in this window, as a source
-  std::vector<double> expected;          ///< that, as the mean over the windows before
-  std::vector<double> correction;        ///< of the pressure, which answers it,
-  std::vector<double> answered;          ///< and what that takes of what is left behind
-  std::vector<double> share;             ///< of the correction that is taken, by part of the multigrid
+  EdgeMatrix matrix;                            ///< with a bound in place of how the structure yields
+  YieldingSurface<D> yielding;                  ///< how it does
+  std::vector<double> source, solution;         ///< 0 where there is no unknown
+  std::vector<double> left_behind, still_left;  ///< by the solve of the equation and by its correction, as sources
+  std::vector<double> correction;               ///< of the pressure
+  std::vector<double> share;                    ///< of the correction that is taken, by part of the multigrid
   Multigrid<D> multigrid;
   EnclosedRegions enclosed;   ///< regions without a free surface, ...
   EnclosedRegions sealed;     ///< those of them that nothing ties, ...
