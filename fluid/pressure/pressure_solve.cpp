@@ -40,16 +40,7 @@ void solve(const Domain<D>& domain, const Window& window, const std::vector<Vect
   }
 
   const int before = system.result.iterations;  // of the coupling iterations before
-  // A body whose faces nearly undo the push of a level answers a little to it still.
-  const bool bodies_see_sealed = system.sealed.any() && system.beside_bodies.any();
-  if (bodies_see_sealed) {
-    system.sealed.subtract_means(solution);
-    domain.particles().update(solution);
-  }
-  const auto yielding = [&](const std::vector<double>& x, std::vector<double>& y) {
-    system.yielding.add_difference(at_structure, x, y);
-    if (bodies_see_sealed) system.sealed.subtract_means(y);
-  };
+  const auto yielding = [&](const std::vector<double>& x, std::vector<double>& y) { system.yielding.add_difference(at_structure, x, y); };
   const auto multigrid = [&](double largest, const std::vector<double>& r, std::vector<double>& z) {
     system.multigrid.apply(largest, r, z);
     if (system.sealed.any()) system.sealed.subtract_means(z);
