@@ -36,6 +36,7 @@ Disagreement disagreement(const Setup<D>& setup, const State<D>& state, const Wo
   }
   Disagreement worst;
   for (std::size_t b = 0; b < sums.size(); ++b) {
+    if (sums[b].area == 0) continue;  // dry
     const double of_load = accepted_load * window.duration / setup.moved_mass[b] * std::sqrt(sums[b].load);
     const double least =
         (setup.is_light[b] ? least_of_light : least_of_heavy) * setup.courant * setup.spacing / window.duration * std::sqrt(sums[b].area);
