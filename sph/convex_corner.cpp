@@ -19,6 +19,39 @@ constexpr double sheet_cosine = 0.5;
 /// What single precision is off by at most, as a share of the support, where lengths are within two of it.
 constexpr double rounding = 1e-5;
 
+/// What the cones from x through these faces, from there on, add to the sum of w~. `side`: 1 of faces that look at x, -1 of others.
+template <int D>
+double behind_cones(const Faces<D>& structure, const FaceKernel<D>& kernel, const Vector<D>& x, const std::vector<int>& faces,
+                    double side) {
+  constexpr std::size_t together = 32;
+  std::array<std::array<double, together>, D> way, facing;
+  std::array<double, together> area, behind;
+  double sum = 0;
+  for (std::size_t first = 0; first < faces.size(); first += together) {
+    const std::size_t here = std::min(together, faces.size() - first);
+    for (std::size_t m = 0; m < here; ++m) {
+      const int k = faces[first + m];
+      for (int c = 0; c < D; ++c) {
+        way[c][m] = structure.position[k][c] - x[c];
+        facing[c][m] = side * structure.normal[k][c];
+      }
+      area[m] = structure.area[k];
+    }
+#pragma omp simd
+    for (std::size_t m = 0; m < here; ++m) {
+      double d[D], n[D], distance2 = 0, height = 0;
+      for (int c = 0; c < D; ++c) {
+        d[c] = way[c][m], n[c] = facing[c][m];
+        distance2 += d[c] * d[c], height -= d[c] * n[c];
+      }
+      const double r = std::sqrt(distance2);
+      behind[m] = subtended_angle<D>(d, n, area[m]) * kernel.surface_weight_beyond(r) - area[m] * (height / r) * kernel.midpoint_rest(r);
+    }
+    for (std::size_t m = 0; m < here; ++m) sum += behind[m];
+  }
+  return sum;
+}
+
 }  // namespace
 
 template <int D>
@@ -96,7 +129,17 @@ void CornerView<D>::find(const Vector<D>& x, Turned&& behind_plate) {
 /// What lies beyond a plate bounds nothing. Seen from there, x is behind the far face of the plate.
 template <int D>
 void CornerView<D>::remove_beyond_plates(const Vector<D>& x, std::vector<int>& faces) {
-  if (turned_.empty()) return;
+  if (turned_.empty() || faces.empty()) return;
+  // The line passes through a far face from its front. None is before one of them where all lie deep enough below the planes of these: the
+  // height of a place above one is that along the normal of the first but for the way, at most two supports, times how normals differ.
+  const Vector<D>& normal = structure_.normal[turned_[0]];
+  double highest = -1e300, lowest = 1e300, turn2 = 0;
+  for (int k : faces) highest = std::max(highest, (structure_.position[k] - x).dot(normal));
+  for (int k : turned_) {
+    lowest = std::min(lowest, (structure_.position[k] - x).dot(normal));
+    turn2 = std::max(turn2, (structure_.normal[k] - normal).squaredNorm());
+  }
+  if (highest - lowest + 2 * kernel_.support() * std::sqrt(turn2) < -rounding * kernel_.support()) return;
   far_.set<D>(structure_, x, turned_.data(), static_cast<int>(turned_.size()));
   const auto beyond_plate = [&](int k) {
     const Vector<D>& place = structure_.position[k];
@@ -116,16 +159,27 @@ void CornerView<D>::find_behind(const Vector<D>& normal, const Vector<D>& x) {
 
 template <int D>
 void CornerView<D>::look(const Vector<D>& x, const int* seen, int seen_count) {
-  // Most particles see one flat face: whatever is hidden from them lies behind it.
+  // Most particles see one sheet, flat or bent: what makes a plate with all of it lies behind it. `turn`: by which the product of a normal
+  // with that of one face of the sheet may differ from that with another's.
   const Vector<D>& normal = structure_.normal[seen[0]];
-  const bool flat =
-      std::all_of(seen, seen + seen_count, [&](int face) { return (structure_.normal[face] - normal).squaredNorm() < 1e-12; });
-  if (flat) return find_behind(normal, x);
-  near_.set<D>(structure_, x, seen, seen_count);
+  double turn2 = 0;
+  for (int m = 1; m < seen_count; ++m) turn2 = std::max(turn2, (structure_.normal[seen[m]] - normal).squaredNorm());
+  const double turn = std::sqrt(turn2);
+  const auto product = [&](int k) { return structure_.normal[k].dot(normal); };
+  back_facing_.clear();
+  const auto may_be_back_facing = [&](int k) { return is_turned(x, k) && product(k) > plate_cosine - turn; };
+  if (!finder_.any_turned_around(x, normal, plate_cosine - turn, may_be_back_facing)) return;  // as beside a plate, away from its edges
+  bool near_is_set = false;
   find(x, [&](int k) {
+    const double cosine = product(k);
+    if (cosine <= plate_cosine - turn) return true;
+    if (cosine > plate_cosine + turn) return false;
+    if (!near_is_set) near_.set<D>(structure_, x, seen, seen_count);
+    near_is_set = true;
+    const auto makes_plate = [&](int face) { return !passes_corner<D>(structure_.normal[face], structure_.normal[k]); };
     const Vector<D>& place = structure_.position[k];
-    return near_.any_between<D>(place - x, kernel_.support(), 1, [&](int face) {
-      return !passes_corner<D>(structure_.normal[face], structure_.normal[k]) && patch_separates(structure_, face, x, place);
+    return std::all_of(seen, seen + seen_count, makes_plate) || near_.any_between<D>(place - x, kernel_.support(), 1, [&](int face) {
+      return makes_plate(face) && patch_separates(structure_, face, x, place);
     });
   });
 }
@@ -150,16 +204,7 @@ double CornerView<D>::borne_share(int k) {
     });
     remove_beyond_plates(x, seen_);
   }
-  // What a cone from the patch on adds to the sum of w~.
-  const auto beyond = [&](int other, double side) {
-    const Vector<D> d = structure_.position[other] - x, facing = side * structure_.normal[other];
-    const double r = d.norm(), cosine = -d.dot(facing) / r;
-    return subtended_angle<D>(d, facing, structure_.area[other]) * kernel_.surface_weight_beyond(r) -
-           structure_.area[other] * cosine * kernel_.midpoint_rest(r);
-  };
-  double past = 0, hidden = 0;
-  for (int other : back_facing_) past += beyond(other, -1);
-  for (int other : seen_) hidden += beyond(other, 1);
+  const double past = behind_cones(structure_, kernel_, x, back_facing_, -1), hidden = behind_cones(structure_, kernel_, x, seen_, 1);
   const double half_space = (D == 2 ? 1 : 2) * std::numbers::pi * kernel_.surface_weight_beyond(0);
   const double open = 1 + (std::max(0.0, past) - std::max(0.0, hidden)) / half_space;  // at the end of the kernel w~ has both signs
   return 1 / std::max(open, least_open);

@@ -175,28 +175,7 @@ class FaceFinder {
   }
 
   /// Appends to `seen` the faces that x sees.
-  void see(const Faces<D>& faces, const Vector<D>& x, std::vector<int>& seen) const {
-    if (faces.size() == 0) return;
-    const auto first = seen.size();
-    std::array<int, candidates + near_lanes> near;
-    for_ranges_around(x, [&](int begin, int end, const std::array<float, D>& from) {
-      int found = 0;
-      for (int m = begin; m < end; m += near_lanes) {
-        const PatchBits facing = patch_bits<D>(coordinate_, normal_, m, from, near2_, limit2_, -1, slack_);
-        unsigned bits = bits_before(facing.may, m, end);
-        for (unsigned open = bits & ~facing.sure; open != 0; open &= open - 1) {
-          const int k = contents_.order[m + std::countr_zero(open)];
-          const Vector<D> d = faces.position[k] - x;
-          if (d.squaredNorm() >= support_ * support_ || d.dot(faces.normal[k]) >= 0) bits &= ~(open & -open);
-        }
-        found = append_places(bits, m, found, near.data());
-      }
-      const std::size_t before = seen.size();
-      seen.resize(before + static_cast<std::size_t>(found));
-      for (int m = 0; m < found; ++m) seen[before + static_cast<std::size_t>(m)] = contents_.order[near[m]];
-    });
-    if (first < seen.size() && any_behind_another(faces, x, seen, first)) remove_hidden(faces, x, seen, first);
-  }
+  void see(const Faces<D>& faces, const Vector<D>& x, std::vector<int>& seen) const;
 
  private:
   static constexpr int candidates = 256;  ///< tested at a time
@@ -220,100 +199,8 @@ class FaceFinder {
     });
   }
 
-  /// A patch that hides another has it behind its plane, by its depth (below). False where that cannot be because all patches have next
-  /// to one normal n and one height: the product of the way from one to the other with the normal of the first is that with n but for the
-  /// way, at most two supports, times the difference of the normals.
-  bool any_behind_another(const Faces<D>& faces, const Vector<D>& x, const std::vector<int>& seen, std::size_t first) const {
-    const Vector<D>& n = faces.normal[seen[first]];
-    double low = 1e300, high = -1e300, turn2 = 0, area = 1e300;  // area: no patch hides another where none has two sides
-    for (auto m = first; m < seen.size(); ++m) {
-      const int k = seen[m];
-      const double height = (x - faces.position[k]).dot(n);
-      low = std::min(low, height);
-      high = std::max(high, height);
-      if (!faces.two_sided[k]) continue;
-      turn2 = std::max(turn2, (faces.normal[k] - n).squaredNorm());
-      area = std::min(area, faces.area[k]);
-    }
-    return high - low + 2 * support_ * std::sqrt(turn2) >= 0.999 * least_depth(area);
-  }
-
-  /// A patch hidden by another of the same surface lies clearly behind it: a tenth of a patch tells it from a neighbour.
-  static double least_depth(double area) { return 0.1 * (D == 2 ? area : std::sqrt(area)); }
-
-  void remove_hidden(const Faces<D>& faces, const Vector<D>& x, std::vector<int>& seen, std::size_t first) const {
-    // A hidden patch may not be dropped before all have been asked: it may be the one that hides another. Until then it is
-    // marked by its complement.
-    // Each is held against each, and few hide one. Two looks at all of them, without branch and division and a shade less strict, so
-    // that rounding decides nothing, leave those to the exact question. The first one asks only which lie behind another that lies
-    // before them, in single precision. The second is patch_separates.
-    using Lanes = std::array<double, candidates>;
-    using ShortLanes = std::array<float, candidates>;
-    std::array<Lanes, D> position, normal, from;
-    std::array<ShortLanes, D> away, facing;
-    Lanes front, depth, reach2;
-    ShortLanes sunk;
-    const float rounding = static_cast<float>(1e-5 * support_);
-    std::array<int, candidates> cutter;
-    for (auto next = first; next < seen.size();) {
-      int cutters = 0;
-      for (; next < seen.size() && cutters < candidates; ++next) {
-        const int k = seen[next] < 0 ? ~seen[next] : seen[next];
-        if (!faces.two_sided[k]) continue;
-        const Vector<D> d = x - faces.position[k];
-        for (int c = 0; c < D; ++c) {
-          position[c][cutters] = faces.position[k][c];
-          normal[c][cutters] = faces.normal[k][c];
-          from[c][cutters] = d[c];
-          away[c][cutters] = static_cast<float>(-d[c]);
-          facing[c][cutters] = static_cast<float>(faces.normal[k][c]);
-        }
-        front[cutters] = d.dot(faces.normal[k]);
-        depth[cutters] = least_depth(faces.area[k]);
-        sunk[cutters] = static_cast<float>(depth[cutters]) - rounding;
-        reach2[cutters] = 1.001 * patch_reach2<D>(faces.area[k]);
-        cutter[cutters++] = k;
-      }
-      for (auto m = first; m < seen.size(); ++m) {
-        const int k = seen[m];
-        if (k < 0) continue;
-        const Vector<D>& place = faces.position[k];
-        std::array<float, D> at, up;
-        for (int c = 0; c < D; ++c) {
-          at[c] = static_cast<float>(place[c] - x[c]);
-          up[c] = static_cast<float>(faces.normal[k][c]);
-        }
-        std::int32_t behind_one = 0;  // as wide as the numbers
-        for (int o = 0; o < cutters; ++o) {
-          float before = 0, above = 0;
-          for (int c = 0; c < D; ++c) {
-            before += (away[c][o] - at[c]) * up[c];
-            above += (away[c][o] - at[c]) * facing[c][o];
-          }
-          behind_one += (before > -rounding) & (above > sunk[o]);
-        }
-        if (behind_one == 0) continue;
-        std::int64_t perhaps = 0;
-        for (int o = 0; o < cutters; ++o) {
-          double behind = 0, offset2 = 0;
-          for (int c = 0; c < D; ++c) behind += (place[c] - position[c][o]) * normal[c][o];
-          for (int c = 0; c < D; ++c) {
-            const double offset = (place[c] - position[c][o]) * front[o] - from[c][o] * behind;  // times the height between the ends
-            offset2 += offset * offset;
-          }
-          const double height = front[o] - behind;
-          perhaps += (behind < -0.999 * depth[o]) & (offset2 < reach2[o] * height * height);
-        }
-        for (int o = 0; perhaps > 0 && o < cutters; ++o)
-          // What hides a patch stands in front of it: neighbours on a convex surface lie behind each other and hide nothing.
-          if ((faces.position[cutter[o]] - place).dot(faces.normal[k]) > 0 && patch_separates(faces, cutter[o], x, place, depth[o])) {
-            seen[m] = ~k;
-            break;
-          }
-      }
-    }
-    seen.erase(std::remove_if(seen.begin() + static_cast<std::ptrdiff_t>(first), seen.end(), [](int k) { return k < 0; }), seen.end());
-  }
+  bool any_may_hide(const Faces<D>& faces, const Vector<D>& x, const std::vector<int>& seen, std::size_t first) const;
+  void remove_hidden(const Faces<D>& faces, const Vector<D>& x, std::vector<int>& seen, std::size_t first) const;
 
   CellGrid<D> grid_;
   CellContents contents_;
