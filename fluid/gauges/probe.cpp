@@ -13,11 +13,10 @@
 namespace tern::fluid {
 namespace {
 
-constexpr double sheet_thickness = 3;  ///< in dx: thinner lumps above the lowest fluid are not the free surface
-constexpr double joined = 1.5;         ///< in dx: the next particle of a sheet is nearer
-constexpr double off_wall = 0.01;      ///< in dx
-constexpr double least_space = 0.02;   ///< that a wall leaves to be filled, as in wetness.cpp
-constexpr double sampling = 0.25;      ///< in dx, along lines
+constexpr double joined = 1.5;        ///< in dx: the next particle of a sheet is nearer
+constexpr double off_wall = 0.01;     ///< in dx
+constexpr double least_space = 0.02;  ///< that a wall leaves to be filled, as in wetness.cpp
+constexpr double sampling = 0.25;     ///< in dx, along lines
 
 /// Two unit vectors that span the plane across the unit vector n; the second is meant for 3D only.
 template <int D>
@@ -141,18 +140,20 @@ std::optional<double> Probe<D>::elevation(const Vector<D>& x) const {
     low = std::min(low, sense * particle[axis]), high = std::max(high, sense * particle[axis]);
   }
   std::optional<double> surface;
-  double above = 0;
+  double above = 0, left_at = 0;  // left_at: where the walk down last came out of water
   bool inside = false;
   Vector<D> point = x;
-  for (double height = high + dx; height > low - dx; height -= step) {
+  for (double height = high + dx; height > low - 0.5 * step; height -= step) {
     point[axis] = sense * height;
     const double here = filling(point);
-    if (!inside && here >= 0.5) {
-      surface = height + step * (here - 0.5) / (here - above);
-      inside = true;
+    if (inside != (here >= 0.5)) {
+      const double crossing = height + step * (here - 0.5) / (here - above);
+      if (inside)
+        left_at = crossing;
+      else
+        surface = surface ? *surface - (left_at - crossing) : crossing;
+      inside = !inside;
     }
-    if (inside && *surface - height >= sheet_thickness * dx) break;
-    inside = inside && here >= 0.5;
     above = here;
   }
   if (surface) *surface *= sense;

@@ -26,8 +26,9 @@ class Probe {
   /// Share of the kernel around x that is fluid, of the part that no wall or structure hides: 1 inside, 1/2 at the surface.
   double filling(const Vector<D>& x) const;
 
-  /// Coordinate of the free surface on the vertical through x, along the axis of gravity (Upward): where the filling passes 1/2, below
-  /// whatever flies above it in lumps thinner than three spacings; nothing where there is no fluid [m].
+  /// Coordinate of the free surface on the vertical through x, along the axis of gravity (Upward), as a wire gauge measures it: the top of
+  /// the lowest water, which ends where the filling passes 1/2, and on it the thickness of all water that flies above; nothing where there
+  /// is no fluid [m].
   std::optional<double> elevation(const Vector<D>& x) const;
 
   /// Volume flow through the line (2D) or the rectangle across an axis (3D) between two points [m^D/s]. Positive to the

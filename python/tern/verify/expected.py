@@ -47,7 +47,7 @@ def check(where, quantity, folder):
     elif kind in reducers.KINDS:
         _, required, optional = reducers.KINDS[kind]
         _check_keys(where, quantity, required | {"column"}, optional | {"file"})
-        if kind in ("max_difference", "l2_difference") and ("expression" in quantity) == ("csv" in quantity):
+        if kind in ("max_difference", "l1_difference", "l2_difference") and ("expression" in quantity) == ("csv" in quantity):
             raise Error(BAD_INPUT, f"{where} needs either csv with csv_column, or expression.")
     else:
         raise Error(BAD_INPUT, f"{where}: there is no reducer {kind!r}; there are measure, field, "

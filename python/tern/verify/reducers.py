@@ -160,6 +160,14 @@ def max_difference(series, quantity):
     return max(abs(d) for _, d in _differences(series, quantity))
 
 
+def l1_difference(series, quantity):
+    """The time average of |value - reference| over the window, divided by `scale` (default 1)."""
+    distances = [(t, abs(d)) for t, d in _differences(series, quantity)]
+    if len(distances) < 2:
+        raise ReductionError("an L1 difference needs at least two values in the window")
+    return _integral(distances) / (distances[-1][0] - distances[0][0]) / quantity.get("scale", 1.0)
+
+
 def l2_difference(series, quantity):
     """Root of the time average of (value - reference)^2 over the window, divided by `scale` (default 1)."""
     squares = [(t, d * d) for t, d in _differences(series, quantity)]
@@ -188,6 +196,7 @@ KINDS = {
     "non_monotone": (non_monotone, {"direction"}, _WINDOW),
     "largest_rise": (largest_rise, set(), _WINDOW),
     "max_difference": (max_difference, set(), _REFERENCE),
+    "l1_difference": (l1_difference, set(), _REFERENCE | {"scale"}),
     "l2_difference": (l2_difference, set(), _REFERENCE | {"scale"}),
 }
 
