@@ -39,6 +39,10 @@ Progress::~Progress() {
 }
 
 void Progress::step(double t_s, long step, double dt_s, const std::string& limit, int iterations) {
+  if (steps_before_ < 0) {
+    printed_step_ = steps_before_ = step - 1;
+    printed_t_s_ = t_s - dt_s;
+  }
   t_s_ = t_s;
   step_ = step;
   dt_s_ = dt_s;
@@ -87,7 +91,9 @@ void Progress::finish(const std::string& ending) {
   finished_ = true;
   const double wall = wall_.seconds();
   std::string text = fmt::format("t = {:.4f} s  {}  {} steps  {} wall", t_s_, ending, step_, duration_text(wall));
-  if (step_ > 0) text += fmt::format("  {:.3g} ms/step", 1e3 * wall / static_cast<double>(step_));
+  const long own = step_ - std::max(0L, steps_before_);
+  if (own < step_) text += fmt::format(" since step {}", steps_before_);
+  if (own > 0) text += fmt::format("  {:.3g} ms/step", 1e3 * wall / static_cast<double>(own));
   print(text);
   if (terminal_) std::fputc('\n', stream_);
   open_line_ = false;

@@ -2,7 +2,8 @@
 // Progress of a run on stdout: on a terminal one line rewritten in place, elsewhere a plain line every 10 s and at the
 // end.
 //   t = 0.1234 s  12.3 %  step 617  dt 2.0e-04 s (gravity)  CG 7  14.2 ms/step  ETA 1:03
-// The rates are smoothed over the last few prints.
+// The rates are smoothed over the last few prints, and of the steps that this process has made: a run that was continued, or taken back,
+// has had others before.
 
 #include <cstdio>
 #include <string>
@@ -40,7 +41,7 @@ class Progress {
   Stopwatch wall_, since_print_;
   bool open_line_ = false, printed_ = false, finished_ = false;
   double t_s_ = 0, dt_s_ = 0;
-  long step_ = 0;
+  long step_ = 0, steps_before_ = -1;  ///< before this process took the run up; -1: no step yet
   int iterations_ = -1;
   double printed_t_s_ = 0;  ///< at the last print, for the rates
   long printed_step_ = 0;

@@ -22,8 +22,10 @@ std::string words_of(const CouplingCase& coupling) {
   return pass + ", repeated where fluid and structure do not agree after it";
 }
 
-/// A ratio with one decimal, or in brief where it is absurd.
-std::string ratio(double number) { return number < 1e6 ? fmt::format("{:.1f}", number) : fmt::format("{:.3g}", number); }
+/// A ratio with one decimal, as a whole number from 100 on, or in brief where it is absurd.
+std::string ratio(double number) {
+  return number < 1e6 ? fmt::format("{:.{}f}", number, number < 100 ? 1 : 0) : fmt::format("{:.3g}", number);
+}
 
 /// A count in full, or in brief where it is absurd.
 std::string count(double number) { return number < 1e9 ? fmt::format("{:.0f}", number) : fmt::format("{:.3g}", number); }
@@ -267,8 +269,9 @@ std::string explain_text(const Case& scene, const Costs& costs) {
   text += "\nNot modelled\n";
   if (scene.fluid)
     text += fmt::format(
-        "* {}urbulence, surface tension, and air: a closed air pocket is empty space, and so is what opens where the pressure would fall "
-        "below that of the air.\n",
+        "* {}urbulence, surface tension, cavitation, and air: a closed air pocket is empty space, and so is what opens where water parts "
+        "from "
+        "a face. Inside of it the pressure may fall below that of the air by any amount.\n",
         scene.fluid->viscosity ? "T" : "Viscosity, t");
   if (scene.structure && scene.fluid && scene.fluid->viscosity) text += "* Friction between the fluid and elastic bodies.\n";
   if (scene.structure) text += "* Plasticity, damage, material damping, contact: bodies that enter each other or a wall stop the run.\n";

@@ -111,9 +111,10 @@ class Completion {
       if (edit_distance(key, close) <= std::max<std::size_t>(2, key.size() / 3)) {
         remedy = fmt::format("did you mean '{}'?", close);
       } else {
-        for (const Parameter& p : parameters()) {
-          if (p.key == key && !p.table.starts_with("shape")) remedy = fmt::format("it belongs in {}.", table_label(p.table));
-        }
+        std::vector<std::string> owners;
+        for (const Parameter& p : parameters())
+          if (p.key == key && !p.table.starts_with("shape")) owners.push_back(table_label(p.table));
+        if (!owners.empty()) remedy = fmt::format("it belongs in {}.", fmt::join(owners, " or "));
       }
       fail_at(given.items[i].where, fmt::format("unknown key '{}' in {}; {}", key, table_label(path), remedy));
     }

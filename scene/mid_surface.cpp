@@ -628,7 +628,7 @@ struct StripKind {
 // where it sags most. A strip that is free at one end, or both, and not clamped at the other bends as between supports.
 // A ring bends in four half waves; its curvature, not its slope, is what the spacing makes it too stiff by.
 StripKind strip_kind(const std::array<EdgeKind, 2>& edges, bool closed) {
-  if (closed) return {"round it", 0.96, -52};
+  if (closed) return {"round a quarter of it", 0.96, -52};
   const int clamps = (edges[0] == EdgeKind::clamp) + (edges[1] == EdgeKind::clamp);
   const int hinges = (edges[0] == EdgeKind::hinge) + (edges[1] == EdgeKind::hinge);
   if (clamps == 2) return {"between two clamps", 4.8, 13};
@@ -644,8 +644,14 @@ template <int D>
 ShellFit shell_fit(const StructureBody& body) {
   const MidSurface<D> surface = mid_surface<D>(body);
   const double nu = body.poisson_ratio, modulus_over_shear = D == 2 && body.plane_stress ? 2 * (1 + nu) : 2 / (1 - nu);
+  const auto is_held = [&surface](int n) {
+    return surface.closed[n] || surface.edges[n][0] != EdgeKind::free || surface.edges[n][1] != EdgeKind::free;
+  };
+  bool any_held = false;
+  for (int n = 0; n < D - 1; ++n) any_held = any_held || is_held(n);
   ShellFit worst;
   for (int n = 0; n < D - 1; ++n) {
+    if (any_held && !is_held(n)) continue;  // it bends along what is held
     const StripKind kind = strip_kind(surface.edges[n], surface.closed[n]);
     ShellFit fit;
     fit.thickness = surface.thickness;
@@ -660,7 +666,7 @@ ShellFit shell_fit(const StructureBody& body) {
       fit.by_spacing = 0.05 * std::pow(share, 4);
       fit.wanted_particles = 1.45 * fit.length / std::sqrt(surface.radius * surface.thickness);
     }
-    if (n == 0 || fit.without_shear + std::abs(fit.by_spacing) > worst.without_shear + std::abs(worst.by_spacing)) worst = fit;
+    if (worst.count == 0 || fit.without_shear + std::abs(fit.by_spacing) > worst.without_shear + std::abs(worst.by_spacing)) worst = fit;
   }
   return worst;
 }

@@ -10,7 +10,7 @@ import made_up_run
 import numpy as np
 
 import tern
-from tern.results import tables
+from tern.results import summary, tables
 
 
 class RunTest(unittest.TestCase):
@@ -79,6 +79,19 @@ class RunTest(unittest.TestCase):
         self.assertEqual(run.conservation, {"volume_drift": 0.001})
         self.assertEqual(run.timings["fluid"]["wait"], 0.7)
         self.assertIn("volume drift of the fluid: +0.100%", run.summary())
+
+    # Seen to fail: with the last work on the structure in place of all that went to and fro.
+    def test_the_summary_says_what_the_coupling_has_made(self):
+        contents = {"case": "c", "status": "done", "wall_s": 1.0, "cpu_s": 1.0, "steps": 2,
+                    "processes": {"coupler": {"exit_code": 0, "settings": {"dimension": 2}}}}
+        for made, advised in ((0.6, True), (0.2, False)):
+            (self.path / "energy.csv").write_text("t_s,interface_work_on_structure_J,interface_staggering_J\n"
+                                                  f"0,0,0\n0.1,2,0.1\n0.2,1,{made}\n")
+            text = summary.text(contents, self.path)
+            self.assertIn(f"the coupling has made: +{made} J/m, {made / 3:.1%} of what went through the interface", text)
+            self.assertEqual("half the windows" in text, advised)
+        (self.path / "energy.csv").write_text("t_s,fluid_kinetic_J\n0,0\n0.1,1\n")
+        self.assertNotIn("has made", summary.text(contents, self.path))
 
     # Seen to fail: with a plain exception.
     def test_a_directory_without_results_is_an_error_of_tern(self):

@@ -12,14 +12,15 @@
 namespace tern {
 namespace {
 
-std::string printed(bool quiet, bool terminal, double interval_s, bool finish) {
+/// Four steps of 5 ms of wall time, the first of them after `before` steps.
+std::string printed(bool quiet, bool terminal, double interval_s, bool finish, long before = 0) {
   const ScratchDirectory dir;
   std::FILE* stream = std::fopen((dir / "out").c_str(), "w");
   {
     Progress progress(1.0, quiet, stream, terminal, interval_s);
     for (int step = 1; step <= 4; ++step) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
-      progress.step(0.1 * step, step, 0.1, "gravity", 7);
+      progress.step(0.1 * step, before + step, 0.1, "gravity", 7);
     }
     if (finish) progress.finish();
   }
@@ -33,6 +34,14 @@ TEST(Progress, SaysTimePercentStepLimitIterationsRateAndRemainingTime) {
   for (const char* part :
        {"t = 0.3000 s", "30.0 %", "step 3", "dt 1.0e-01 s (gravity)", "CG 7", "ms/step", "ETA 0:00", "t = 0.4000 s  done  4 steps"})
     EXPECT_NE(text.find(part), std::string::npos) << part << " in\n" << text;
+}
+
+// Seen to fail with all steps over the wall time of this process: 5e-3 ms a step.
+TEST(Progress, CountsOnlyItsOwnStepsInARunThatGoesOn) {
+  const std::string text = printed(false, false, 0, true, 4000);
+  EXPECT_NE(text.find("done  4004 steps  0:00 wall since step 4000"), std::string::npos) << text;
+  for (std::size_t at = text.find(" ms/step"); at != std::string::npos; at = text.find(" ms/step", at + 1))
+    EXPECT_GE(std::stod(text.substr(text.rfind(' ', at - 1))), 4) << text;
 }
 
 // Seen to fail with a carriage return printed elsewhere than on a terminal, and with no limit on the rate.

@@ -118,6 +118,8 @@ TEST_F(CaseFile, FillsTheMemberOfEachKey) {
 TEST_F(CaseFile, WithAnUnknownKeyIsRefusedWithItsPlaceAndTheNearestKey) {
   expect_refused(with("spacing = 0.05", "spacng = 0.05"), {"case.toml:11:1", "unknown key 'spacng' in [fluid]", "'spacing'?"});
   expect_refused(with("density = 1000", "density = 1000\nyoung_modulus = 3"), {"it belongs in [structure.body]"});
+  // Seen to fail: with the last of them alone.
+  expect_refused(with("[fluid]", "[[wall]]\nvelocity = [1, 0]\n[fluid]"), {"it belongs in [fluid.body] or [structure.body]"});
   expect_refused(with("[fluid]\n", "[fluid]\nsurface_tension = 0.07\n"), {":10:1", "the keys here are density, spacing"});
   expect_refused(with("box = { min = [0, 0], max = [0.4", "bux = { min = [0, 0], max = [0.4"), {":13:", "'bux'", "'box'?"});
 }

@@ -1,6 +1,12 @@
 """The table at the end of a run: where the time went and what was kept, from run.json."""
 
+import math
 import os
+
+from tern.results.tables import read_cells
+
+#: Part of the energy that went through the interface from which what it made is worth a word of advice.
+WORTH_SAYING = 0.1
 
 # What every run is asked about: measure, label, form.
 CONSERVATION = (
@@ -99,8 +105,29 @@ def text(contents, out):
         value = measure(contents, name)
         if value is not None:
             lines.append(f"  {label}: {form.format(value)}")
+    if made := _made_by_coupling(contents, out):
+        lines.append(f"  {made}")
     lines.append(f"  results: {shown(out)}   pictures: ./tern plot {shown(out)}")
     return "\n".join(lines)
+
+
+def _made_by_coupling(contents, out):
+    """The sum of the works on both sides of the interface (docs/SCHEMES.md), and its part of all that has gone through it to and fro."""
+    path = out / "energy.csv"
+    if "coupler" not in contents["processes"] or not path.is_file():
+        return None
+    header, rows = read_cells(path)
+    if len(rows) < 2 or not {"interface_staggering_J", "interface_work_on_structure_J"} <= set(header):
+        return None
+    column = header.index("interface_work_on_structure_J")
+    work = [float(row[column] or 0) for row in rows]
+    through = sum(abs(after - before) for before, after in zip(work, work[1:]))
+    made = float(rows[-1][header.index("interface_staggering_J")] or "nan")
+    if not math.isfinite(made) or through == 0:
+        return None
+    unit = "J/m" if contents["processes"]["coupler"].get("settings", {}).get("dimension") == 2 else "J"
+    advice = "; half the windows make about half of it (fluid.numerics courant, gravity_courant)" if made > WORTH_SAYING * through else ""
+    return f"energy that the coupling has made: {made:+.3g} {unit}, {made / through:.1%} of what went through the interface{advice}"
 
 
 def _reached(contents):
