@@ -81,19 +81,30 @@ Eigen::VectorXd FixedPoint::next() {
   // Least squares for the combination of changes that takes the residual away, by Gram-Schmidt, the newest change first. The
   // changes of the answers are combined alike, so that no triangular system is left to be solved.
   std::vector<Outcome> basis;
+  std::vector<double> shares;  // of the basis in a change
   Eigen::VectorXd residual = base_.residual, answer = base_.answer;
   for (const auto& window : changes_)
     for (const Outcome& change : window) {
       if (basis.size() == most_changes) break;
-      Outcome part = change;
-      for (int pass = 0; pass < 2; ++pass)
+      const double least = (&window == &changes_.front() ? least_new_part : least_new_part_of_old) * change.residual.norm();
+      // Most are no news, and most of these show it before they are held against the whole basis.
+      double left2 = change.residual.squaredNorm();
+      bool is_new = true;
+      Outcome part{change.residual, {}};
+      shares.clear();
+      for (int pass = 0; pass < 2 && is_new; ++pass)
         for (const Outcome& known : basis) {
           const double share = known.residual.dot(part.residual);
           part.residual -= share * known.residual;
-          part.answer -= share * known.answer;
+          shares.push_back(share);
+          left2 -= share * share;
+          is_new = left2 > 0.9 * least * least;  // the rest is rounding's
+          if (!is_new) break;
         }
-      const double size = part.residual.norm();
-      if (!(size > (&window == &changes_.front() ? least_new_part : least_new_part_of_old) * change.residual.norm())) continue;
+      const double size = is_new ? part.residual.norm() : 0;
+      if (!(size > least)) continue;
+      part.answer = change.answer;
+      for (std::size_t m = 0; m < shares.size(); ++m) part.answer -= shares[m] * basis[m % basis.size()].answer;
       part.residual /= size;
       part.answer /= size;
       const double share = part.residual.dot(residual);

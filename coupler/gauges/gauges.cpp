@@ -5,6 +5,7 @@ namespace {
 
 template <int D>
 void append_interface_force(const GaugeCase& gauge, const Coupler<D>& coupler, const Case& scene, GaugeValues& values) {
+  if (coupler.state().totals.windows == 0) return values.resize(values.size() + D);  // before the first pressure solve
   const Vector<D> load = coupler.total_load(body_index(gauge, scene));
   values.insert(values.end(), load.data(), load.data() + D);
 }

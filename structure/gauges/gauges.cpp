@@ -62,6 +62,7 @@ Append<D> body_pressure(const GaugeCase& gauge, const Case& scene, const Structu
   const auto points = points_of_sensor(at_start.surface(), at_start.surface_properties().body, body_index(gauge, scene),
                                        gauge.place<D>("at"), gauge.number("diameter"));
   return [points](const Structure<D>& structure, GaugeValues& values) {
+    if (structure.time() == 0) return values.push_back(std::nullopt);  // before the first pressure solve
     const Surface<D> surface = structure.surface();
     double load = 0, area = 0;
     for (const std::size_t k : points) {
