@@ -85,8 +85,8 @@ TEST(Agreement, HoldsForEveryBodyByItself) {
   for (const int body : {0, 1}) EXPECT_FALSE(faces.agree_with_error(faces.error_of(0.04, body), body)) << body;
 }
 
-// A body in the air agrees with everything, and says nothing of the one in the water. Seen to fail: with the sums of a dry body, 0 and 0, held
-// against those of a wet one.
+// A body in the air agrees with everything, and says nothing of the one in the water. Seen to fail: with the sums of a dry body, 0 and 0,
+// held against those of a wet one.
 TEST(Agreement, IsNotThatOfADryBody) {
   for (const int wet : {0, 1}) {
     Faces faces;

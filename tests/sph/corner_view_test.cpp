@@ -1,6 +1,6 @@
 // Back-facing faces of a particle, and the share that a face bears, against their definition, asked of all faces one by one.
-// Seen to fail (FaceFinder::any_turned_around): with the least product larger by 0.8, and with holds(k) turned round; (CornerView::look) with
-// faces taken for the far side of a plate up to a product that is larger by twice the turn of the sheet.
+// Seen to fail (FaceFinder::any_turned_around): with the least product larger by 0.8, and with holds(k) turned round; (CornerView::look)
+// with faces taken for the far side of a plate up to a product that is larger by twice the turn of the sheet.
 
 #include <gtest/gtest.h>
 
