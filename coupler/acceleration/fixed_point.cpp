@@ -98,7 +98,7 @@ Eigen::VectorXd FixedPoint::next() {
           part.residual -= share * known.residual;
           shares.push_back(share);
           left2 -= share * share;
-          is_new = left2 > 0.9 * least * least;  // the rest is rounding's
+          is_new = left2 > 0.9 * least * least;  // not 1: rounding
           if (!is_new) break;
         }
       const double size = is_new ? part.residual.norm() : 0;

@@ -10,7 +10,7 @@ namespace tern::coupler {
 namespace {
 
 constexpr double kept = 0.8;                       ///< of what is known, per window
-constexpr double least_change = 1e-4;              ///< of a lump's square, over the mean of all, that shows something
+constexpr double least_change = 1e-4;              ///< of a lump's square, over the mean of its body, that shows something
 constexpr double lightest = 0.05, heaviest = 100;  ///< over the guess
 /// Widths on trial, in spacings of the fluid; 0: every point by itself. A wider lump than the last one no longer fits in the kernel.
 constexpr double widths[] = {0, 2.0 / 3, 1, 1.5, 2.25, 3.375};
@@ -125,6 +125,7 @@ void LearntResponse<D>::learn(const Setup<D>& setup, const Workspace<D>& window,
     const SurfaceLumps& lumps = lumps_[width];
     const std::size_t per_point = lumps.per_point;
     std::vector<Lump> of(lumps.count);
+    std::vector<std::uint32_t> body_of(lumps.count, 0);
     for (std::size_t k = 0; k < points; ++k) {
       const double mass = window.responding_mass[k] * surface.area[k];
       const Vector<D> force = window.answered_load.force[k] - window.assumed_load.force[k];
@@ -132,14 +133,15 @@ void LearntResponse<D>::learn(const Setup<D>& setup, const Workspace<D>& window,
         Lump& lump = of[lumps.lump[s]];
         lump.mass += lumps.share[s] * mass;
         lump.push += lumps.share[s] * force;
+        if (lumps.share[s] > 0) body_of[lumps.lump[s]] = setup.properties.body[k];
       }
     }
     for (std::size_t a = 0; a < lumps.count; ++a) {
       of[a].push *= window.duration / of[a].mass;
       of[a].quickness = quickness(width, a);
     }
-    std::vector<double> answer(lumps.count, 0), square(lumps.count, 0), error(setup.body_density.size(), 0);
-    double sum = 0;
+    const std::size_t bodies = setup.body_density.size();
+    std::vector<double> answer(lumps.count, 0), square(lumps.count, 0), error(bodies, 0), sum(bodies, 0), number(bodies, 0);
     for (std::size_t k = 0; k < points; ++k) {
       if (window.share[k] == 0) continue;  // dry
       double by_guess = 0, foretold = 0;
@@ -155,11 +157,11 @@ void LearntResponse<D>::learn(const Setup<D>& setup, const Workspace<D>& window,
         answer[lumps.lump[s]] += lumps.share[s] * of_answer;
         square[lumps.lump[s]] += lumps.share[s] * of_square;
       }
-      sum += of_square;
+      sum[setup.properties.body[k]] += of_square;
     }
-    const double least = least_change * sum / static_cast<double>(lumps.count);
+    for (const std::uint32_t b : body_of) ++number[b];
     for (std::size_t a = 0; a < lumps.count; ++a) {
-      if (!(square[a] > least)) continue;
+      if (!(square[a] > least_change * sum[body_of[a]] / number[body_of[a]])) continue;
       answer_[width][a] = kept * answer_[width][a] + answer[a];
       square_[width][a] = kept * square_[width][a] + square[a];
     }

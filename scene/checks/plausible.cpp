@@ -156,9 +156,8 @@ class Plausible {
       const WallCase& wall = scene_.walls[w];
       if (!wall.container || !wall.open.empty() || has_free_room(wall)) continue;
       warn(settings_.at("wall").items[w].where,
-           "the closed container '{}' is full: its fluid has no free surface, and an elastic body in it moves restlessly where it should "
-           "be at "
-           "rest; beside a gas the run may stop (docs/THEORY.md, section 4). Leave room for a free surface, or open a face.",
+           "the closed container '{}' is full: its fluid has no free surface, and an elastic body in it may move restlessly where it should "
+           "be at rest; beside a gas the run may stop (docs/THEORY.md, section 4). Leave room for a free surface, or open a face.",
            wall.name);
     }
   }

@@ -16,7 +16,7 @@ constexpr double dx = 0.01, dt = 1e-3, load = 5e3;
 /// Two bodies with a face of ten points each, at rest under `load` [Pa], and the velocities that the structure answers with.
 class Faces {
  public:
-  Faces() : setup_(two_bodies(), properties_of_two()), state_(setup_), window_(setup_) {
+  Faces() : setup_(with_another_body(scene(2, dx)), properties_of_two()), state_(setup_), window_(setup_) {
     Surface<2>& surface = window_.surface;
     for (int k = 0; k < 2 * points; ++k) add_point<2>(surface, {(k + 0.5) * dx, 0.0}, {0.0, 1.0}, dx);
     window_.duration = dt;
@@ -52,12 +52,6 @@ class Faces {
  private:
   static constexpr int points = 10;
 
-  static Case two_bodies() {
-    Case c = scene(2, dx);
-    c.structure->bodies.push_back(c.structure->bodies[0]);
-    c.structure->bodies[1].name = "other";
-    return c;
-  }
   static SurfaceProperties properties_of_two() {
     SurfaceProperties of = properties(2 * points, 4);  // less than half a layer: light
     for (std::size_t k = points; k < 2 * points; ++k) of.body[k] = 1;
