@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 
 namespace tern {
@@ -81,6 +83,51 @@ void compare(int per_side, double size, double support, int particles, std::size
   }
   EXPECT_GT(hidden, 20U) << "the scene hides too little to show anything";
   EXPECT_GT(most, most_wanted) << "the scene shows too little of a particle that sees many patches";
+}
+
+/// One sheet in waves.
+Faces<2> sheet_in_waves(int patches, double size, double amplitude, double wave) {
+  Faces<2> faces;
+  for (int i = 0; i < patches; ++i) {
+    const double s = size * i;
+    faces.position.push_back({s, amplitude * std::sin(wave * s)});
+    faces.normal.push_back(Vector<2>(-amplitude * wave * std::cos(wave * s), 1).normalized());
+    faces.area.push_back(size * std::hypot(1, amplitude * wave * std::cos(wave * s)));
+    faces.two_sided.push_back(1);
+  }
+  return faces;
+}
+
+// Waves from those that hide nothing to those that hide much, and places close above them. Seen to fail (FaceFinder::any_may_hide): with
+// twice the limit of the bound, and without the spread of f.
+TEST(Faces, OfASheetInWavesAreSeenByDefinition) {
+  constexpr double size = 0.001, support = 0.02;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> share(0, 1);
+  std::size_t hidden = 0, clear = 0;
+  for (const double wave : {50.0, 100.0, 200.0, 400.0})
+    for (double amplitude = 0.1 * size; amplitude < 5 * size; amplitude *= 1.2) {
+      const Faces<2> faces = sheet_in_waves(200, size, amplitude, wave);
+      FaceFinder<2> finder;
+      finder.fill(faces, support);
+      for (int p = 0; p < 60; ++p) {
+        const double s = 0.05 + 0.1 * share(random);
+        const Vector<2> x(s, amplitude * std::sin(wave * s) + support * std::pow(share(random), 3));
+        std::vector<int> seen;
+        finder.see(faces, x, seen);
+        std::sort(seen.begin(), seen.end());
+        const std::vector<int> expected = seen_by_definition(faces, x, support);
+        ASSERT_EQ(seen, expected) << "amplitude " << amplitude << ", wave number " << wave << ", at (" << x[0] << ", " << x[1] << ")";
+        std::size_t facing = 0;
+        for (std::size_t k = 0; k < faces.size(); ++k) {
+          const Vector<2> d = faces.position[k] - x;
+          facing += d.norm() < support && d.dot(faces.normal[k]) < 0;
+        }
+        (facing > seen.size() ? hidden : clear) += 1;
+      }
+    }
+  EXPECT_GT(hidden, 500U);
+  EXPECT_GT(clear, 500U);
 }
 
 TEST(Faces, AParticleSeesWhatNoPatchHides2D) { compare<2>(200, 0.001, 0.02, 400, 40); }
