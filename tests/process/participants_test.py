@@ -98,7 +98,8 @@ class ClosedFormTest(ParticipantTest):
         with h5py.File(self.out / "fluid.h5", "r") as file:
             pressure = file[max(file)]["pressure"][0]
         self.assertAlmostEqual(load[-1] / (-pressure * WIDTH), 1, delta=1e-3)
-        self.assertLess(abs(self.curve("lid.uy_m")[1] - amplitude * (1 - np.cos(omega * t))).max(), 1e-10)
+        t, lid = self.curve("lid.uy_m")  # it has a row more: the load is not known at the start
+        self.assertLess(abs(lid - amplitude * (1 - np.cos(omega * t))).max(), 1e-10)
 
     # Seen to fail: the weight of the free body left out of RigidSpring.advance().
     def test_a_foreign_structure_stands_in_the_real_fluid(self):
