@@ -272,6 +272,7 @@ std::string explain_text(const Case& scene, const Costs& costs) {
         "* {}urbulence, surface tension, cavitation, and air: a closed air pocket is empty space, and so is what opens where water parts "
         "from a face. Inside of it the pressure may fall below that of the air by any amount.\n",
         scene.fluid->viscosity ? "T" : "Viscosity, t");
+  if (scene.fluid) text += "* Inflow and outflow: what leaves the domain is removed and counted.\n";
   if (scene.structure && scene.fluid && scene.fluid->viscosity) text += "* Friction between the fluid and elastic bodies.\n";
   if (scene.structure) text += "* Plasticity, damage, material damping, contact: bodies that enter each other or a wall stop the run.\n";
   if (!scene.structure) text += "* Elastic bodies: no [structure] in the case, so no structure and no coupler process.\n";

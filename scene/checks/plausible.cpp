@@ -121,7 +121,19 @@ class Plausible {
     return true;
   }
 
-  // Fluid beyond an open face runs down outside, and fluid that gravity draws to an open face leaves, unless a body closes it.
+  /// Largest velocity with which fluid starts along an axis, up or down it [m/s].
+  double speed_along(int d, bool up) const {
+    double most = 0;
+    for (const FluidBody& body : scene_.fluid->bodies) {
+      if (is_zero(body.velocity)) continue;
+      for (const Vector<D>& x : fill_with_fluid<D>(body.shape, scene_.fluid->spacing))
+        most = std::max(most, (up ? 1 : -1) * body.velocity[d](0, x[0], x[1], D == 3 ? x[D - 1] : 0));
+    }
+    return most;
+  }
+
+  // Fluid beyond an open face runs down outside, and fluid that gravity draws to an open face, or that starts towards one,
+  // leaves, unless a body closes it.
   void look_at_open_faces() {
     for (std::size_t w = 0; w < scene_.walls.size(); ++w) {
       const WallCase& wall = scene_.walls[w];
@@ -138,6 +150,13 @@ class Plausible {
           if (beyond > 0.5 * scene_.fluid->spacing)
             warn(where_fluid(0), "the fluid begins up to {:.3g} m beyond the open face {} of the container '{}', where nothing holds it.",
                  beyond, face, wall.name);
+          if (const double out = speed_along(d, high);
+              gravity_[d] == 0 && out * scene_.end_time > scene_.fluid->spacing - beyond && !is_caught(d, (high ? box.max : box.min)[d]))
+            warn(
+                where_fluid(0),
+                "the fluid starts with up to {:.3g} m/s towards the open face {} of the container '{}', through which it leaves the scene; "
+                "there is no inflow that follows it.",
+                out, face, wall.name);
           if (d == along && (high ? gravity_[d] > 0 : gravity_[d] < 0) && !is_caught(d, (high ? box.max : box.min)[d]))
             warn(settings_.at("wall").items[w].where,
                  "gravity draws the fluid to the open face {} of the container '{}', through which it leaves the scene; the sign of "
@@ -155,10 +174,11 @@ class Plausible {
     for (std::size_t w = 0; w < scene_.walls.size(); ++w) {
       const WallCase& wall = scene_.walls[w];
       if (!wall.container || !wall.open.empty() || has_free_room(wall)) continue;
-      warn(settings_.at("wall").items[w].where,
-           "the closed container '{}' is full: its fluid has no free surface, and an elastic body in it may move restlessly where it should "
-           "be at rest; beside a gas the run may stop (docs/THEORY.md, section 4). Leave room for a free surface, or open a face.",
-           wall.name);
+      warn(
+          settings_.at("wall").items[w].where,
+          "the closed container '{}' is full: its fluid has no free surface, and an elastic body in it may move restlessly where it should "
+          "be at rest; beside a gas the run may stop (docs/THEORY.md, section 4). Leave room for a free surface, or open a face.",
+          wall.name);
     }
   }
 

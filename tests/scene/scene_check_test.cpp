@@ -187,6 +187,26 @@ TEST_F(CaseFile, WarnsOfAShellThatIsTooThickOrHasTooFewParticles) {
       << between.warnings[1];
 }
 
+// A channel that is open at both ends is no channel with inflow. Seen to fail: with no gravity taken for one along x.
+TEST_F(CaseFile, WarnsOfFluidThatStartsTowardsAnOpenFace) {
+  const auto channel = [this](const std::string& velocity) {
+    return read(
+        "dimension = 2\nend_time = 1\ngravity = [0, 0]\n[[wall]]\nname = \"channel\"\n"
+        "container = { box = { min = [0, 0], max = [1, 0.2] } }\nopen = [\"x_min\", \"x_max\"]\n"
+        "[fluid]\ndensity = 1000\nspacing = 0.02\n[[fluid.body]]\nshape = { box = { min = [0, 0], max = [1, 0.2] } }\nvelocity = [" +
+        velocity + ", 0]\n");
+  };
+  const auto warned = [](const Case& c, const std::string& face) {
+    return std::any_of(c.warnings.begin(), c.warnings.end(), [&](const std::string& text) {
+      return text.find("1.5 m/s towards the open face " + face + " of the container 'channel'") != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(warned(channel("\"1.5*sin(pi*y/0.1)^2\""), "x_max"));
+  EXPECT_FALSE(warned(channel("\"1.5*sin(pi*y/0.1)^2\""), "x_min"));
+  EXPECT_TRUE(warned(channel("-1.5"), "x_min"));
+  EXPECT_FALSE(warned(channel("0"), "x_max"));
+}
+
 // It bends from its clamp on; its width bends nothing. Seen to fail: with the width held against the thickness, "from edge to edge".
 TEST_F(CaseFile, TakesTheLengthOfACantileverAndNotItsWidth) {
   const auto sheet = [this](const std::string& width) {
