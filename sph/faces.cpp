@@ -49,19 +49,20 @@ template <int D>
 bool FaceFinder<D>::any_may_hide(const Faces<D>& faces, const Vector<D>& x, const std::vector<int>& seen, std::size_t first) const {
   const std::size_t count = seen.size() - first;
   if (count > candidates) return true;
+  double area = 1e300;
+  for (auto m = first; m < seen.size(); ++m)
+    if (faces.two_sided[seen[m]]) area = std::min(area, faces.area[seen[m]]);
+  if (area == 1e300) return false;  // no patch hides another where none has two sides, as before walls
   using Lanes = std::array<double, candidates>;
   std::array<Lanes, D> along, turn;  // t and m
   Lanes across;                      // z
-  double area = 1e300;
   Vector<D> n = Vector<D>::Zero();
   for (std::size_t i = 0; i < count; ++i) {
     const int k = seen[first + i];
     const Vector<D>&place = faces.position[k], &normal = faces.normal[k];
     for (int c = 0; c < D; ++c) along[c][i] = place[c] - x[c], turn[c][i] = normal[c];
     n += normal;
-    if (faces.two_sided[k]) area = std::min(area, faces.area[k]);
   }
-  if (area == 1e300) return false;  // no patch hides another where none has two sides
   if (n.norm() < 0.5 * static_cast<double>(count)) return true;
   n.normalize();
   const double limit = 0.999 * least_depth<D>(area);
