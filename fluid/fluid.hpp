@@ -169,7 +169,6 @@ class Fluid {
   BesideStructure beside_structure_;                            ///< these and their neighbours
   std::vector<Vector<D>> images_;                               ///< of one particle in its walls
   bool pressure_prepared_ = false, velocity_complete_ = false;  ///< by the functions of this name, in this window
-  bool flux_made_up_ = false;                                   ///< of faces of enclosed fluid, in this window
   bool velocity_known_ = false;                                 ///< of the pressure that there is: from what these three say
 
   StepTiming timing_;

@@ -14,8 +14,7 @@ class ParticleClass {
     beside_surface = 8,       ///< a neighbour is not interior
     beside_spray = 16,        ///< a neighbour is no pressure unknown
     symmetric_gradient = 32,  ///< pressure gradient in its symmetric form
-    yields_to_level = 64,     ///< in an enclosed region that deforms bodies, with the symmetric gradient
-    enclosed = 128,           ///< in a region without a free surface
+    enclosed = 64,            ///< in a region without a free surface
   };
 
   bool has(Mark mark) const { return (marks_ & mark) != 0; }

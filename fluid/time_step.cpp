@@ -116,7 +116,6 @@ void Fluid<D>::prepare_pressure() {
     compute_density_source(reference_, prediction_.bulk_speed, neighbours_, boundary_, correction_, state_.particle_class, density_source_);
   }
   find_enclosed_fluid(domain_, neighbours_, correction_, state_, system_);
-  flux_made_up_ = make_up_flux(at_structure_, state_.particle_class, boundary_);
   set_divergence_target(window_.duration, neighbours_, beside_structure_, packed_, density_source_, divergence_target_);
   assemble_pressure_matrix(reference_.constants, state_, neighbours_, boundary_, correction_, system_.matrix);
   pressure_prepared_ = true;
@@ -132,16 +131,13 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
     if (first && load.repeats) prediction_.unprojected_velocity = prediction_.velocity;
     if (!first) return_to_unprojected_velocity(load.surface_velocity);
     const bool pushed = push(load.force);  // u* += dt a_dissipative
-    if (pushed || !first || flux_made_up_) {
+    if (pushed || !first) {
       // Elsewhere nothing has changed since see_surface().
       compute_divergence(&beside_structure_.list);
     }
-    if (first) {
+    if (first)
       complete_pressure_matrix(constants, domain_.ranks(), load, neighbours_, boundary_, correction_, prediction_, at_structure_, state_,
                                system_);
-      // Where no surface lets a region change its volume, its own mean density is the one to keep.
-      if (system_.body_tied.any()) system_.body_tied.subtract_means(divergence_target_);
-    }
     assemble_pressure_source(constants, window_.duration, load, state_, prediction_, boundary_, at_structure_, divergence_,
                              divergence_target_, system_);
   }
@@ -149,7 +145,9 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
     ScopedTimer timer(timing_.pressure_solve);
     if (first) {
       prepare_pressure_solve(constants, domain_, neighbours_, state_.particle_class, prediction_.position, at_structure_, system_);
-      if (system_.sealed.any()) account_for_enclosed_fluid(reference_, window_, boundary_, system_.source, system_.sealed, state_);
+      if (system_.sealed.any())
+        account_for_enclosed_fluid(reference_, window_, boundary_, system_.source, system_.beside_bodies, system_.swept, system_.sealed,
+                                   state_);
     }
     solve_pressure_poisson(constants, domain_, window_, prediction_.position, at_structure_, any_at_structure_, state_, system_);
   }
@@ -190,7 +188,7 @@ void Fluid<D>::drive_out_what_is_left(const std::vector<double>& reference_press
     } else {
       for (const int i : beside_structure_.list) left[i] = 0;
     }
-    if (system_.body_tied.any()) system_.body_tied.subtract_means(left);  // the first solve has closed the sum over them
+    if (system_.beside_bodies.any()) system_.beside_bodies.subtract_means(left);  // the first solve has closed the sum over them
   };
   find_left(projected_velocity_, nullptr, system_.left_behind);
   {
@@ -229,6 +227,7 @@ void Fluid<D>::end_window(const InterfaceForce<D>& force) {
   ScopedTimer timer(timing_.correction);
   const Constants<D>& constants = reference_.constants;
   push(force.force);  // u^{n+1} = u** + dt a_interface
+  system_.swept.remember(window_.duration, boundary_.surface, system_.beside_bodies, state_);
   settle_wall_contacts(constants, window_.duration, boundary_, prediction_.position, prediction_.velocity);
   domain_.forget_ghosts(state_);
   check_speed(domain_.ranks(), window_, prediction_, boundary_.surface.velocity, state_);

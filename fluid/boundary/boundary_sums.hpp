@@ -29,7 +29,7 @@ struct BoundarySums {
   std::vector<Vector<D>> reaction;              ///< of both, as the interface has it under a uniform pressure; at the structure alone [1/m]
   std::vector<Vector<D>> carried_weight;        ///< what it gives back of the fluid's weight up to the faces; at the structure alone [Pa/m]
   std::vector<Matrix<D>> linear_moment;         ///< -2 sum A w~ n d^T of the structure, less what M has of it; at the structure alone [-]
-  std::vector<double> flux_share;               ///< of each face of the structure, in the flux into enclosed fluid [-]
+  std::vector<double> swept_share;              ///< of each face of the structure: its load over what its particles fill [-]
   std::vector<double> reaction_share;           ///< of each face of the structure in that [-]
   std::vector<double> borne_share;              ///< of each face of the structure (convex_corner.hpp) [-]
   std::vector<std::uint8_t> cell_sees;          ///< by cell of the finder of faces: whether a particle in it sees one

@@ -13,6 +13,11 @@
 #include "sph/wet_share.hpp"
 
 namespace tern::fluid {
+namespace {
+
+constexpr double least_seen = 1e-3;  ///< of the half space before a face; at the end of the kernel w~ has both signs
+
+}  // namespace
 
 template <int D>
 void find_interface_reaction(const Constants<D>& constants, const Ranks& ranks, const InterfaceParticles<D>& particles,
@@ -28,10 +33,14 @@ void find_interface_reaction(const Constants<D>& constants, const Ranks& ranks, 
     return rows.wet[k] == 1 ? rows.weight[entry] : faces.area[k] * constants.faces.surface_weight((position[i] - faces.position[k]).norm());
   };
   std::vector<double>& share = sums.reaction_share;  // f_k, then s_k / f_k
-  share.assign(faces.size(), 0);
+  share.assign(2 * faces.size(), 0);
+  const std::span<double> seen = std::span(share).subspan(faces.size());  // of f_k, by particles that see the face where it is wet
   for (const int i : at_structure)
-    for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry)
-      share[rows.face[entry]] += 2 * constants.volume * whole(i, entry) / faces.area[rows.face[entry]];
+    for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry) {
+      const int k = rows.face[entry];
+      share[k] += 2 * constants.volume * whole(i, entry) / faces.area[k];
+      seen[k] += 2 * constants.volume * rows.weight[entry] / faces.area[k];
+    }
   for (const auto& of_thread : sums.back_facing)
     for (const BackFacing& back : of_thread) share[back.face] += 2 * constants.volume * back.weight / faces.area[back.face];
   const double support = constants.faces.support();
@@ -47,11 +56,11 @@ void find_interface_reaction(const Constants<D>& constants, const Ranks& ranks, 
   }
   ranks.sum(std::span(share));
   if (at_structure.empty()) return;
-  sums.flux_share.resize(share.size());
-  for (std::size_t k = 0; k < share.size(); ++k) {
+  sums.swept_share.resize(faces.size());
+  for (std::size_t k = 0; k < faces.size(); ++k) {
     const double filled = sums.borne_share[k] * share[k], wet = wet_share(filled);
     share[k] = wet > 0 ? sums.borne_share[k] * wet / filled : 0;
-    sums.flux_share[k] = filled < 0.5 ? 1 : wet / filled;
+    sums.swept_share[k] = wet > 0 && seen[k] > least_seen ? wet / seen[k] : 0;
   }
 
   sums.reaction.resize(rows.begin.size());
@@ -90,33 +99,13 @@ void balance_weight(const Constants<D>& constants, const Neighbours<D>& neighbou
   }
 }
 
-template <int D>
-bool make_up_flux(const std::vector<int>& at_structure, const std::vector<ParticleClass>& particle_class, Boundary<D>& boundary) {
-  FaceRows& rows = boundary.surface_rows;
-  BoundarySums<D>& sums = boundary.sums;
-  bool any = false;
-  for (const int i : at_structure) {
-    if (!particle_class[i].has(ParticleClass::enclosed)) continue;
-    any = true;
-    for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry) {
-      const int k = rows.face[entry];
-      const double more = (sums.flux_share[k] - 1) * rows.weight[entry];
-      rows.weight[entry] += more;
-      sums.flux[i] += more * boundary.surface.normal[k].dot(boundary.surface.velocity[k]);
-      sums.surface_gradient[i] -= more * boundary.surface.normal[k];
-    }
-  }
-  return any;
-}
-
 #define TERN_INSTANTIATE(D)                                                                                                                \
   template void find_interface_reaction<D>(const Constants<D>&, const Ranks&, const InterfaceParticles<D>&, const std::vector<Vector<D>>&, \
                                            const std::vector<Vector<D>>&, const std::vector<int>&, Boundary<D>&);                          \
   template void add_interface_reaction<D>(const Constants<D>&, double, const Boundary<D>&, const State<D>&, const std::vector<int>&,       \
                                           std::vector<Vector<D>>&);                                                                        \
   template void balance_weight<D>(const Constants<D>&, const Neighbours<D>&, const std::vector<ParticleClass>&,                            \
-                                  const std::vector<Vector<D>>&, const std::vector<int>&, Boundary<D>&);                                   \
-  template bool make_up_flux<D>(const std::vector<int>&, const std::vector<ParticleClass>&, Boundary<D>&);
+                                  const std::vector<Vector<D>>&, const std::vector<int>&, Boundary<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)
 #undef TERN_INSTANTIATE

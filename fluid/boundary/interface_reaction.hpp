@@ -11,8 +11,8 @@
 
 namespace tern::fluid {
 
-/// Sets reaction and carried_weight of the particles `at_structure`, and brings the made-up loads into linear_moment. `particles`: these,
-/// with their images. `position` [m] and `gravity` [m/s^2]: of all.
+/// Sets swept_share of the faces, reaction and carried_weight of the particles `at_structure`, and brings the made-up loads into
+/// linear_moment. `particles`: these, with their images. `position` [m] and `gravity` [m/s^2]: of all.
 template <int D>
 void find_interface_reaction(const Constants<D>& constants, const Ranks& ranks, const InterfaceParticles<D>& particles,
                              const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
@@ -29,12 +29,5 @@ void add_interface_reaction(const Constants<D>& constants, double duration, cons
 template <int D>
 void balance_weight(const Constants<D>& constants, const Neighbours<D>& neighbours, const std::vector<ParticleClass>& particle_class,
                     const std::vector<Vector<D>>& gravity, const std::vector<int>& at_structure, Boundary<D>& boundary);
-
-/// Makes the flux through faces up, for particles of enclosed fluid, as the load is made up: s_k/f_k of it, or all of it where less than
-/// half is filled. Says whether there are any. The level of an enclosed pressure answers the volume that bodies sweep, so its work on
-/// them has to be its work on the fluid. Elsewhere the flux of a face before which there are too many particles stays larger, and parts
-/// them from it.
-template <int D>
-bool make_up_flux(const std::vector<int>& at_structure, const std::vector<ParticleClass>& particle_class, Boundary<D>& boundary);
 
 }  // namespace tern::fluid

@@ -44,7 +44,7 @@ template <int D>
 Walls<D>::Walls(const Case& scene, double fluid_spacing, double support) {
   for (const WallCase& wall : scene.walls) {
     const SurfacePoints<D> points = sample_surface<D>(wall.shape, 0.5 * fluid_spacing);
-    Wall<D> entry{wall, faces_.size(), 0, {}, 0};
+    Wall<D> entry{wall, faces_.size(), 0, {}, 0, Vector<D>::Zero()};
     for (std::size_t k = 0; k < points.position.size(); ++k) {
       if (wall.container && wall.shape.kind == Shape::Kind::box && is_open(wall, box_face<D>(points.normal[k]))) continue;
       const int original = static_cast<int>(faces_.size());
@@ -78,7 +78,7 @@ template <int D>
 void Walls<D>::find_planes() {
   if constexpr (D == 3) {
     for (std::size_t w = 0; w < walls_.size(); ++w) {
-      const auto& [scene, begin, end, place, turn_rate] = walls_[w];
+      const auto& [scene, begin, end, place, turn_rate, shift_rate] = walls_[w];
       if (!scene.container || scene.shape.kind != Shape::Kind::box) {
         not_plane_.push_back(static_cast<int>(w));
         continue;
@@ -113,21 +113,25 @@ const Wall<D>& Walls<D>::find(const std::string& name) const {
 }
 
 template <int D>
+std::size_t Walls<D>::wall_of(int k) const {
+  const auto behind = [](std::size_t patch, const Wall<D>& wall) { return patch < wall.last; };
+  return static_cast<std::size_t>(std::upper_bound(walls_.begin(), walls_.end(), static_cast<std::size_t>(k), behind) - walls_.begin());
+}
+
+template <int D>
 void Walls<D>::move_over(double begin, double duration, std::vector<Vector<D>>& velocity_of) {
   for (Wall<D>& wall : walls_) {
     if (!wall.scene.motion) continue;
     const Placement<D> before = placement<D>(*wall.scene.motion, begin), after = placement<D>(*wall.scene.motion, begin + duration);
     wall.place = placement<D>(*wall.scene.motion, begin + 0.5 * duration);
     // Not the mean velocity of the patch itself: the chord of an arc is shorter than the way along it.
-    const Vector<D> shift_rate = (after.shift - before.shift) / duration;
+    wall.shift_rate = (after.shift - before.shift) / duration;
     wall.turn_rate = (after.angle - before.angle) / duration;
-    const Vector<D> pivot = wall.place.pivot + wall.place.shift;
     for (std::size_t k = wall.first; k < wall.last; ++k) {
       faces_.position[k] = wall.place(reference_[k]);
       faces_.normal[k] = wall.place.turn * reference_normal_[k];
       // The change of the patch's own velocity has the tangential and the centripetal part of its acceleration.
-      const Vector<D> velocity =
-          shift_rate + turning_velocity<D>(wall.turn_rate, wall.scene.motion->axis, Vector<D>(faces_.position[k] - pivot));
+      const Vector<D> velocity = wall.velocity(faces_.position[k]);
       faces_.normal_acceleration[k] = begin > 0 ? (velocity - velocity_of[k]).dot(faces_.normal[k]) / duration : 0;
       faces_.velocity[k] = velocity_of[k] = velocity;
     }

@@ -16,7 +16,14 @@ struct Wall {
   WallCase scene;
   std::size_t first = 0, last = 0;  ///< its patches: first .. last - 1
   Placement<D> place;
-  double turn_rate = 0;  ///< mean over the window [rad/s]
+  double turn_rate = 0;                      ///< mean over the window [rad/s]
+  Vector<D> shift_rate = Vector<D>::Zero();  ///< likewise [m/s]
+
+  /// Of the rigid body at x, at the middle of the window; 0 where the wall does not move [m/s].
+  Vector<D> velocity(const Vector<D>& x) const {
+    if (!scene.motion) return Vector<D>::Zero();
+    return shift_rate + turning_velocity<D>(turn_rate, scene.motion->axis, Vector<D>(x - place.pivot - place.shift));
+  }
 };
 
 template <int D>
@@ -34,6 +41,8 @@ class Walls {
   /// The wall of that name, which the scene is known to have.
   const Wall<D>& find(const std::string& name) const;
   const std::vector<Wall<D>>& all() const { return walls_; }
+  /// Number of the wall in it that has patch k.
+  std::size_t wall_of(int k) const;
   /// Sides of box-shaped containers, in 3D where no wall moves and nothing is periodic, ...
   const std::vector<PlaneWall>& planes() const { return planes_; }
   /// ... and the numbers of the other walls.

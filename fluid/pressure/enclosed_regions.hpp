@@ -37,6 +37,8 @@ struct EnclosedRegions {
   void add_up(const std::vector<double>& values);
   /// Takes the mean over each region out of the values of its rows.
   void subtract_means(std::vector<double>& values);
+  /// Shifts the values of the rows of each region by as much as lets them sum to `scale` times this.
+  void set_sums(const std::vector<double>& sums, double scale, std::vector<double>& values);
 };
 
 /// Finds the connected sets of unknowns none of which is `at_surface`. Costs little where all is tied: ties spread along the order of the
@@ -51,13 +53,52 @@ void find_enclosed_regions_of_ranks(const Domain<D>& domain, const Neighbours<D>
                                     const std::vector<ParticleClass>& particle_class, const std::vector<std::uint32_t>& label,
                                     const std::vector<std::uint8_t>& at_surface, EnclosedRegions& regions);
 
-/// Those of `regions` whose number has this `property`.
-void select_regions(const EnclosedRegions& regions, const std::vector<std::uint8_t>& property, bool value, EnclosedRegions& selected);
+/// Those of `regions` that get a number, 0, 1, ...; -1: none. Regions of the same number become one.
+void select_regions(const EnclosedRegions& regions, const std::vector<int>& number, EnclosedRegions& selected);
+
+/// What the level of an enclosed pressure takes away of the volume that bodies sweep [m^D/s]: half of the `rate` that they have under the
+/// load of the last window, and an eighth of what they have pushed in, given as a rate over one window. Not all of it: a body that has to
+/// keep its place in the mean of each window turns its velocity round from one to the next, for ever; and how it answers is known to some
+/// tenths. With half, this dies out for bodies of any stiffness that answer from half to one and a half times as much as they are taken
+/// to (tests/coupler/interface_velocity_test.cpp). In smooth motion what is left is of second order in the window.
+inline double level_taken_away(double rate, double pushed_in) { return 0.5 * rate + 0.125 * pushed_in; }
+
+/// How the faces of the structure have moved since the middle of the last window; where that is not known, since the begin of this one, as
+/// their velocity has it.
+template <int D>
+struct FaceMotion {
+  double time = 0;                      ///< since then, to the middle of this window [s]
+  std::vector<Vector<D>> displacement;  ///< in it [m]
+  std::vector<Vector<D>> mean_normal;   ///< over it: mean of A n, over A
+  std::vector<Vector<D>> turn;          ///< what n is more at the end of this window than in its middle, if it goes on so
+
+  void find(double duration, const Faces<D>& surface, const State<D>& state);
+};
+
+/// What faces push into enclosed regions, by the share of each face that bears its load: the power of a uniform pressure on the structure
+/// over that pressure. Counted in the frame of the wall that bounds most of the region, in which a container that moves as a whole sweeps
+/// nothing.
+template <int D>
+struct SweptVolume {
+  /// By region, at the end of the window [m^D/s]. Faces stand where they are in its middle; were it not for `turn`, a surface that goes to
+  /// and fro would push half a window of the square of its velocity each time.
+  std::vector<double> rate;
+  std::vector<double> pushed_in;  ///< by region, up to the middle of the window, since it is enclosed [m^D]
+  FaceMotion<D> motion;           ///< scratch
+
+  /// `first`: coupling iteration of the window. Later ones have other velocities at the same places.
+  void find(const Constants<D>& constants, double duration, bool first, const Boundary<D>& boundary, const EnclosedRegions& regions,
+            const State<D>& state);
+  /// Into the state, for the window to come.
+  void remember(double duration, const Faces<D>& surface, const EnclosedRegions& regions, State<D>& state) const;
+};
 
 /// Accounts for what the regions are asked for and cannot do, into state.enclosed, with one warning; finds whether the fluid fills its
-/// enclosure for good. `source`: right-hand side of the pressure equation. Uses regions.sum.
+/// enclosure for good. `source`: right-hand side of the pressure equation. `swept`: of the
+/// regions `beside_bodies`. Uses regions.sum.
 template <int D>
 void account_for_enclosed_fluid(const Reference<D>& reference, const Window& window, const Boundary<D>& boundary,
-                                const std::vector<double>& source, EnclosedRegions& regions, State<D>& state);
+                                const std::vector<double>& source, const EnclosedRegions& beside_bodies, const SweptVolume<D>& swept,
+                                EnclosedRegions& regions, State<D>& state);
 
 }  // namespace tern::fluid

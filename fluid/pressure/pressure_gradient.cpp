@@ -67,16 +67,22 @@ void apply_pressure_gradient(const Reference<D>& reference, double duration, con
         }
         Vector<D> gradient;
         const double in_order = std::min(theta * (p - least), most);  // p^
-        if (state.particle_class[i].has(ParticleClass::symmetric_gradient)) {
-          gradient = difference + 2 * p * kernel_gradient;
-          if (!feels_level(constants, state.particle_class[i], at_structure))
-            gradient -= 2 * p * (kernel_gradient + boundary.sums.reaction[i]) -
-                        2 * in_order *
-                            (neighbours.kernel_gradient[i] + boundary.sums.wall_gradient[i] + boundary.sums.surface_gradient[i] +
-                             boundary.sums.back_facing_gradient[i]);
+        const bool symmetric = state.particle_class[i].has(ParticleClass::symmetric_gradient);
+        const bool level = symmetric && feels_level(constants, state.particle_class[i], at_structure);
+        if (symmetric) {
+          gradient = difference;
+          if (level)
+            gradient += 2 * p * kernel_gradient;
+          else if (at_structure)
+            gradient -= 2 * p * boundary.sums.reaction[i];
         } else {
           gradient = correction.matrix[i] * difference;
-          if constexpr (decltype(ordered)::value) (*order)[i] += scale * 2 * in_order * kernel_gradient;
+        }
+        if constexpr (decltype(ordered)::value) {
+          if (!level)
+            (*order)[i] += scale * 2 * in_order *
+                           (neighbours.kernel_gradient[i] + boundary.sums.wall_gradient[i] + boundary.sums.surface_gradient[i] +
+                            boundary.sums.back_facing_gradient[i]);
         }
         velocity[i] += scale * gradient;
       });

@@ -9,12 +9,13 @@
 
 namespace tern::fluid {
 
-/// Whether the symmetric gradient of a particle knows the level of the pressure. Beside the structure it has differences alone, but for
-/// particles at and next to a free surface, where the level is what the pressure is above that of the air, and for enclosed fluid, whose
-/// level is an unknown of its own.
+/// Whether the symmetric gradient of a particle knows the level of the pressure. In enclosed fluid it does not: there the level works on
+/// the faces alone (enclosed_regions.hpp). Elsewhere beside the structure it has differences alone too, but for particles at and next to a
+/// free surface, where the level is what the pressure is above that of the air.
 template <int D>
 bool feels_level(const Constants<D>& constants, ParticleClass own, bool at_structure) {
-  return !at_structure || !own.inside() || own.has(ParticleClass::enclosed) || constants.numerics.gradient == GradientForm::sum;
+  if (own.has(ParticleClass::enclosed)) return false;
+  return !at_structure || !own.inside() || constants.numerics.gradient == GradientForm::sum;
 }
 
 /// u -= dt/rho G for the pressure of the state: of the particles `only`, which see the structure, or, with nullptr, of all

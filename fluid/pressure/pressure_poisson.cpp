@@ -5,10 +5,7 @@
 // Free surface: the missing part f_i = 1 - tr M_i / D of a support acts as neighbours at p = 0. Unlike p = 0 on marked
 // particles this never switches a particle between two kinds of row, and the matrix keeps one size. Fluid that fills its
 // enclosure has no surface (enclosed_regions.hpp).
-// Enclosed fluid beside a deformable body: where a kernel has a gap E_i, the symmetric gradient adds -2 p E_i to the acceleration. Its
-// divergence 4 (dt/rho) p E_i^2 goes on the diagonal:
-//   c_i += 4 V_i E_i^2,   E_i = sum V grad w over fluid and faces.
-// Without it the pressure answers that motion one window late, and both swing and grow.
+// Enclosed fluid beside a deformable body: the sum of the rows is the volume that the faces sweep (enclosed_regions.hpp).
 // What this operator leaves of the divergence, because it is not the divergence of the pressure gradient: left_behind.hpp.
 // Walls and structure are no unknowns: their flux is in div(u*). The structure yields to an increment of pressure: R, of which the matrix
 // has the diagonal bound kappa_i in c_i (yielding_surface.hpp).
@@ -17,7 +14,7 @@
 
 #include "base/parallel.hpp"
 #include "fluid/pressure/divergence_target.hpp"
-#include "fluid/pressure/pressure_gradient.hpp"
+#include "fluid/pressure/level_ties.hpp"
 
 namespace tern::fluid {
 namespace {
@@ -42,39 +39,13 @@ void assemble_row(const Constants<D>& constants, double yields, const State<D>& 
   }
   const double volume = constants.volume;
   const double full = constants.lattice.laplacian_weight / constants.lattice.gradient_moment;
-  double constant = volume * missing_support(state, correction, i) * full + yields;
-  if (state.particle_class[i].has(ParticleClass::yields_to_level)) {
-    Vector<D> closure = neighbours.kernel_gradient[i] + boundary.sums.wall_gradient[i];
-    if (boundary.sees_structure(i)) closure += boundary.sums.unborne_gradient[i] + boundary.sums.reaction[i];
-    constant += 4 * volume * closure.squaredNorm();
-  }
+  const double constant = volume * missing_support(state, correction, i) * full + yields;
   double to_spray = 0;
   if (state.particle_class[i].has(ParticleClass::beside_spray))
     neighbours.for_each(i, [&](int j, float weight) {
       if (!state.particle_class[j].pressure_unknown()) to_spray += 2 * volume * weight;
     });
   matrix.set_row(i, constant, to_spray);
-}
-
-/// Finds which enclosed regions bodies tie, and marks their particles with the symmetric gradient that feel the level.
-template <int D>
-void tie_to_bodies(const Constants<D>& constants, const Ranks& ranks, const Boundary<D>& boundary, const std::vector<int>& at_structure,
-                   State<D>& state, PressureSystem<D>& system) {
-  std::vector<std::uint8_t>& yields = system.enclosed.tied;
-  yields.assign(system.enclosed.size.size(), 0);
-  for (std::size_t m = 0; m < at_structure.size(); ++m) {
-    if (!system.enclosed.any() || system.enclosed.region[at_structure[m]] < 0) continue;
-    if (system.yielding.moved_by(m)) yields[system.enclosed.region[at_structure[m]]] = 1;
-  }
-  if (!yields.empty()) ranks.most(std::span(yields));
-  select_regions(system.enclosed, yields, false, system.sealed);
-  select_regions(system.enclosed, yields, true, system.body_tied);
-  if (!system.body_tied.any()) return;
-  for (std::size_t i = 0; i < state.size(); ++i) {
-    ParticleClass& own = state.particle_class[i];
-    own.set(ParticleClass::yields_to_level, own.has(ParticleClass::symmetric_gradient) && system.body_tied.region[i] >= 0 &&
-                                                feels_level(constants, own, boundary.sees_structure(i)));
-  }
 }
 
 }  // namespace
@@ -111,18 +82,15 @@ void assemble_pressure_matrix(const Constants<D>& constants, const State<D>& sta
 template <int D>
 void complete_pressure_matrix(const Constants<D>& constants, const Ranks& ranks, const InterfaceCondition<D>& load,
                               const Neighbours<D>& neighbours, const Boundary<D>& boundary, const Corrections<D>& correction,
-                              const Prediction<D>& prediction, const std::vector<int>& at_structure, State<D>& state,
+                              const Prediction<D>& prediction, const std::vector<int>& at_structure, const State<D>& state,
                               PressureSystem<D>& system) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(at_structure.size()), all = static_cast<std::ptrdiff_t>(state.size());
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(at_structure.size());
   system.yielding.assemble(constants, ranks, load.response, boundary, state.particle_class, prediction, at_structure);
-  tie_to_bodies(constants, ranks, boundary, at_structure, state, system);
+  const LevelTies ties = find_level_ties(system.yielding, at_structure, system.enclosed);
+  select_regions(system.enclosed, ties.beside_bodies, system.beside_bodies);
+  select_regions(system.enclosed, ties.sealed, system.sealed);
   parallel_for(n, [&](std::ptrdiff_t m) {
     assemble_row(constants, system.yielding.bound(m), state, neighbours, boundary, correction, at_structure[m], system.matrix);
-  });
-  if (!system.body_tied.any()) return;
-  parallel_for(all, [&](std::ptrdiff_t i) {
-    if (!boundary.sees_structure(i) && state.particle_class[i].has(ParticleClass::yields_to_level))
-      assemble_row(constants, 0, state, neighbours, boundary, correction, static_cast<int>(i), system.matrix);
   });
 }
 
@@ -140,6 +108,14 @@ void assemble_pressure_source(const Constants<D>& constants, double duration, co
     b += 2 * density * constants.volume * prediction.gravity[i].dot(boundary.sums.back_facing_gradient[i]);
     system.source[i] = b;
   });
+  if (system.beside_bodies.any()) {
+    system.swept.find(constants, duration, load.surface_velocity.empty(), boundary, system.beside_bodies, state);
+    std::vector<double>& wanted = system.swept_wanted;
+    wanted.resize(system.swept.rate.size());
+    for (std::size_t r = 0; r < wanted.size(); ++r)
+      wanted[r] = level_taken_away(system.swept.rate[r], system.swept.pushed_in[r] / duration);
+    system.beside_bodies.set_sums(wanted, density / duration, system.source);
+  }
   system.yielding.add_source(load.reference_pressure, boundary, at_structure, system.source);
 }
 
@@ -149,7 +125,7 @@ void assemble_pressure_source(const Constants<D>& constants, double duration, co
                                             const Corrections<D>&, EdgeMatrix&);                                                           \
   template void complete_pressure_matrix<D>(const Constants<D>&, const Ranks&, const InterfaceCondition<D>&, const Neighbours<D>&,         \
                                             const Boundary<D>&, const Corrections<D>&, const Prediction<D>&, const std::vector<int>&,      \
-                                            State<D>&, PressureSystem<D>&);                                                                \
+                                            const State<D>&, PressureSystem<D>&);                                                          \
   template void assemble_pressure_source<D>(const Constants<D>&, double, const InterfaceCondition<D>&, const State<D>&,                    \
                                             const Prediction<D>&, const Boundary<D>&, const std::vector<int>&, const std::vector<double>&, \
                                             const std::vector<double>&, PressureSystem<D>&);

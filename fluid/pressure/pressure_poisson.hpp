@@ -22,15 +22,15 @@ template <int D>
 void assemble_pressure_matrix(const Constants<D>& constants, const State<D>& state, const Neighbours<D>& neighbours,
                               const Boundary<D>& boundary, const Corrections<D>& correction, EdgeMatrix& matrix);
 
-/// system.yielding and the rows of the particles `at_structure`, whose faces yield as the load says; and, where an enclosed region
-/// deforms a body, those of the particles it pushes by its level. Marks these in the state; system.sealed and system.body_tied.
+/// system.yielding and the rows of the particles `at_structure`, whose faces yield as the load says; system.sealed and
+/// system.beside_bodies.
 template <int D>
 void complete_pressure_matrix(const Constants<D>& constants, const Ranks& ranks, const InterfaceCondition<D>& load,
                               const Neighbours<D>& neighbours, const Boundary<D>& boundary, const Corrections<D>& correction,
-                              const Prediction<D>& prediction, const std::vector<int>& at_structure, State<D>& state,
+                              const Prediction<D>& prediction, const std::vector<int>& at_structure, const State<D>& state,
                               PressureSystem<D>& system);
 
-/// system.source from div u* and the target q of the divergence.
+/// system.source from div u* and the target q of the divergence, and over each enclosed region that bodies tie from what its faces sweep.
 template <int D>
 void assemble_pressure_source(const Constants<D>& constants, double duration, const InterfaceCondition<D>& load, const State<D>& state,
                               const Prediction<D>& prediction, const Boundary<D>& boundary, const std::vector<int>& at_structure,

@@ -23,14 +23,16 @@ struct PressureSystem {
   std::vector<double> correction;               ///< of the pressure
   std::vector<double> share;                    ///< of the correction that is taken, by part of the multigrid
   Multigrid<D> multigrid;
-  EnclosedRegions enclosed;   ///< regions without a free surface, ...
-  EnclosedRegions sealed;     ///< those of them that nothing ties, ...
-  EnclosedRegions body_tied;  ///< and those that bodies tie, which yield to them
-  SolveResult result;         ///< iterations: of all coupling iterations of the window
+  EnclosedRegions enclosed;       ///< regions without a free surface, ...
+  EnclosedRegions beside_bodies;  ///< those of them that bodies yield to, ...
+  EnclosedRegions sealed;         ///< and those, put together, whose level nothing ties
+  SolveResult result;             ///< iterations: of all coupling iterations of the window
 
   // Scratch.
   std::vector<std::uint8_t> at_surface;  ///< particles whose pressure a free surface ties
   std::vector<double> squared_change;    ///< of what is left behind, by part
+  SweptVolume<D> swept;                  ///< of the regions beside bodies
+  std::vector<double> swept_wanted;      ///< the rate of it that the pressure has to answer
   ConjugateGradientWork work;
 };
 

@@ -32,9 +32,6 @@ class YieldingSurface {
   void assemble(const Constants<D>& constants, const Ranks& ranks, const SurfaceResponse& response, const Boundary<D>& boundary,
                 const std::vector<ParticleClass>& particle_class, const Prediction<D>& prediction, const std::vector<int>& at_structure);
 
-  /// Whether a pressure of the particle at_structure[m] moves the structure.
-  bool moved_by(std::ptrdiff_t m) const { return any() && count_[m] > 0; }
-
   /// kappa of the particle at_structure[m].
   double bound(std::ptrdiff_t m) const { return any() ? bound_[m] : 0; }
 
@@ -56,6 +53,14 @@ class YieldingSurface {
   template <class Visit>
   void for_rows(std::size_t a, Visit&& visit) const {
     for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) visit(row_[e], vector_[entry_[e]]);
+  }
+
+  /// Calls visit(a, b) for pairs of lumps that have a point in common, so that chains of them join all of each part of the surface.
+  template <class Visit>
+  void for_lumps_of_a_point(Visit&& visit) const {
+    const std::size_t points = transferred_.size(), per_point = response_.lumps_per_point(points);
+    for (std::size_t s = 0; s < response_.lump.size(); ++s)
+      visit(static_cast<int>(response_.lump[s - s % per_point]), static_cast<int>(response_.lump[s]));
   }
 
  private:

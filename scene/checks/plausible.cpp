@@ -40,7 +40,6 @@ class Plausible {
       look_at_open_faces();
       look_at_time();
       look_at_pressure_gauges();
-      look_at_full_containers();
     }
     for (std::size_t i = 0; i < bodies().size(); ++i) {
       look_at_modulus(bodies()[i], settings_.at("structure").at("body").items[i]);
@@ -166,39 +165,6 @@ class Plausible {
         }
       }
     }
-  }
-
-  // Where fluid has no free surface, only elastic bodies tie the level of its pressure (docs/THEORY.md, Enclosed regions).
-  void look_at_full_containers() {
-    if (bodies().empty()) return;
-    for (std::size_t w = 0; w < scene_.walls.size(); ++w) {
-      const WallCase& wall = scene_.walls[w];
-      if (!wall.container || !wall.open.empty() || has_free_room(wall)) continue;
-      warn(
-          settings_.at("wall").items[w].where,
-          "the closed container '{}' is full: its fluid has no free surface, and an elastic body in it may move restlessly where it should "
-          "be at rest; beside a gas the run may stop (docs/THEORY.md, section 4). Leave room for a free surface, or open a face.",
-          wall.name);
-    }
-  }
-
-  /// Whether half a layer of particles has room in the container beside the fluid, the bodies and the obstacles.
-  bool has_free_room(const WallCase& wall) const {
-    const double spacing = scene_.fluid->spacing;
-    const Bounds<D> box = bounding_box<D>(wall.shape);
-    const Vector<D> extent = box.max - box.min;
-    std::vector<const Shape*> taken;
-    for (const FluidBody& body : scene_.fluid->bodies) taken.push_back(&body.shape);
-    for (const StructureBody& body : bodies()) taken.push_back(&body.shape);
-    for (const WallCase& other : scene_.walls)
-      if (!other.container) taken.push_back(&other.shape);
-    const double layer = extent.prod() / extent.minCoeff() / std::pow(spacing, D - 1);
-    double free = 0;
-    for (const Vector<D>& x : fill_with_fluid<D>(wall.shape, spacing)) {
-      free += std::none_of(taken.begin(), taken.end(), [&x](const Shape* shape) { return contains<D>(*shape, x); });
-      if (free >= 0.5 * layer) return true;
-    }
-    return false;
   }
 
   // Where nothing but gravity moves anything, and that by less than a spacing, lengths are hardly in metres.

@@ -8,6 +8,7 @@
 #include <complex>
 #include <numbers>
 
+#include "fluid/pressure/enclosed_regions.hpp"
 #include "structure/coupled_structure.hpp"
 
 namespace tern::structure {
@@ -81,6 +82,43 @@ TEST(InterfaceVelocity, MakesAnErrorOfSecondOrderAndALossOfThird) {
   EXPECT_NEAR(loss / half_loss, 8, 0.4);
   EXPECT_LT(std::abs(angle), 1e-3);
   EXPECT_LT(loss, 5e-4);
+}
+
+/// Largest factor by which a state grows in a window where the mode has a volume that enclosed fluid keeps: the load is what takes away
+/// taken_away(rate, pushed in), by an answer to it of which the true one is `answers` times as much. From omega dt = `least`.
+double growth_in_enclosed_fluid(double answers, double least, auto&& taken_away) {
+  double largest = 0;
+  for (double y = least; y < 50; y *= 1.02) {
+    const double c = std::cos(y), s = std::sin(y);
+    using State = Eigen::Vector<double, 5>;  // as Mode, and the load of the last window
+    const auto after = [&](const State& q, double load) -> State {
+      const double displacement = c * q[0] + s / y * q[1] + (1 - c) / (y * y) * load;
+      const Followed followed = follow_mean(displacement - q[0], 0, Followed{q[2], q[3]});
+      return {displacement, -y * s * q[0] + c * q[1] + s / y * load, followed.given, followed.own, load};
+    };
+    const double mobility = after(State::Zero(), 1)[2] / answers;
+    Eigen::Matrix<double, 5, 5> map;
+    for (int column = 0; column < 5; ++column) {
+      const State q = State::Unit(column), trial = after(q, q[4]);
+      map.col(column) = after(q, q[4] - taken_away(trial[2], 0.5 * (q[0] + trial[0])) / mobility);
+    }
+    largest = std::max(largest, map.eigenvalues().cwiseAbs().maxCoeff());
+  }
+  return largest;
+}
+
+// Seen to fail: with all of the rate taken away (1.09), with half of what has been pushed in (1.08 where it answers half as much).
+TEST(InterfaceVelocity, OfAModeThatEnclosedFluidHoldsDiesOutWhateverItsStiffness) {
+  for (const double answers : {0.5, 1.0, 1.5}) {
+    EXPECT_LE(growth_in_enclosed_fluid(answers, 0.01, fluid::level_taken_away), 1 + 1e-9) << answers;
+    EXPECT_LE(growth_in_enclosed_fluid(answers, 0.01, [](double rate, double) { return fluid::level_taken_away(rate, 0); }), 1 + 1e-9);
+  }
+}
+
+// Why not all of the rate: a body that keeps its place in the mean of each window turns its velocity round, and with any of the volume
+// given back this grows.
+TEST(InterfaceVelocity, WouldTurnRoundForEverInEnclosedFluidIfAllOfTheRateWereTakenAway) {
+  EXPECT_GT(growth_in_enclosed_fluid(1, 0.01, [](double rate, double pushed_in) { return rate + pushed_in / 16; }), 1.04);
 }
 
 }  // namespace

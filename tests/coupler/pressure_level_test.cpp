@@ -16,9 +16,11 @@ namespace {
 
 constexpr double window = 1e-3, dx = 0.01, low = 0.1, high = 0.18, width = 0.28;
 
-enum class Place { middle, floor };
+enum class Place { middle, floor, enclosed, enclosed_floor };
 
-/// A block in the middle of a tank, water on all sides; or on its floor.
+bool is_enclosed(Place place) { return place == Place::enclosed || place == Place::enclosed_floor; }
+
+/// A block in the middle of water, or on its floor; in open water or in a closed tank.
 template <int D>
 Case block_in_water(InterfaceScheme scheme, Place place, double gravity) {
   Case c = testing::scene(D, dx);
@@ -37,7 +39,14 @@ Case block_in_water(InterfaceScheme scheme, Place place, double gravity) {
   if (D == 3) c.fluid->bodies.insert(c.fluid->bodies.end(), {behind, before});
   StructureBody& block = c.structure->bodies[0];
   block.shape = box({low, low, low}, {high, high, high});
-  if (place == Place::floor) {
+  if (is_enclosed(place)) {
+    WallCase tank;
+    tank.name = "tank";
+    tank.container = true;
+    tank.shape = box({0, 0, 0}, {width, width, width});
+    c.walls.push_back(tank);
+  }
+  if (place == Place::floor || place == Place::enclosed_floor) {
     WallCase floor;
     floor.name = "floor";
     floor.shape = box({-width, -1, -width}, {2 * width, low, 2 * width});
@@ -70,9 +79,13 @@ struct Beside {
     state = fluid.state();
     for (auto& x : state.position)
       for (int a = 0; a < D; ++a) x[a] += shift(random);
+    if (is_enclosed(place))
+      for (auto& u : state.velocity)
+        for (int a = 0; a < D; ++a) u[a] += 100 * shift(random);
     fluid.set_state(std::move(state));
     fluid.begin_window(0, to_ticks(window));
-    particles = fluid.see_surface(structure.surface());
+    particles = fluid.see_surface(surface());
+    fluid.prepare_pressure();
     state = fluid.state();
     for (std::size_t i = 0; i < state.size(); ++i) state.pressure[i] = pressure(state.position[i]);
     std::map<std::uint32_t, int> row;
@@ -80,15 +93,27 @@ struct Beside {
     for (const std::uint32_t id : particles.id) rows.push_back(row[id]);
   }
 
-  /// What the coupler gives back to the particles [N].
-  std::vector<Vector<D>> given_back() const {
+  /// The block stretches, turns and moves away, unevenly.
+  Surface<D> surface() const {
+    Surface<D> result = structure.surface();
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> part(-1, 1);
+    for (std::size_t k = 0; k < result.position.size(); ++k)
+      for (int a = 0; a < D; ++a) result.velocity[k][a] = 0.3 + 2 * result.position[k][0] + part(random);
+    return result;
+  }
+
+  /// What the coupler gives back to the particles, and the load of the surface [N].
+  std::pair<std::vector<Vector<D>>, std::vector<Vector<D>>> exchange() const {
     InterfacePressure<D> at_interface;
     for (const int i : rows) at_interface.pressure.push_back(state.pressure[i]);
     at_interface.velocity = particles.velocity;
     Coupler<D> coupler(c, structure.surface_properties());
     coupler.first_exchange(0, window, structure.surface(), particles);
-    return coupler.last_exchange(at_interface).force;
+    const std::vector<Vector<D>> force = coupler.last_exchange(at_interface).force;
+    return {force, coupler.surface_load().force};
   }
+  std::vector<Vector<D>> given_back() const { return exchange().first; }
 };
 
 /// Accelerations of all particles beside the block by this pressure [m/s^2]. `ordered`: with the springs that keep particles in order.
@@ -119,6 +144,63 @@ double largest_change(InterfaceScheme scheme, Place place) {
   return 1000 * dx * largest / level;
 }
 
+/// Volume that the pressure equation of enclosed water takes away in its first window, less what it has to for a block that sweeps the
+/// power of a uniform pressure on it over that pressure, over the volume that its faces sweep one way or the other.
+template <int D>
+double volume_without_work(InterfaceScheme scheme, Place place) {
+  constexpr double level = 1e4;
+  Beside<D> water(scheme, place, 0, [](const Vector<D>&) { return level; });
+  const Surface<D> surface = water.surface();
+  Coupler<D> coupler(water.c, water.structure.surface_properties());
+  water.fluid.solve_pressure(coupler.first_exchange(0, window, surface, water.particles));
+  const double told = seconds(to_ticks(window)) / 1000 * ordered_sum(water.fluid.pressure_source());
+  const std::vector<Vector<D>> load = water.exchange().second;
+  double power = 0, either_way = 0;
+  for (std::size_t k = 0; k < load.size(); ++k) {
+    power -= load[k].dot(surface.velocity[k]);
+    either_way += surface.area[k] * std::abs(surface.velocity[k].dot(surface.normal[k]));
+  }
+  EXPECT_FALSE(water.fluid.sealed().any);
+  EXPECT_GT(std::abs(power / level), 0.01 * either_way);
+  return std::abs(told - fluid::level_taken_away(power / level, 0.5 * power / level)) / either_way;
+}
+
+/// Volume that enclosed water takes away in the second window for a block that turns about its centre, over the square of the speed of its
+/// faces times half a window. Faces stand where they are in the middle of a window, and move as they do at its end.
+double volume_of_turning_block() {
+  constexpr double rate = 20;
+  const Case c = block_in_water<2>(InterfaceScheme::riemann, Place::enclosed, 0);
+  fluid::Fluid<2> fluid(c);
+  const structure::Structure<2> structure(c);
+  const Surface<2> rest = structure.surface();
+  const Vector<2> centre = Vector<2>::Constant(0.5 * (low + high));
+  const auto turned = [&](double middle) {
+    const auto turn = [&](double time, const Vector<2>& v) -> Vector<2> { return Eigen::Rotation2Dd(rate * time) * v; };
+    Surface<2> result = rest;
+    for (std::size_t k = 0; k < rest.area.size(); ++k) {
+      result.position[k] = centre + turn(middle, rest.position[k] - centre);
+      result.normal[k] = turn(middle, rest.normal[k]);
+      const Vector<2> at_end = turn(middle + 0.5 * window, rest.position[k] - centre);
+      result.velocity[k] = rate * Vector<2>(-at_end[1], at_end[0]);
+    }
+    return result;
+  };
+  double told = 0;
+  for (int n = 0; n < 2; ++n) {
+    Coupler<2> coupler(c, structure.surface_properties());
+    const Surface<2> surface = turned((n + 0.5) * window);
+    fluid.begin_window(n * to_ticks(window), to_ticks(window));
+    const InterfaceParticles<2> particles = fluid.see_surface(surface);
+    fluid.solve_pressure(coupler.first_exchange(n * window, window, surface, particles));
+    told = window / 1000 * ordered_sum(fluid.pressure_source());
+    fluid.end_window({std::vector<Vector<2>>(particles.id.size(), Vector<2>::Zero())});
+  }
+  double squares = 0;
+  for (std::size_t k = 0; k < rest.area.size(); ++k)
+    squares += 0.5 * window * rate * rate * rest.area[k] * (rest.position[k] - centre).dot(rest.normal[k]);
+  return told / squares;
+}
+
 /// Largest acceleration of a particle beside the block in water at rest, over that of gravity.
 template <int D>
 double largest_unrest(InterfaceScheme scheme, Place place) {
@@ -141,6 +223,31 @@ TEST(PressureLevel, DoesNotMoveParticlesBesideABody) {
     EXPECT_LT(floor, 1e-11) << name;
   }
   EXPECT_LT(largest_change<3>(InterfaceScheme::riemann, Place::middle), 1e-11);
+}
+
+// The level of an enclosed pressure is what lets bodies sweep no volume. Its work on them is then none, and it makes no energy, if the
+// volume is counted as the load is, and if it does not push the fluid. Measured: 5e-16 of the level.
+// Seen to fail: with the sum of the divergences in place of the volume that the faces sweep; with the fluid's own sums over the
+// faces in place of the shares of the load (0.007).
+TEST(PressureLevel, OfEnclosedWaterWorksByTheVolumeThatTheBodySweeps) {
+  for (const Place place : {Place::enclosed, Place::enclosed_floor}) {
+    for (const auto& [scheme, name, meaning] : interface_schemes) {
+      const double volume = volume_without_work<2>(scheme, place), push = largest_change<2>(scheme, place);
+      std::printf("[ %-7s %.1e of the volume, push %.1e of the level ]\n", name, volume, push);
+      EXPECT_LT(volume, 1e-12) << name;
+      EXPECT_LT(push, 1e-11) << name;
+    }
+  }
+  EXPECT_LT(volume_without_work<3>(InterfaceScheme::riemann, Place::enclosed), 1e-12);
+  EXPECT_LT(largest_change<3>(InterfaceScheme::riemann, Place::enclosed), 1e-11);
+}
+
+// A block that turns sweeps no volume, though its faces are where they were half a window before the velocity that they have. Measured:
+// 0.06, given back of the first window. Seen to fail: without what A n changes by in half a window (0.5).
+TEST(PressureLevel, OfEnclosedWaterKeepsTheVolumeOfABlockThatTurns) {
+  const double volume = volume_of_turning_block();
+  std::printf("[ %.1e of half a window of the square of the velocity ]\n", volume);
+  EXPECT_LT(std::abs(volume), 0.1);
 }
 
 // On the same particles. Measured: 6e-15 of gravity. Seen to fail: without what balances the weight (0.2), and with what it balances taken

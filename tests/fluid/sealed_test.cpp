@@ -19,20 +19,20 @@ double mean_pressure(const Fluid<2>& fluid, double from, double to) {
   return sum / count;
 }
 
-// A plate as high as the box moves in at 0.1 m/s. Seen to fail: with the factor 2 of the wall flux left out of the
+// A plate as high as the box moves in at 1 m/s. Seen to fail: with the factor 2 of the wall flux left out of the
 // divergence, and out of the account.
 TEST(SealedFluid, ReportsTheVolumeThatAWallPushesIn) {
   WallCase piston = obstacle({1, -0.2, 0}, {1.1, 1.2, 0});
-  piston.motion.emplace().displacement = {Expression("-0.1*t"), Expression(), Expression()};
+  piston.motion.emplace().displacement = {Expression("-1*t"), Expression(), Expression()};
   Fluid<2> fluid(scene(2, 0.025, {box({0, 0, 0}, {1, 1, 0})}, {tank({0, 0, 0}, {1, 1, 0}, {"x_max"}), piston}, 0));
   step(fluid, 1e-3);
   ASSERT_TRUE(fluid.sealed().any);
   EXPECT_TRUE(fluid.last_solve().converged);
-  EXPECT_NEAR(fluid.sealed().largest_flux, -0.1, 0.002);
-  EXPECT_NEAR(fluid.sealed().volume_error, 1e-4, 2e-6);
-  EXPECT_TRUE(fluid.sealed().warned == (fluid.sealed().volume_error >= 1e-4));
+  EXPECT_NEAR(fluid.sealed().largest_flux, -1, 0.02);
+  EXPECT_NEAR(fluid.sealed().volume_error, 1e-3, 2e-5);
+  EXPECT_TRUE(fluid.sealed().warned == (fluid.sealed().volume_error >= 1e-3));
   step(fluid, 1e-3);
-  EXPECT_NEAR(fluid.sealed().volume_error, 2e-4, 4e-6);
+  EXPECT_NEAR(fluid.sealed().volume_error, 2e-3, 4e-5);
   EXPECT_TRUE(fluid.sealed().warned);
 }
 
@@ -76,7 +76,7 @@ TEST(SealedFluid, DoesNotFeelAnotherPool) {
   Case c = two_pools(false, false);
   c.gravity[1] = Expression(0.0);
   WallCase piston = obstacle({2.05, -0.2, 0}, {2.2, 1.2, 0});
-  piston.motion.emplace().displacement = {Expression("-0.1*t"), Expression(), Expression()};
+  piston.motion.emplace().displacement = {Expression("-1*t"), Expression(), Expression()};
   c.walls[0].shape.max[0] = 2.2;
   c.walls.push_back(piston);
   Fluid<2> fluid(c);
