@@ -1,5 +1,7 @@
 #include "fluid/initial_state.hpp"
 
+#include <algorithm>
+
 #include "base/error.hpp"
 
 namespace tern::fluid {
@@ -24,6 +26,7 @@ State<D> initial_state(const Case& scene, const StartParticles<D>& particles, st
     state.velocity.push_back(u);
   });
   for_each_particle_field(state, [n = state.size()](const char*, const char*, auto& values) { values.resize(n); });
+  std::fill(state.stopped.begin(), state.stopped.end(), Vector<D>::Zero());
   return state;
 }
 

@@ -56,11 +56,13 @@ struct State {
   std::vector<Vector<D>> velocity;            ///< [m/s]
   std::vector<double> pressure;               ///< [Pa]
   std::vector<double> pressure_correction;    ///< the part of it that answers what the first solve has left behind [Pa]
+  std::vector<Vector<D>> stopped;             ///< by contact with walls in the last window: the velocity taken away, over it [m/s^2]
   std::vector<double> pushed_in;              ///< its share of the volume that faces have pushed into its enclosed region [m^D]
   std::vector<std::uint32_t> id;              ///< label, stable over the run
   std::vector<ParticleClass> particle_class;  ///< of the last step
 
   std::vector<Vector<D>> wall_velocity;  ///< of each patch over the last window, if any wall moves [m/s]
+  double wall_acceleration = 0;          ///< largest of a patch, along its normal [m/s^2]
   std::vector<Vector<D>> face;           ///< A n of the structure's surface in the last window, if there is enclosed fluid [m^(D-1)]
   std::vector<Vector<D>> face_position;  ///< of its points then [m]
   double last_duration = 0;              ///< of the last window [s]
@@ -87,10 +89,12 @@ struct State {
     visit("velocity", all.velocity...);
     visit("pressure", all.pressure...);
     visit("pressure_correction", all.pressure_correction...);
+    visit("stopped", all.stopped...);
     visit("pushed_in", all.pushed_in...);
     visit("id", all.id...);
     visit("particle_class", all.particle_class...);
     visit("wall_velocity", all.wall_velocity...);
+    visit("wall_acceleration", all.wall_acceleration...);
     visit("face", all.face...);
     visit("face_position", all.face_position...);
     visit("last_duration", all.last_duration...);
@@ -117,6 +121,7 @@ void for_each_particle_field(AnyState& state, Visit&& visit) {
   visit("velocity", "m/s", state.velocity);
   visit("pressure", "Pa", state.pressure);
   visit("pressure_correction", nullptr, state.pressure_correction);
+  visit("stopped", nullptr, state.stopped);
   visit("pushed_in", nullptr, state.pushed_in);
   visit("id", "", state.id);
   visit("flag", "", state.particle_class);

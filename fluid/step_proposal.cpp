@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "fluid/gauges/totals.hpp"
 
@@ -13,9 +14,10 @@ StepProposal propose_step(const Reference<D>& reference, double fastest, const S
   const double speed = std::max({fastest, largest_speed(state.wall_velocity), reference.speed_floor});
   StepProposal proposal{1e300, "none"};
   if (speed > 0) proposal = {constants.numerics.courant * constants.spacing / speed, "velocity"};
-  if (reference.gravity_size > 0) {
-    const double by_gravity = constants.numerics.gravity_courant * std::sqrt(constants.spacing / reference.gravity_size);
-    if (by_gravity < proposal.seconds) proposal = {by_gravity, "gravity"};
+  for (const auto& [acceleration, limit] : {std::pair(reference.gravity_size, "gravity"), std::pair(state.wall_acceleration, "walls")}) {
+    if (!(acceleration > 0)) continue;
+    const double by_acceleration = constants.numerics.gravity_courant * std::sqrt(constants.spacing / acceleration);
+    if (by_acceleration < proposal.seconds) proposal = {by_acceleration, limit};
   }
   if (constants.viscosity > 0) {
     const double h = constants.kernel.smoothing_length();

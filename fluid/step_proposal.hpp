@@ -10,7 +10,8 @@
 
 namespace tern::fluid {
 
-/// Length wanted: by the fastest particle or wall, by gravity, by viscosity. `fastest`: particle [m/s].
+/// Length wanted: by the fastest particle or wall, by gravity, by the acceleration of walls as by gravity, by viscosity.
+/// `fastest`: particle [m/s].
 template <int D>
 StepProposal propose_step(const Reference<D>& reference, double fastest, const State<D>& state);
 

@@ -64,7 +64,7 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   const Constants<D>& constants = reference_.constants;
   if (boundary_.walls.moving()) {
     state_.evaluations.moving_walls += static_cast<long>(boundary_.walls.faces().size());
-    move_walls(constants, window_, boundary_, state_.wall_velocity);
+    move_walls(constants, window_, boundary_, state_);
   }
   state_.evaluations.structure_surface += static_cast<long>(surface.position.size());
   set_surface(constants, surface, boundary_);
@@ -228,7 +228,7 @@ void Fluid<D>::end_window(const InterfaceForce<D>& force) {
   const Constants<D>& constants = reference_.constants;
   push(force.force);  // u^{n+1} = u** + dt a_interface
   system_.swept.remember(window_.duration, boundary_.surface, system_.beside_bodies, state_);
-  settle_wall_contacts(constants, window_.duration, boundary_, prediction_.position, prediction_.velocity);
+  settle_wall_contacts(constants, window_.duration, boundary_, prediction_.position, prediction_.velocity, state_.stopped);
   domain_.forget_ghosts(state_);
   check_speed(domain_.ranks(), window_, prediction_, boundary_.surface.velocity, state_);
   check_volume(window_, boundary_.surface.size() == 0 ? 0 : filling().volume_drift().known(), state_);

@@ -14,8 +14,8 @@ Boundary<D>::Boundary(const Case& scene, const Constants<D>& constants)
 }
 
 template <int D>
-void move_walls(const Constants<D>& constants, const Window& window, Boundary<D>& boundary, std::vector<Vector<D>>& wall_velocity) {
-  boundary.walls.move_over(window.begin, window.duration, wall_velocity);
+void move_walls(const Constants<D>& constants, const Window& window, Boundary<D>& boundary, State<D>& state) {
+  state.wall_acceleration = boundary.walls.move_over(window.begin, window.duration, state.wall_velocity);
   boundary.wall_finder.fill(boundary.walls.faces(), constants.faces.support());
   boundary.space_before_walls.assign(boundary.walls.faces().size(), -1);
   boundary.clipped_walls.reset();
@@ -92,7 +92,7 @@ void set_surface_velocity(const std::vector<Vector<D>>& velocity, const std::vec
 
 #define TERN_INSTANTIATE(D)                                                                                                              \
   template struct Boundary<D>;                                                                                                           \
-  template void move_walls<D>(const Constants<D>&, const Window&, Boundary<D>&, std::vector<Vector<D>>&);                                \
+  template void move_walls<D>(const Constants<D>&, const Window&, Boundary<D>&, State<D>&);                                              \
   template void set_surface<D>(const Constants<D>&, const Surface<D>&, Boundary<D>&);                                                    \
   template void see_boundary<D>(const Constants<D>&, const Period<D>&, const std::vector<Vector<D>>&, Boundary<D>&, Neighbours<D>&);     \
   template void sum_over_hidden_side<D>(const Constants<D>&, const Ranks&, const std::vector<Vector<D>>&, const std::vector<Vector<D>>&, \

@@ -41,9 +41,9 @@ struct Boundary {
   bool sees_face(std::ptrdiff_t i) const { return sees_wall(i) || sees_structure(i); }
 };
 
-/// Places moving walls at the middle of the window; their velocity in the window before becomes that in this one.
+/// Places moving walls at the middle of the window; their velocity in the window before becomes that in this one, in the state.
 template <int D>
-void move_walls(const Constants<D>& constants, const Window& window, Boundary<D>& boundary, std::vector<Vector<D>>& wall_velocity);
+void move_walls(const Constants<D>& constants, const Window& window, Boundary<D>& boundary, State<D>& state);
 
 /// Takes over the surface of the structure at the middle of the window and clips the walls at which it stands.
 template <int D>

@@ -1,6 +1,7 @@
 #include "fluid/boundary/walls.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tern::fluid {
 namespace {
@@ -119,7 +120,8 @@ std::size_t Walls<D>::wall_of(int k) const {
 }
 
 template <int D>
-void Walls<D>::move_over(double begin, double duration, std::vector<Vector<D>>& velocity_of) {
+double Walls<D>::move_over(double begin, double duration, std::vector<Vector<D>>& velocity_of) {
+  double largest = 0;
   for (Wall<D>& wall : walls_) {
     if (!wall.scene.motion) continue;
     const Placement<D> before = placement<D>(*wall.scene.motion, begin), after = placement<D>(*wall.scene.motion, begin + duration);
@@ -133,9 +135,11 @@ void Walls<D>::move_over(double begin, double duration, std::vector<Vector<D>>& 
       // The change of the patch's own velocity has the tangential and the centripetal part of its acceleration.
       const Vector<D> velocity = wall.velocity(faces_.position[k]);
       faces_.normal_acceleration[k] = begin > 0 ? (velocity - velocity_of[k]).dot(faces_.normal[k]) / duration : 0;
+      largest = std::max(largest, std::abs(faces_.normal_acceleration[k]));
       faces_.velocity[k] = velocity_of[k] = velocity;
     }
   }
+  return largest;
 }
 
 template class Walls<2>;

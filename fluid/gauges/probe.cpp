@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -276,6 +277,27 @@ Vector<D> Probe<D>::friction(const Wall<D>& wall, const Faces<D>& faces, std::si
   return 2 * constants.viscosity * constants.mass * faces.area[k] * force;
 }
 
+// The patch that has stopped a particle: the nearest of those that look the way of what has been taken away.
+template <int D>
+template <class Visit>
+void Probe<D>::for_contacts(const Wall<D>& wall, bool spray, Visit&& visit) const {
+  const State<D>& state = fluid_.state();
+  const auto [faces, finder] = fluid_.faces()[0];
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    const double size = state.stopped[i].norm();
+    if (size == 0 || (!spray && state.particle_class[i].spray())) continue;
+    int nearest = -1;
+    double least = 0;
+    finder->for_each_around(state.position[i], [&, &faces = *faces](int k) {
+      const double distance = (state.position[i] - faces.position[k]).squaredNorm();
+      if (faces.normal[k].dot(state.stopped[i]) > 0.5 * size && (nearest < 0 || distance < least)) nearest = k, least = distance;
+    });
+    if (nearest < 0) continue;
+    const std::size_t k = static_cast<std::size_t>(faces->original[nearest]);
+    if (k >= wall.first && k < wall.last) visit(k, Vector<D>(-fluid_.constants().mass * state.stopped[i]));
+  }
+}
+
 template <int D>
 std::optional<double> Probe<D>::sensor(const Wall<D>& wall, const Vector<D>& at, double diameter) const {
   const Faces<D>& faces = fluid_.walls().faces();
@@ -307,7 +329,12 @@ std::optional<double> Probe<D>::sensor(const Wall<D>& wall, const Vector<D>& at,
       if (!fluid_.has_pressure()) return std::nullopt;
       sum += wet * wall_pressure(x, faces.normal[middle], faces.normal_acceleration[middle]).value_or(0);
     }
-  return sum / points;
+  double by_contact = 0;
+  for_contacts(wall, false, [&](std::size_t k, const Vector<D>& force) {
+    if (squared(k, centre) < 0.25 * diameter * diameter && faces.normal[k].dot(faces.normal[middle]) > 0.5)
+      by_contact -= force.dot(faces.normal[middle]);
+  });
+  return sum / points + by_contact / (D == 2 ? diameter : 0.25 * std::numbers::pi * diameter * diameter);
 }
 
 template <int D>
@@ -315,6 +342,15 @@ std::optional<WallForce<D>> Probe<D>::force(const Wall<D>& wall, const Vector<D>
   const Faces<D>& faces = *fluid_.faces()[0].first;  // as bodies leave them
   const Vector<D> about = wall.place(at);
   WallForce<D> total;
+  const auto add = [&](std::size_t k, const Vector<D>& force) {
+    const Vector<D> arm = faces.position[k] - about;
+    total.force += force;
+    if constexpr (D == 2)
+      total.moment[2] += arm[0] * force[1] - arm[1] * force[0];
+    else
+      total.moment += arm.cross(force);
+  };
+  for_contacts(wall, true, add);
   for (std::size_t k = wall.first; k < wall.last; ++k) {
     if (faces.original[k] != static_cast<int>(k)) continue;  // an image of a patch already counted
     const double wet = share_of_wall(faces.position[k], faces.normal[k]);
@@ -323,13 +359,7 @@ std::optional<WallForce<D>> Probe<D>::force(const Wall<D>& wall, const Vector<D>
     const double p = wall_pressure(faces.position[k], faces.normal[k], faces.normal_acceleration[k]).value();
     Vector<D> force = -p * faces.area[k] * faces.normal[k];
     if (fluid_.constants().viscosity > 0 && !fluid_.walls().slips(static_cast<int>(k))) force += friction(wall, faces, k);
-    force *= wet;
-    const Vector<D> arm = faces.position[k] - about;
-    total.force += force;
-    if constexpr (D == 2)
-      total.moment[2] += arm[0] * force[1] - arm[1] * force[0];
-    else
-      total.moment += arm.cross(force);
+    add(k, wet * force);
   }
   return total;
 }

@@ -35,12 +35,12 @@ class Probe {
   /// right of the way from `from` to `to` (2D), along the axis (3D).
   double flux(const Vector<D>& from, const Vector<D>& to) const;
 
-  /// Mean pressure over a disc of `diameter` on the wall at the point that was at `at` at t = 0; 0 where it is dry, nothing where it is
-  /// wet and there was no pressure solve yet [Pa].
+  /// Mean pressure over a disc of `diameter` on the wall at the point that was at `at` at t = 0, with what contact takes from particles of
+  /// the fluid there; 0 where it is dry, nothing where it is wet and there was no pressure solve yet [Pa].
   std::optional<double> sensor(const Wall<D>& wall, const Vector<D>& at, double diameter) const;
 
-  /// Force of the fluid on the wall, by pressure and friction, and its moment about the point of the wall that was at `at` at t = 0;
-  /// nothing as for sensor().
+  /// Force of the fluid on the wall, by pressure, contact and friction, and its moment about the point of the wall that was at `at` at
+  /// t = 0; nothing as for sensor().
   std::optional<WallForce<D>> force(const Wall<D>& wall, const Vector<D>& at) const;
 
   /// Largest x of the fluid, the thinnest sheet included, but not what has come off it: particles that no chain of neighbours joins to
@@ -58,6 +58,10 @@ class Probe {
   std::optional<double> wall_pressure(const Vector<D>& x, const Vector<D>& normal, double normal_acceleration) const;
   /// Share of the wall around its point x that is wet, from 0 to 1.
   double share_of_wall(const Vector<D>& x, const Vector<D>& normal) const;
+  /// Calls visit(k, f) with the force f on patch k of this wall of each particle that contact with walls has stopped in the last window.
+  /// `spray`: of single particles too.
+  template <class Visit>
+  void for_contacts(const Wall<D>& wall, bool spray, Visit&& visit) const;
   /// Of the fluid on the patch of a wall that it sticks to [N/m^(3-D)].
   Vector<D> friction(const Wall<D>& wall, const Faces<D>& faces, std::size_t k) const;
   /// A body of the structure stands at x, as far as its faces near there tell.

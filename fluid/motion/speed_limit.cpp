@@ -1,7 +1,8 @@
 // What the fluid cannot be doing: particles a thousand times as fast as the scene makes them, and steps a hundredth of what it
 // asks for, window after window: a run that crawls on like that never ends. Reference: the fall through the height of the fluid, its
-// velocity at the start, the fastest wall so far, the fastest clamp of the run, the body at the first window. And the volume of the
-// fluid beside bodies, which nothing changes but a body whose surface moves otherwise than the fluid was told.
+// velocity at the start, the fastest wall so far, the fastest clamp of the run, the bodies at the first window, and so far the root mean
+// square over their surfaces: a body that loads set moving takes the fluid along. And the volume of the fluid beside bodies, which
+// nothing changes but a body whose surface moves otherwise than the fluid was told.
 
 #include "fluid/motion/speed_limit.hpp"
 
@@ -26,8 +27,13 @@ constexpr double lost_volume = 0.05;  ///< of the fluid, when it lasts; sound ru
 template <int D>
 void check_speed(const Ranks& ranks, const Window& window, const Prediction<D>& prediction, const std::vector<Vector<D>>& surface_velocity,
                  State<D>& state) {
-  if (state.time == 0)
-    for (const auto& u : surface_velocity) state.reference_speed = std::max(state.reference_speed, u.norm());
+  double squares = 0;
+  for (const auto& u : surface_velocity) {
+    squares += u.squaredNorm();
+    if (state.time == 0) state.reference_speed = std::max(state.reference_speed, u.norm());
+  }
+  if (squares > 0)
+    state.reference_speed = std::max(state.reference_speed, std::sqrt(squares / static_cast<double>(surface_velocity.size())));
   state.reference_speed = std::max(state.reference_speed, largest_speed(state.wall_velocity));
   const double reference = state.reference_speed > 0 ? state.reference_speed : 1.0;
   const double fastest = std::sqrt(ranks.most(ordered_max(static_cast<std::ptrdiff_t>(state.size()), 0.0, [&](std::ptrdiff_t i) {

@@ -32,7 +32,7 @@ double missing_support(const State<D>& state, const Corrections<D>& correction, 
 /// `yields`: kappa_i.
 template <int D>
 void assemble_row(const Constants<D>& constants, double yields, const State<D>& state, const Neighbours<D>& neighbours,
-                  const Boundary<D>& boundary, const Corrections<D>& correction, int i, EdgeMatrix& matrix) {
+                  const Corrections<D>& correction, int i, EdgeMatrix& matrix) {
   if (!state.particle_class[i].pressure_unknown()) {
     matrix.set_fixed(i);
     return;
@@ -75,7 +75,7 @@ void assemble_pressure_matrix(const Constants<D>& constants, const State<D>& sta
   const int n = static_cast<int>(state.size());
   matrix.reset(neighbours, 2 * constants.volume);
   parallel_for(n, [&](int i) {
-    if (!boundary.sees_structure(i)) assemble_row(constants, 0, state, neighbours, boundary, correction, i, matrix);
+    if (!boundary.sees_structure(i)) assemble_row(constants, 0, state, neighbours, correction, i, matrix);
   });
 }
 
@@ -90,7 +90,7 @@ void complete_pressure_matrix(const Constants<D>& constants, const Ranks& ranks,
   select_regions(system.enclosed, ties.beside_bodies, system.beside_bodies);
   select_regions(system.enclosed, ties.sealed, system.sealed);
   parallel_for(n, [&](std::ptrdiff_t m) {
-    assemble_row(constants, system.yielding.bound(m), state, neighbours, boundary, correction, at_structure[m], system.matrix);
+    assemble_row(constants, system.yielding.bound(m), state, neighbours, correction, at_structure[m], system.matrix);
   });
 }
 

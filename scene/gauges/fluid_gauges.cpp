@@ -106,7 +106,7 @@ std::vector<GaugeDefinition> fluid_gauges() {
        .columns = [](int) { return Columns{"x_m"}; }},
       {.kind = "force",
        .owner = GaugeOwner::fluid,
-       .meaning = "force on a rigid wall, by pressure and friction [N/m^(3-D)], and its moment [N m/m^(3-D)]",
+       .meaning = "force on a rigid wall, by pressure, contact and friction [N/m^(3-D)], and its moment [N m/m^(3-D)]",
        .keys = {{"wall", Type::text, true, "the rigid wall"},
                 {"at", Type::point, false,
                  "the point of the moment, which moves along with the wall; absent = the pivot of the wall, else the origin"}},

@@ -76,7 +76,7 @@ TEST(SealedFluid, DoesNotFeelAnotherPool) {
   Case c = two_pools(false, false);
   c.gravity[1] = Expression(0.0);
   WallCase piston = obstacle({2.05, -0.2, 0}, {2.2, 1.2, 0});
-  piston.motion.emplace().displacement = {Expression("-1*t"), Expression(), Expression()};
+  piston.motion.emplace().displacement = {Expression("-0.1*t"), Expression(), Expression()};
   c.walls[0].shape.max[0] = 2.2;
   c.walls.push_back(piston);
   Fluid<2> fluid(c);

@@ -62,6 +62,17 @@ TEST(Walls, ThatRollHaveTheVelocityAndAccelerationOfARigidBody) {
   }
 }
 
+// As gravity does. Seen to fail: without it (0.9 s, by the velocity), with which a cylinder of 10 spacings that swings in 1 s felt 0.90 of
+// its added mass.
+TEST(Walls, ThatAccelerateLimitTheWindow) {
+  WallCase ram = obstacle({-0.5, -0.1, 0}, {0, 0.5, 0});
+  ram.motion.emplace().displacement = {Expression("1.5*t^2"), Expression(), Expression()};
+  Fluid<2> fluid(scene(2, 0.02, {box({0, 0, 0}, {0.4, 0.4, 0})}, {ram}, 0));
+  for (int n = 0; n < 3; ++n) step(fluid, 1e-3);
+  EXPECT_EQ(std::string(fluid.propose_step().limit), "walls");
+  EXPECT_NEAR(fluid.propose_step().seconds, 0.1 * std::sqrt(0.02 / 3), 1e-8);
+}
+
 // A turning box has to enclose the same volume in every step, however long: sum A n.u = 0. Seen to fail with the normals left
 // unturned.
 TEST(Walls, ThatRollEncloseTheSameVolume) {

@@ -113,7 +113,9 @@ TEST(Estimate, ReckonsWithThePointsOfABodyIn3D) {
   EXPECT_GT(a_particle_step(part), 2 * a_particle_step(whole));
   Case dry = c;
   dry.structure.reset();
-  EXPECT_NEAR(estimate(dry).fluid_cpu / estimate(dry).steps, whole.fluid_cpu / whole.steps / (1 + 0.4 * (whole.iterations - 1)), 1e-6);
+  // Fluid without a body takes 0.55 of that.
+  EXPECT_NEAR(estimate(dry).fluid_cpu / estimate(dry).steps, 0.55 * whole.fluid_cpu / whole.steps / (1 + 0.4 * (whole.iterations - 1)),
+              1e-6);
 }
 
 // Of a body of many particles the factor fills up. Seen to fail with the figure of some hundred for all.
