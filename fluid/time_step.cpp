@@ -188,10 +188,7 @@ void Fluid<D>::drive_out_what_is_left(const std::vector<double>& reference_press
     } else {
       for (const int i : beside_structure_.list) left[i] = 0;
     }
-    if (system_.beside_bodies.any()) {
-      for (const int i : at_structure_) left[i] += system_.made_up[i];
-      system_.beside_bodies.subtract_means(left);  // the first solve has closed the sum over them
-    }
+    if (system_.beside_bodies.any()) system_.beside_bodies.subtract_means(left);  // the first solve has closed the sum over them
   };
   find_left(projected_velocity_, nullptr, system_.left_behind);
   {

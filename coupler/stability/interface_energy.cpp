@@ -3,10 +3,7 @@
 namespace tern::coupler {
 
 bool InterfaceEnergy::add(double total, double present, double least) {
-  if (++seen_ > start)
-    total_.push_back(total);
-  else
-    total_.assign(1, total);
+  total_.push_back(total);
   if (total_.size() > windows + 1) total_.pop_front();
   present_ = present;
   return made() > share * present && made() > least;

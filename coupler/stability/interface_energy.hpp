@@ -10,13 +10,10 @@ namespace tern::coupler {
 class InterfaceEnergy {
  public:
   static constexpr std::size_t windows = 5;
-  /// Of the run, that are not looked at. What a body has at the start of motion that the fluid about it does not let it have, the first
-  /// windows take away, be it by a single blow. What a coupling makes grows and is seen later.
-  static constexpr long start = 10;
   static constexpr double share = 0.1;
 
-  /// Once a window. `total`: kinetic and potential energy of the fluid and work of the interface on the structure; `present`: kinetic and
-  /// strain energy of both sides; `least`: what counts as energy at all [J/m^(3-D)]. True when the last `windows` have made more than
+  /// `total`: kinetic and potential energy of the fluid and work of the interface on the structure; `present`: kinetic and strain
+  /// energy of both sides; `least`: what counts as energy at all [J/m^(3-D)]. True when the last `windows` have made more than
   /// `share` of what is present and more than the least.
   bool add(double total, double present, double least);
 
@@ -26,13 +23,11 @@ class InterfaceEnergy {
   /// The list of the members: visit(name, member of each) for every one.
   template <class Visit, class... Same>
   static void for_each_field(Visit&& visit, Same&... all) {
-    visit("seen", all.seen_...);
     visit("total", all.total_...);
     visit("present", all.present_...);
   }
 
  private:
-  long seen_ = 0;  ///< windows of the run
   std::deque<double> total_;
   double present_ = 0;
 };

@@ -251,8 +251,7 @@ void SweptVolume<D>::find(const Constants<D>& constants, double duration, bool f
   if (first) motion.find(duration, surface, state);
   const std::vector<int> frame = main_walls(boundary, regions);
   const std::size_t count = regions.size.size();
-  rate.assign(3 * count, 0);  // and pushed_in, and area, for one sum over the ranks
-  face.assign(regions.region.size(), 0);
+  rate.assign(2 * count, 0);  // and pushed_in, for one sum over the ranks
   for (std::size_t i = 0; i < regions.region.size(); ++i) {
     const int r = regions.region[i];
     if (r < 0) continue;
@@ -269,18 +268,14 @@ void SweptVolume<D>::find(const Constants<D>& constants, double duration, bool f
       const int k = surface_rows.face[entry];
       const double weight = boundary.sums.swept_share[k] * surface_rows.weight[entry];
       const Vector<D> frame_velocity = of_frame(surface.position[k]);
-      face[i] += 2 * constants.volume * weight;
       by_surface += weight * (surface.velocity[k] - frame_velocity).dot(surface.normal[k] + motion.turn[k]);
       pushed_by_surface += weight * (motion.displacement[k] - motion.time * frame_velocity).dot(motion.mean_normal[k]);
     }
     rate[r] += 2 * constants.volume * (by_walls + by_surface);
-    rate[2 * count + r] += face[i];
     rate[count + r] += state.pushed_in[i] + 2 * constants.volume * (motion.time * by_walls + pushed_by_surface);
   }
   regions.ranks.sum(std::span(rate));
-  const auto part = [&](std::size_t n) { return rate.begin() + static_cast<std::ptrdiff_t>(n * count); };
-  pushed_in.assign(part(1), part(2));
-  area.assign(part(2), part(3));
+  pushed_in.assign(rate.begin() + static_cast<std::ptrdiff_t>(count), rate.end());
   rate.resize(count);
 }
 

@@ -84,8 +84,6 @@ struct SweptVolume {
   /// and fro would push half a window of the square of its velocity each time.
   std::vector<double> rate;
   std::vector<double> pushed_in;  ///< by region, up to the middle of the window, since it is enclosed [m^D]
-  std::vector<double> face;       ///< of each own particle: the area of the faces of the structure that sweep through it [m^(D-1)], ...
-  std::vector<double> area;       ///< ... and its sum over the region
   FaceMotion<D> motion;           ///< scratch
 
   /// `first`: coupling iteration of the window. Later ones have other velocities at the same places.

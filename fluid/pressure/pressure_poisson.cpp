@@ -110,17 +110,11 @@ void assemble_pressure_source(const Constants<D>& constants, double duration, co
   });
   if (system.beside_bodies.any()) {
     system.swept.find(constants, duration, load.surface_velocity.empty(), boundary, system.beside_bodies, state);
-    // What the level takes away and what faces sweep differ: the fluid at the faces makes up for it, and the rest does not feel it.
-    const SweptVolume<D>& swept = system.swept;
-    system.beside_bodies.set_sums(swept.rate, density / duration, system.source);
-    system.made_up.assign(system.source.size(), 0);
-    for (const int i : at_structure) {
-      const int r = system.beside_bodies.region[i];
-      if (r < 0 || swept.face[i] == 0) continue;
-      const double more = level_taken_away(swept.rate[r], swept.pushed_in[r] / duration) - swept.rate[r];
-      system.made_up[i] = density / duration * more * swept.face[i] / swept.area[r];
-      system.source[i] += system.made_up[i];
-    }
+    std::vector<double>& wanted = system.swept_wanted;
+    wanted.resize(system.swept.rate.size());
+    for (std::size_t r = 0; r < wanted.size(); ++r)
+      wanted[r] = level_taken_away(system.swept.rate[r], system.swept.pushed_in[r] / duration);
+    system.beside_bodies.set_sums(wanted, density / duration, system.source);
   }
   system.yielding.add_source(load.reference_pressure, boundary, at_structure, system.source);
 }
