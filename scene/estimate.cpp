@@ -209,7 +209,7 @@ double mean_of_largest_speed(const Case& scene, double least) {
   return std::accumulate(speed.begin(), speed.end(), 0.0) / instants;
 }
 
-/// Mean over the run of the root of the largest acceleration of walls, at the corners of their shapes [m^(1/2)/s].
+/// Mean over the run of the root of the largest acceleration of walls, at two opposite corners of their shapes [m^(1/2)/s].
 template <int D>
 double mean_root_of_acceleration(const Case& scene) {
   double sum = 0;

@@ -50,8 +50,8 @@ class Walls {
 
   /// Places moving walls at the middle of the window [begin, begin + duration] [s]: once per window, in the order of time. The
   /// velocity of a patch is that of a rigid body that shifts and turns at the mean rates over the window; its acceleration
-  /// is the change from the velocity before, 0 in the first window. `velocity`: of each
-  /// patch, of the window before; set to that of this one [m/s]. Returns the largest acceleration of a patch along its normal [m/s^2].
+  /// is the change from the velocity before, 0 in the first window. `velocity`: of each patch, of the window before; set to
+  /// that of this one [m/s]. Returns the largest acceleration of a patch along its normal [m/s^2].
   double move_over(double begin, double duration, std::vector<Vector<D>>& velocity);
 
  private:

@@ -94,8 +94,7 @@ struct SweptVolume {
 };
 
 /// Accounts for what the regions are asked for and cannot do, into state.enclosed, with one warning; finds whether the fluid fills its
-/// enclosure for good. `source`: right-hand side of the pressure equation. `swept`: of the
-/// regions `beside_bodies`. Uses regions.sum.
+/// enclosure for good. `source`: right-hand side of the pressure equation. `swept`: of the regions `beside_bodies`. Uses regions.sum.
 template <int D>
 void account_for_enclosed_fluid(const Reference<D>& reference, const Window& window, const Boundary<D>& boundary,
                                 const std::vector<double>& source, const EnclosedRegions& beside_bodies, const SweptVolume<D>& swept,
