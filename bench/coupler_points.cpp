@@ -76,6 +76,7 @@ void measure(int wanted, bool bent) {
       bool done = false;
       timed(accepts, [&] { done = coupler.accepts(velocity); });
       if (done) break;
+      if (const SurfaceLoad<3>* better = coupler.accelerated_load()) velocity = answer(*better);
       ++repeated;
       timed(first, [&] { coupler.repeat_exchange(std::move(velocity)); });
     }

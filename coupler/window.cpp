@@ -46,6 +46,7 @@ void Coupler<D>::run_window(Participants<D>& participants, Ticks begin, Ticks du
   while (const SurfaceLoad<D>* load = next_load(pressure)) {
     std::vector<Vector<D>> velocity = participants.respond(*load);
     if (accepts(velocity)) break;
+    if (const SurfaceLoad<D>* better = accelerated_load()) velocity = participants.respond(*better);
     pressure = participants.solve_pressure(repeat_exchange(std::move(velocity)));
   }
 
@@ -139,33 +140,47 @@ const SurfaceLoad<D>* Coupler<D>::next_load(const InterfacePressure<D>& pressure
   answer(setup_, pressure, window_, state_.evaluations);
   const SurfaceLoad<D>& load = window_.answered_load = std::exchange(window_.load, explicit_part);
   window_.answered_audit = std::exchange(window_.audit, audit);
+  if (setup_.learns && window_.iterations == 1) return &window_.answered_load;  // accepts() tests it
   if (setup_.learns) {
-    if (window_.iterations == 1) return &window_.answered_load;  // accepts() tests it
     window_.agreed = disagreement(setup_, state_, window_, load, window_.surface.velocity).agrees();
     if (window_.agreed) return nullptr;
   }
-  const bool goes_on = assume_next_load(load, window_.contact, state_, window_);
+  const bool is_last = state_.fixed_point.add(parts(window_.assumed_load, window_.assumed_contact), parts(load, window_.contact));
   window_.agreed = state_.fixed_point.converged();
-  return goes_on ? &window_.assumed_load : nullptr;
+  if (is_last) return nullptr;
+  if (setup_.learns) return &window_.answered_load;
+  assume_next_load(state_, window_);
+  return &window_.assumed_load;
 }
 
 template <int D>
 bool Coupler<D>::accepts(const std::vector<Vector<D>>& velocity) {
   window_.velocity_at_end = velocity;
-  if (!setup_.learns || window_.iterations > 1) return false;
-  state_.response.learn(setup_, window_, velocity);
+  if (!setup_.learns) return false;
+  const bool is_first = window_.iterations == 1;
+  if (is_first) state_.response.learn(setup_, window_, velocity);
   window_.agreed = disagreement(setup_, state_, window_, window_.answered_load, velocity).agrees();
   if (window_.agreed || setup_.coupling.max_iterations == 1) return true;
-  state_.fixed_point.add(parts(window_.assumed_load, window_.assumed_contact), parts(window_.answered_load, window_.contact));
-  ++state_.evaluations.coupling_iterations;
-  window_.assumed_load = window_.answered_load;
-  window_.assumed_contact = window_.contact;
+  if (is_first) state_.fixed_point.add(parts(window_.assumed_load, window_.assumed_contact), parts(window_.answered_load, window_.contact));
   return false;
 }
 
 template <int D>
+const SurfaceLoad<D>* Coupler<D>::accelerated_load() {
+  if (!setup_.learns) return nullptr;  // next_load() has been it
+  if (window_.iterations > 1) {
+    assume_next_load(state_, window_);
+    return &window_.assumed_load;
+  }
+  ++state_.evaluations.coupling_iterations;
+  window_.assumed_load = window_.answered_load;
+  window_.assumed_contact = window_.contact;
+  return nullptr;
+}
+
+template <int D>
 const InterfaceCondition<D>& Coupler<D>::repeat_exchange(std::vector<Vector<D>> surface_velocity) {
-  window_.surface.velocity = window_.condition.surface_velocity = std::move(surface_velocity);
+  window_.velocity_at_end = window_.surface.velocity = window_.condition.surface_velocity = std::move(surface_velocity);
   set_condition(setup_, window_, state_.evaluations);
   return window_.condition;
 }

@@ -41,13 +41,17 @@ class Coupler {
   /// Who sees whom, explicit forces from u* and the predicted velocity, and how the surface yields.
   const InterfaceCondition<D>& first_exchange(double begin, double duration, const Surface<D>& surface, InterfaceParticles<D> particles);
 
-  /// The load under which structure and fluid have to make this window again; null when they agree, or when the algorithm does not iterate.
+  /// The load under which the structure has to make this window again; null when both sides agree, or when the algorithm does not iterate.
   const SurfaceLoad<D>* next_load(const InterfacePressure<D>& pressure);
 
   /// `velocity`: that the structure reaches under next_load(). True when the surface moves as the fluid took it to: the window is done.
   bool accepts(const std::vector<Vector<D>>& velocity);
 
-  /// The first exchange once more, with the velocities that the structure reaches under next_load() [m/s].
+  /// After accepts() said no: a load that is nearer to agreement than that of next_load(), under which the structure has to move instead;
+  /// null where there is none.
+  const SurfaceLoad<D>* accelerated_load();
+
+  /// The first exchange once more, with the velocities that the structure has reached last [m/s].
   const InterfaceCondition<D>& repeat_exchange(std::vector<Vector<D>> surface_velocity);
 
   /// Pressure and contact forces on the particles, where windows are repeated those of the last next_load(); surface_load() is the load

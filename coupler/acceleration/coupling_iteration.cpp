@@ -12,8 +12,7 @@ void begin_iterations(const Setup<D>& setup, Workspace<D>& window, State<D>& sta
 }
 
 template <int D>
-bool assume_next_load(const SurfaceLoad<D>& answer, const SurfaceLoad<D>& contact, State<D>& state, Workspace<D>& window) {
-  if (state.fixed_point.add(parts(window.assumed_load, window.assumed_contact), parts(answer, contact))) return false;
+void assume_next_load(State<D>& state, Workspace<D>& window) {
   ++state.evaluations.coupling_iterations;
   const Eigen::VectorXd next = state.fixed_point.next();
   const auto points = static_cast<Eigen::Index>(window.assumed_load.force.size());
@@ -21,12 +20,11 @@ bool assume_next_load(const SurfaceLoad<D>& answer, const SurfaceLoad<D>& contac
     window.assumed_contact.force[k] = next.segment<D>(D * (points + k));
     window.assumed_load.force[k] = next.segment<D>(D * k) + window.assumed_contact.force[k];
   }
-  return true;
 }
 
 template void begin_iterations<2>(const Setup<2>&, Workspace<2>&, State<2>&);
 template void begin_iterations<3>(const Setup<3>&, Workspace<3>&, State<3>&);
-template bool assume_next_load<2>(const SurfaceLoad<2>&, const SurfaceLoad<2>&, State<2>&, Workspace<2>&);
-template bool assume_next_load<3>(const SurfaceLoad<3>&, const SurfaceLoad<3>&, State<3>&, Workspace<3>&);
+template void assume_next_load<2>(State<2>&, Workspace<2>&);
+template void assume_next_load<3>(State<3>&, Workspace<3>&);
 
 }  // namespace tern::coupler

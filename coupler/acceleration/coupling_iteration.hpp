@@ -10,10 +10,8 @@ namespace tern::coupler {
 template <int D>
 void begin_iterations(const Setup<D>& setup, Workspace<D>& window, State<D>& state);
 
-/// From `answer` and `contact`, what the fluid answers the assumed load with, and the contacts in it: the load to assume next, put into
-/// the window, and true; false when fluid and structure agree. Throws NumericalFailure when the answer is not finite or they cannot
-/// be brought to agree.
+/// The load to assume next, by quasi-Newton steps from what the fluid has answered in this window and those before, put into the window.
 template <int D>
-bool assume_next_load(const SurfaceLoad<D>& answer, const SurfaceLoad<D>& contact, State<D>& state, Workspace<D>& window);
+void assume_next_load(State<D>& state, Workspace<D>& window);
 
 }  // namespace tern::coupler

@@ -102,5 +102,37 @@ TEST(Agreement, AcceptsAShareOfTheChangeOfVelocity) {
   }
 }
 
+// In a later pass, too, it is the surface itself that is asked, before the fluid is asked once more. What its lumps make of the last
+// change of the load is a bound that is far too large for a surface that moves as they say.
+// Seen to fail: with the bound alone in later passes; with the load of the quasi-Newton steps left out after a refusal.
+TEST(Agreement, OfALaterPassIsThatOfTheSurfaceItself) {
+  constexpr double mass = 20;
+  const Surface<2> surface = flat_plate<2>(12 * dx, 4 * dx, dx);
+  const InterfaceParticles<2> particles = fluid_layers<2>(12 * dx, 4, dx);
+  const auto answered = [&](double pressure) { return pressure_field<2>(particles, [&](const Vector<2>&) { return pressure; }); };
+  for (const bool as_told : {true, false}) {
+    Coupler<2> coupler(scene(2, dx), properties(surface.position.size(), mass));
+    coupler.first_exchange(0, dt, surface, particles);
+    const SurfaceLoad<2>* load = coupler.next_load(answered(1e3));
+    ASSERT_NE(load, nullptr);
+    const SurfaceLoad<2> first = *load;
+    std::vector<Vector<2>> velocity = surface.velocity;
+    for (Vector<2>& v : velocity) v[1] = 2;
+    EXPECT_FALSE(coupler.accepts(velocity));
+    EXPECT_EQ(coupler.accelerated_load(), nullptr) << "the surface has moved under the load to go on with";
+    coupler.repeat_exchange(velocity);
+
+    load = coupler.next_load(answered(2e5));
+    ASSERT_NE(load, nullptr);
+    const SurfaceLoad<2> second = *load;
+    for (std::size_t k = 0; as_told && k < velocity.size(); ++k)
+      velocity[k] += dt / (mass * surface.area[k]) * (second.force[k] - first.force[k]);
+    EXPECT_EQ(coupler.accepts(velocity), as_told);
+    EXPECT_EQ(coupler.agreed(), as_told);
+    if (!as_told) EXPECT_NE(coupler.accelerated_load(), nullptr);
+    EXPECT_EQ(coupler.iterations(), 2);
+  }
+}
+
 }  // namespace
 }  // namespace tern::coupler::testing
