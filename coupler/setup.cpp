@@ -54,6 +54,7 @@ Setup<D>::Setup(const Case& scene, const SurfaceProperties& of_surface)
       remedy(remedy_of(scene.coupling)),
       scheme(scheme_of<D>(scene.coupling.scheme)),
       first_window(tern::first_window(scene)),
+      window_of_loads(tern::window_of_loads(scene)),
       is_light(are_below(layers_of_light, scene, of_surface)),
       window_share(any(is_light) ? window_share_of_light : 1),
       density(scene.fluid->density),

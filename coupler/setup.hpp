@@ -28,6 +28,7 @@ struct Setup {
   const char* remedy;  ///< what to change when the coupling diverges
   const Scheme<D>& scheme;
   double first_window;         ///< length of the first window at most [s]
+  double window_of_loads;      ///< length of every window at most, for the loads that change [s]
   std::vector<bool> is_light;  ///< a body has no more behind its faces than half a layer of fluid particles
   double window_share;         ///< of the length that the fluid proposes, which a window takes
   double density, spacing, smoothing_length, contact_distance, courant;  ///< of the fluid; courant with window_share

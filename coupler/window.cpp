@@ -21,6 +21,7 @@ WindowProposal Coupler<D>::propose(double of_fluid, const std::string& limit) co
   const double shared = setup_.window_share * of_fluid, last = state_.observations.duration;
   const double of_surface = last > 0 ? std::max(longest_window(setup_.spacing, state_.motion, last), StepControl::fastest_shortening * last)
                                      : setup_.first_window;
+  if (setup_.window_of_loads < std::min(of_surface, shared)) return {setup_.window_of_loads, "loads"};
   return of_surface < shared ? WindowProposal{of_surface, "interface"} : WindowProposal{shared, limit};
 }
 

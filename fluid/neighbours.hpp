@@ -59,16 +59,18 @@ struct Neighbours {
   std::vector<int> beside_body;  ///< particles that see a two-sided face or have lost a pair to one
 
   // Scratch of the search and of the cutting, kept so that a step allocates nothing.
-  /// What a particle sees of two-sided faces: the normal of one of them, how far the others deviate from it, and its
-  /// smallest height above their planes.
+  /// Two-sided faces that a particle sees under nearly the same normal: that of one of them, how far the others deviate from it, the
+  /// smallest height of the particle above their planes, and the corners of a box around them [m].
   struct Sight {
     Vector<D> normal;
     double height, spread;
+    Vector<D> low, high;
   };
   struct Cutting {
     std::vector<Sight> sight;
-    std::vector<int> affected;  ///< particles whose rows are looked at
-    std::vector<int> listed;    ///< per particle: 0 if not affected, else 1 + the number of its sight, or more
+    std::vector<int> sight_begin;  ///< of each particle that sees any in `sight`, and the end of the last
+    std::vector<int> affected;     ///< particles whose rows are looked at
+    std::vector<int> listed;       ///< per particle: 0 if not affected, else 1 + its number in `sight_begin`, or more
   };
   std::array<std::vector<float>, D> coordinate;  ///< by axis, from the corner of all particles
   std::vector<RowScratch> row_scratch;           ///< by thread

@@ -24,7 +24,7 @@ StepProposal propose_step(const Reference<D>& reference, double fastest, const S
     const double by_viscosity = constants.numerics.viscous_courant * h * h / constants.viscosity;
     if (by_viscosity < proposal.seconds) proposal = {by_viscosity, "viscosity"};
   }
-  if (proposal.seconds >= 1e300) proposal = {1e-3, "rest"};
+  if (proposal.seconds >= 1e300) proposal = {reference.window_at_rest, "rest"};
   return proposal;
 }
 

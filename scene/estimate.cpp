@@ -209,25 +209,81 @@ double mean_of_largest_speed(const Case& scene, double least) {
   return std::accumulate(speed.begin(), speed.end(), 0.0) / instants;
 }
 
-/// Mean over the run of the root of the largest acceleration of walls, at two opposite corners of their shapes [m^(1/2)/s].
+/// Adds the largest acceleration of two opposite corners of the shape at the instants, where it is larger [m/s^2].
+template <int D>
+void raise_to_acceleration(const std::optional<RigidMotion>& motion, const Shape& shape, double end_time, std::vector<double>& largest) {
+  if (!motion) return;
+  const double step = end_time / instants;
+  const Bounds<D> bounds = bounding_box<D>(shape);
+  for (int k = 1; k < instants; ++k) {
+    // Over a tenth of the time between two instants: a motion may go to and fro within it.
+    const auto at = [&](double shift) { return placement<D>(*motion, (k + 0.1 * shift) * step); };
+    const Placement<D> before = at(-1), now = at(0), after = at(1);
+    for (const Vector<D>& x : {bounds.min, bounds.max})
+      largest[k] = std::max(largest[k], (before(x) - 2 * now(x) + after(x)).norm() / (0.01 * step * step));
+  }
+}
+
+/// Mean over the run of the root of the largest acceleration of walls [m^(1/2)/s].
 template <int D>
 double mean_root_of_acceleration(const Case& scene) {
+  std::vector<double> largest(instants, 0);
+  for (const WallCase& wall : scene.walls) raise_to_acceleration<D>(wall.motion, wall.shape, scene.end_time, largest);
   double sum = 0;
-  const double step = scene.end_time / instants;
-  for (int k = 1; k < instants; ++k) {
-    double largest = 0;
-    for (const WallCase& wall : scene.walls) {
-      if (!wall.motion) continue;
-      const Bounds<D> bounds = bounding_box<D>(wall.shape);
-      // Over a tenth of the time between two instants: a motion may go to and fro within it.
-      const auto at = [&](double shift) { return placement<D>(*wall.motion, (k + 0.1 * shift) * step); };
-      const Placement<D> before = at(-1), now = at(0), after = at(1);
-      for (const Vector<D>& x : {bounds.min, bounds.max})
-        largest = std::max(largest, (before(x) - 2 * now(x) + after(x)).norm() / (0.01 * step * step));
-    }
-    sum += std::sqrt(largest);
-  }
+  for (const double acceleration : largest) sum += std::sqrt(acceleration);
   return sum / (instants - 1);
+}
+
+/// Square of the size of the load in the mean over its places and the run, and of its rate [units of the load, and those/s].
+template <int D>
+std::pair<double, double> size_and_rate(const LoadCase& load, const Bounds<D>& loaded, double end_time) {
+  constexpr int looks = 4000;
+  double size = 0, rate = 0;
+  const Vector<D> centre = 0.5 * (loaded.min + loaded.max);
+  for (const Vector<D>& x : {loaded.min, centre, loaded.max}) {
+    const auto at = [&](int k) {
+      Vector<D> f;
+      for (int d = 0; d < D; ++d) f[d] = load.value[d](end_time * k / looks, x[0], x[1], D == 3 ? x[D - 1] : 0);
+      return f;
+    };
+    Vector<D> before = at(0);
+    for (int k = 1; k <= looks; ++k) {
+      const Vector<D> now = at(k);
+      size += now.squaredNorm();
+      rate += (now - before).squaredNorm() * std::pow(looks / end_time, 2);
+      before = now;
+    }
+  }
+  return {size, rate};
+}
+
+template <int D>
+double window_of_loads_in(const Case& scene) {
+  constexpr double share = 1.0 / 8;  // of 1/omega: 50 windows a period
+  double longest = infinity;
+  for (const LoadCase& load : scene.structure->loads) {
+    const bool changes = std::any_of(load.value.begin(), load.value.end(), [](const Expression& f) { return f.depends_on('t'); });
+    if (!changes) continue;
+    for (const StructureBody& body : scene.structure->bodies) {
+      if (body.name != load.body) continue;
+      const auto [size, rate] = size_and_rate<D>(load, bounding_box<D>(load.region ? *load.region : body.shape), scene.end_time);
+      if (rate > 0) longest = std::min(longest, share * std::sqrt(size / rate));
+    }
+  }
+  return longest;
+}
+
+template <int D>
+double window_at_rest_in(const Case& scene) {
+  std::vector<double> largest(instants, 0);
+  for (const WallCase& wall : scene.walls) raise_to_acceleration<D>(wall.motion, wall.shape, scene.end_time, largest);
+  if (scene.structure)
+    for (const ClampCase& clamp : scene.structure->clamps)
+      for (const StructureBody& body : scene.structure->bodies)
+        if (body.name == clamp.body) raise_to_acceleration<D>(clamp.motion, body.shape, scene.end_time, largest);
+  const double most = *std::max_element(largest.begin(), largest.end());
+  const double by_motion = scene.fluid->numerics.gravity_courant * std::sqrt(scene.fluid->spacing / most);
+  return most > 0 ? std::min(scene.end_time, by_motion) : scene.end_time;
 }
 
 template <int D>
@@ -307,13 +363,13 @@ double least_layers(const Case& scene, const std::vector<BodyEstimate>& bodies) 
   return least;
 }
 
-/// Mean in a window. Where water splashes against bodies it grows with what a layer weighs over the mass behind a face: 0.96 in
-/// `dam_break_obstacle` (3.8 layers), 1.6 in `dam_break_plate` (0.58), 2.1 in `dam_break_plate_3d` (0.29). A loose body that its fluid
+/// Mean in a window. Where water splashes against bodies it grows with what a layer weighs over the mass behind a face: 1.03 in
+/// `dam_break_obstacle` (3.8 layers), 1.43 in `dam_break_plate` (0.58), 1.62 in `dam_break_plate_3d` (0.29). A loose body that its fluid
 /// carries off moves as a whole, which the answers of its faces do not show: the iterations of a Krylov method go with the root of the
 /// condition number, here of what the fluid that it displaces weighs more than it does. The factor is that of `rising_disc` and
 /// `rising_ball_3d` with 10 to 1200 kg/m^3. Where nothing is learnt, bodies take 3 to 10.
 double coupling_iterations(const Case& scene, const Estimate& result) {
-  constexpr double of_lightest = 6, of_heavy = 2, of_splashes = 0.35, of_loose = 0.7;
+  constexpr double of_lightest = 6, of_heavy = 2, of_splashes = 0.2, of_loose = 0.7;
   const bool every_window = scene.coupling.tolerance.has_value();
   if (scene.coupling.algorithm == CouplingAlgorithm::explicit_staggering || scene.coupling.max_iterations == 1) return 1;
   if (result.lightest || (every_window && result.light)) return of_lightest;
@@ -405,7 +461,7 @@ Estimate estimate_in(const Case& scene, const Costs& costs) {
     result.lightest = layers <= layers_of_lightest;
     if (result.light) result.step *= 0.5;  // Setup::window_share
     if (scene.fluid) {
-      result.motion_step = motion_step<D>(scene, result.bodies);
+      result.motion_step = std::min(motion_step<D>(scene, result.bodies), window_of_loads_in<D>(scene));
       result.step = std::min(result.step, result.motion_step);
       if (const double frame = scene.output.frame_interval; frame > 0) result.step = frame / std::ceil(frame / result.step * (1 - 1e-9));
     }
@@ -424,7 +480,7 @@ Estimate estimate_in(const Case& scene, const Costs& costs) {
   const auto particles = static_cast<double>(result.fluid_particles);
   // The cost of a window is measured in 2D. In 3D a point sees so many more particles that the pairs cost more than the messages: between
   // what dam_break_plate_3d and submerged_block_3d take.
-  constexpr double point_in_3d = 12e-6;  // of a pass [CPU s]
+  constexpr double point_in_3d = 5e-6;  // of a pass [CPU s]
   result.coupler_cpu = scene.fluid && scene.structure ? costs.window * result.steps : 0;
   if (D == 3 && scene.fluid) result.coupler_cpu += point_in_3d * surface_points * passes * result.steps;
   // Measured is fluid beside a body. Without one there are no faces of it, and pressures are solved for with a looser tolerance.
@@ -450,10 +506,19 @@ Estimate estimate_in(const Case& scene, const Costs& costs) {
 double first_window(const Case& scene) {
   constexpr double particles = 10;
   double longest = infinity;
+  const auto is_loaded = [&](const StructureBody& body) {
+    const auto& loads = scene.structure->loads;
+    return std::any_of(loads.begin(), loads.end(), [&](const LoadCase& load) { return load.body == body.name; });
+  };
   for (const StructureBody& body : scene.structure->bodies)
-    if (!is_zero(body.velocity)) longest = std::min(longest, particles * body.spacing * std::sqrt(body.density / body.young_modulus));
+    if (!is_zero(body.velocity) || is_loaded(body))
+      longest = std::min(longest, particles * body.spacing * std::sqrt(body.density / body.young_modulus));
   return longest;
 }
+
+double window_of_loads(const Case& scene) { return scene.dimension == 2 ? window_of_loads_in<2>(scene) : window_of_loads_in<3>(scene); }
+
+double window_at_rest(const Case& scene) { return scene.dimension == 2 ? window_at_rest_in<2>(scene) : window_at_rest_in<3>(scene); }
 
 double largest_clamp_speed(const Case& scene) {
   std::vector<double> speed(instants, 0);

@@ -53,7 +53,7 @@ struct Estimate {
   double gravity_step = 0;  ///< limit gravity_courant sqrt(dx/|g|) [s]; infinite without gravity
   double flow_step = 0;     ///< limit courant dx/speed [s]; infinite at rest
   double viscous_step = 0;  ///< limit viscous_courant h^2/nu [s]; infinite without viscosity
-  /// Limit of the error of the motion of bodies that vibrate from the start on [s]; infinite without such.
+  /// Limit of the error of the motion of bodies that vibrate from the start on, or that loads move [s]; infinite without such.
   double motion_step = std::numeric_limits<double>::infinity();
   double step = 0;   ///< the smallest of those that apply; of a structure alone, its window [s]
   double steps = 0;  ///< in the whole run
@@ -67,9 +67,17 @@ struct Estimate {
 
 Estimate estimate(const Case& scene, const Costs& costs = {});
 
-/// Length of the first window of fluid and structure at most [s]; infinite where no body moves at the start. A body that does may vibrate,
-/// and nothing has yet been seen of that: ten times as long as sound takes from particle to particle.
+/// Length of the first window of fluid and structure at most [s]; infinite where no body moves at the start and none is loaded. A body that
+/// does may vibrate, and nothing has yet been seen of that: ten times as long as sound takes from particle to particle.
 double first_window(const Case& scene);
+
+/// Window that resolves how the loads on the bodies change in time [s]; infinite where they do not. An eighth of the ratio of their size to
+/// their rate, root mean squares over the run: a load that swings has 50 windows a period.
+double window_of_loads(const Case& scene);
+
+/// Window of a fluid in which nothing moves, and on which nothing acts, yet [s]: what the largest acceleration of walls and clamps in the run
+/// asks for, as gravity would; without such the whole run.
+double window_at_rest(const Case& scene);
 
 /// Of a point of a clamp, in the whole run [m/s].
 double largest_clamp_speed(const Case& scene);

@@ -50,7 +50,7 @@ void check_choice(const Parameter& p, const Setting& value) {
                                    fmt::join(p.choices, "\", \""), nearest(value.text, p.choices)));
 }
 
-void check_expression(const Parameter& p, const Setting& value) {
+void check_expression(const Parameter& p, const Setting& value, std::size_t dimension) {
   if (value.type == Type::number || value.type == Type::integer) {
     refuse_outside(p, value, value.number);
     return;
@@ -63,6 +63,8 @@ void check_expression(const Parameter& p, const Setting& value) {
     fail_at(value.where, fmt::format("{}: {}", label(p), fault.what()));
   }
   if (expression.is_constant()) refuse_outside(p, value, expression(0));
+  if (dimension == 2 && expression.depends_on('z'))
+    fail_at(value.where, fmt::format("{} is {}, but a case in 2D has no z; use t, x and y.", label(p), to_text(value)));
 }
 
 void check_entries(const Parameter& p, const Setting& value, std::size_t count, bool expressions) {
@@ -71,7 +73,7 @@ void check_entries(const Parameter& p, const Setting& value, std::size_t count, 
   for (const Setting& item : value.items) {
     const bool number = item.type == Type::number || item.type == Type::integer;
     if (!number && !(expressions && item.type == Type::text)) wrong_type(p, value, wanted);
-    check_expression(p, item);
+    check_expression(p, item, count);
   }
 }
 
@@ -101,7 +103,7 @@ Setting checked_value(const Parameter& p, const Setting& value, std::size_t dime
     case ParameterType::integer: check_number(p, value); return value;
     case ParameterType::number: check_number(p, value); return plain(value);
     case ParameterType::point: check_entries(p, value, dimension, false); return plain(value);
-    case ParameterType::expression: check_expression(p, value); return plain(value);
+    case ParameterType::expression: check_expression(p, value, dimension); return plain(value);
     case ParameterType::expressions: check_entries(p, value, dimension, true); return plain(value);
     case ParameterType::vertices:
       if (value.type != Type::list || value.items.size() < 2) wrong_type(p, value, "a list of at least 2 points [x, y]");

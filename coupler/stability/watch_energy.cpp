@@ -7,18 +7,21 @@ namespace tern::coupler {
 namespace {
 
 constexpr double least_energy = 0.02;  ///< that counts, over that of the scene
+constexpr double round_off = 1e-9;     ///< of the energy of the layer
 
 }  // namespace
 
 template <int D>
 void watch_energy(const Setup<D>& setup, double time, const Energies& energies, Observations& seen) {
   // What counts: a fiftieth of the energy that the weight of the fluid beside the bodies and its motion at the start have; where there is
-  // neither, the motion of a layer of particles at the speed that the window is made for.
+  // next to none of that, the motion of a layer of particles at the speed that the window is made for. The strain of a curved shell at rest
+  // is round-off, and no scene.
   const double area = seen.surface_area, duration = seen.duration;
   if (!seen.energy_at_start) seen.energy_at_start = energies.present;
   const double of_scene = setup.fluid_weight.energy(area) + *seen.energy_at_start,
                speed = duration > 0 ? setup.courant * setup.spacing / duration : 0;
-  const double least = of_scene > 0 ? least_energy * of_scene : 0.5 * setup.density * setup.spacing * area * speed * speed;
+  const double of_layer = 0.5 * setup.density * setup.spacing * area * speed * speed;
+  const double least = of_scene > round_off * of_layer ? least_energy * of_scene : of_layer;
   if (!seen.energy.add(energies.total, energies.present, least)) return;
   throw NumericalFailure(fmt::format(
       "The interface has made {:.3g} {} in the last {} windows up to t = {:.6g} s, of {:.3g} that are present as motion and strain; "

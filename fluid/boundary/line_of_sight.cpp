@@ -1,6 +1,7 @@
 #include "fluid/boundary/line_of_sight.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/parallel.hpp"
 #include "sph/convex_corner.hpp"
@@ -31,30 +32,75 @@ void hide_walls_behind_structure(const std::vector<Vector<D>>& position, const F
   });
 }
 
+namespace {
+
+constexpr double same_direction = 0.95;     ///< cosine of normals that are looked at together
+constexpr std::size_t most_directions = 8;  ///< of a particle; what comes after is added to the nearest
+
+/// Adds face k to what is seen from x: the sights from `first` on.
+template <int D>
+void add_sight(const Faces<D>& faces, int k, const Vector<D>& x, std::size_t first, std::vector<typename Neighbours<D>::Sight>& sight) {
+  const Vector<D>& n = faces.normal[k];
+  std::size_t nearest = first;
+  double cosine = -1;
+  for (std::size_t s = first; s < sight.size(); ++s)
+    if (const double here = sight[s].normal.dot(n); here > cosine) nearest = s, cosine = here;
+  if (sight.size() == first || (cosine < same_direction && sight.size() < first + most_directions)) {
+    nearest = sight.size();
+    sight.push_back({n, 1e300, 0, faces.position[k], faces.position[k]});
+  }
+  auto& own = sight[nearest];
+  own.height = std::min(own.height, (x - faces.position[k]).dot(n));
+  own.spread = std::max(own.spread, (n - own.normal).norm());
+  const Vector<D> reach = Vector<D>::Constant(std::sqrt(patch_reach2<D>(faces.area[k])));
+  own.low = own.low.cwiseMin(faces.position[k] - reach);
+  own.high = own.high.cwiseMax(faces.position[k] + reach);
+}
+
+/// Whether a line from a along d may cross one of these faces towards its back: not where its end is in front of all of them, nor where it
+/// passes by the box around them.
+template <int D>
+bool may_cross(const typename Neighbours<D>::Sight& faces, const Vector<D>& a, const Vector<D>& d, double length2) {
+  const double height = d.dot(faces.normal) + faces.height;
+  if (height > 0 && height * height > faces.spread * faces.spread * length2) return false;
+  double enters = 0, leaves = 1;
+  for (int axis = 0; axis < D; ++axis) {
+    if (d[axis] == 0) {
+      if (a[axis] < faces.low[axis] || a[axis] > faces.high[axis]) return false;
+      continue;
+    }
+    const double first = (faces.low[axis] - a[axis]) / d[axis], second = (faces.high[axis] - a[axis]) / d[axis];
+    enters = std::max(enters, std::min(first, second));
+    leaves = std::min(leaves, std::max(first, second));
+  }
+  return enters <= leaves + 1e-9;  // rounding
+}
+
+}  // namespace
+
 template <int D>
 void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& period, const std::vector<Vector<D>>& position,
                              const Faces<D>& faces, const FaceRows& rows, bool past_corners, Neighbours<D>& neighbours) {
-  auto& [sight, affected, listed] = neighbours.cutting;
+  auto& [sight, sight_begin, affected, listed] = neighbours.cutting;
   const int n = static_cast<int>(neighbours.rows()), all = static_cast<int>(rows.begin.size());
-  const double support = constants.kernel.support();
   affected.clear();
   listed.assign(all, 0);
   sight.clear();
-  // What particle i sees of two-sided faces; its number in `sight` is kept in `listed`.
+  sight_begin.clear();
+  // What particle i sees of two-sided faces; its number is kept in `listed`.
   for (int i = 0; i < all; ++i)
     for (int entry = rows.begin[i], end = entry + rows.count[i]; entry < end; ++entry) {
       const int k = rows.face[entry];
       if (!faces.two_sided[k]) continue;
       if (!listed[i]) {
-        sight.push_back({faces.normal[k], 1e300, 0});
+        sight_begin.push_back(static_cast<int>(sight.size()));
         affected.push_back(i);
-        listed[i] = static_cast<int>(sight.size());
+        listed[i] = static_cast<int>(sight_begin.size());
       }
-      auto& own = sight.back();
-      own.height = std::min(own.height, (position[i] - faces.position[k]).dot(faces.normal[k]));
-      own.spread = std::max(own.spread, (faces.normal[k] - own.normal).norm());
+      add_sight(faces, k, position[i], static_cast<std::size_t>(sight_begin.back()), sight);
     }
-  const int viewers = static_cast<int>(sight.size());
+  const int viewers = static_cast<int>(sight_begin.size());
+  sight_begin.push_back(static_cast<int>(sight.size()));
   // Whether the line from a to b, that enters a body through `patch`, leaves it past a corner.
   const auto leaves_past_corner = [&](int patch, const Vector<D>& a, int other, const Vector<D>& b) {
     bool leaves = false;
@@ -70,9 +116,10 @@ void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& per
     if (listed[viewer] == 0 || listed[viewer] > viewers) return false;
     const Vector<D>& a = position[viewer];
     const Vector<D> d = period.any() ? period.nearest(position[other] - a) : Vector<D>(position[other] - a);
-    // In front of every face that the viewer sees: most are, and need no closer look.
-    const auto& own = sight[listed[viewer] - 1];
-    if (d.dot(own.normal) + own.height > own.spread * support) return false;
+    // Most pairs need no closer look.
+    const double length2 = d.squaredNorm();
+    const auto first = sight.begin() + sight_begin[listed[viewer] - 1], last = sight.begin() + sight_begin[listed[viewer]];
+    if (std::none_of(first, last, [&](const auto& seen) { return may_cross<D>(seen, a, d, length2); })) return false;
     const Vector<D> b = a + d;
     for (int entry = rows.begin[viewer]; entry < rows.begin[viewer] + rows.count[viewer]; ++entry) {
       const int k = rows.face[entry];

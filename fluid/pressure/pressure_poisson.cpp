@@ -109,11 +109,16 @@ void assemble_pressure_source(const Constants<D>& constants, double duration, co
     system.source[i] = b;
   });
   if (system.beside_bodies.any()) {
-    system.swept.find(constants, duration, load.surface_velocity.empty(), boundary, system.beside_bodies, state);
-    std::vector<double>& wanted = system.swept_wanted;
-    wanted.resize(system.swept.rate.size());
-    for (std::size_t r = 0; r < wanted.size(); ++r)
-      wanted[r] = level_taken_away(system.swept.rate[r], system.swept.pushed_in[r] / duration);
+    const bool first = load.surface_velocity.empty();
+    system.swept.find(constants, duration, first, boundary, system.beside_bodies, state);
+    const std::vector<double>& rate = system.swept.rate;
+    std::vector<double>&wanted = system.swept_wanted, &left = system.swept_left;
+    wanted.resize(rate.size());
+    left.resize(rate.size());
+    for (std::size_t r = 0; r < wanted.size(); ++r) {
+      if (first) left[r] = rate[r] - level_taken_away(rate[r], system.swept.pushed_in[r] / duration);
+      wanted[r] = rate[r] - left[r];
+    }
     system.beside_bodies.set_sums(wanted, density / duration, system.source);
   }
   system.yielding.add_source(load.reference_pressure, boundary, at_structure, system.source);

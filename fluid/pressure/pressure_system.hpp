@@ -32,6 +32,7 @@ struct PressureSystem {
   std::vector<std::uint8_t> at_surface;  ///< particles whose pressure a free surface ties
   std::vector<double> squared_change;    ///< of what is left behind, by part
   SweptVolume<D> swept;                  ///< of the regions beside bodies
+  std::vector<double> swept_left;        ///< the rate of it that the window leaves, known from its first coupling iteration
   std::vector<double> swept_wanted;      ///< the rate of it that the pressure has to answer
   ConjugateGradientWork work;
 };

@@ -153,10 +153,24 @@ void look_at_smoothness(Case& scene, const std::optional<RigidMotion>& motion, c
                     table.where, mover, speed));
 }
 
+// A velocity at the start that changes in time is meant for something else: an inflow, or a motion that is given.
+template <class Body>
+void check_start(const std::vector<Body>& bodies, const Setting& tables) {
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    for (const Expression& component : bodies[i].velocity)
+      if (component.depends_on('t'))
+        fail_at(tables.items[i].at("velocity").where,
+                fmt::format("velocity depends on t (\"{}\"), but it is that of the start; use x, y and z alone. What is moved as given is a "
+                            "[[wall]] or a [[structure.clamp]] with a `displacement`.",
+                            component.text()));
+}
+
 }  // namespace
 
 template <int D>
 void check_motions(Case& scene, const Setting& settings) {
+  if (scene.fluid) check_start(scene.fluid->bodies, settings.at("fluid").at("body"));
+  if (scene.structure) check_start(scene.structure->bodies, settings.at("structure").at("body"));
   const bool flows = scene.fluid && std::any_of(scene.fluid->bodies.begin(), scene.fluid->bodies.end(),
                                                 [](const FluidBody& body) { return !is_zero(body.velocity); });
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {

@@ -19,6 +19,7 @@ namespace {
 
 constexpr double held_patches = 3;           ///< patches around a clamp in which a body meets no wall (meeting/meeting.cpp)
 constexpr double round_off = 1e-6;           ///< in spacings
+constexpr double least_reynolds = 100;       ///< from which on friction hardly matters for what moves a body
 constexpr double nearly_of_the_fluid = 0.2;  ///< excess of density with which a body in it is held back (measured: 0.02 and 0.1)
 /// Swing that a body gains in a period with the scheme fsa, over the mass of a layer of fluid particles before its face in the mass behind
 /// that (measured: `piston` at 500 to 3500 kg/m^3, spacing and window halved), and what it loses anyway (docs/THEORY.md, Known limits).
@@ -45,6 +46,7 @@ class Plausible {
       look_at_modulus(bodies()[i], settings_.at("structure").at("body").items[i]);
       look_at_contacts(i);
       look_at_weight_in_fluid(i);
+      look_at_viscosity(i);
       look_at_clamps_in_walls(bodies()[i], where_body(i));
       look_at_scheme(bodies()[i]);
     }
@@ -252,6 +254,21 @@ class Plausible {
         "the elastic body '{}' is free and {:.2g} % {} than the fluid: where water is all around it, it will {} too slowly. Blocks 2 % and "
         "10 % denser than water have gone seven tenths of their way after 1 s (docs/THEORY.md, Known limits).",
         body.name, 100 * std::abs(excess), excess > 0 ? "denser" : "lighter", excess > 0 ? "sink" : "rise");
+  }
+
+  // A surface of a body bears pressure alone: neither friction nor the viscous part of the normal stress, 2 mu du_n/dn.
+  void look_at_viscosity(std::size_t i) {
+    if (!scene_.fluid || !scene_.fluid->viscosity) return;
+    const Bounds<D> box = bounding_box<D>(bodies()[i].shape);
+    const double size = (box.max - box.min).minCoeff(), nu = *scene_.fluid->viscosity / scene_.fluid->density;
+    const double reynolds = size / nu * std::max(std::sqrt(gravity_.norm() * size), size / scene_.end_time);
+    if (reynolds > least_reynolds) return;
+    warn(where_body(i),
+         "the fluid does not drag on the elastic body '{}': bodies bear its pressure, but neither its friction nor its viscous normal "
+         "stress. "
+         "At a Reynolds number of {:.2g} (sqrt(|g| L) L/nu over the {:.3g} m of the body, or L^2/(nu end_time)) that is much of its "
+         "resistance: a disc that falls through honey in a round vessel falls 1.7 times too fast.",
+         bodies()[i].name, reynolds, size);
   }
 
   // The scheme for comparisons does work on a body that vibrates, the more the lighter the body is.

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+
 #include "fixtures/coupled_scenes.hpp"
 
 namespace tern::coupler::testing {
@@ -101,13 +103,15 @@ struct MotionInBox {
   double most = 0;  ///< of any point of its surface, along the box [m]
   double mean = 0;  ///< of its left face, at the end [m]
 };
-MotionInBox motion_in_full_box(double fluid_density, double gravity, bool parts, const std::string& velocity) {
+MotionInBox motion_in_full_box(double fluid_density, double gravity, bool parts, const std::string& velocity,
+                               std::optional<double> tolerance = {}) {
   constexpr double length = 0.3, height = 0.2, left = 0.14, right = 0.15;
   const double top = parts ? height : 0.5 * height;
   Case c = scene(2, 0.01);
   c.end_time = 1;
   c.gravity = constant(0, -gravity);
   c.fluid->density = fluid_density;
+  c.coupling.tolerance = tolerance;
   FluidBody before, behind, above;
   before.velocity = behind.velocity = above.velocity = constant(0);
   before.shape = box({0, 0, 0}, {left, height, 0});
@@ -171,6 +175,16 @@ TEST(Stability, APlateBetweenTwoFullChambersKeepsTheirVolumes) {
     EXPECT_LT(moved.most, 4e-4) << density;
     EXPECT_LT(std::abs(moved.mean), 1e-5) << density;
   }
+}
+
+// What the level leaves of the rate is that of the first pass, however often the window is repeated.
+// Seen to fail: with half of the rate taken away in every pass anew.
+TEST(Stability, APlateBetweenTwoFullChambersKeepsTheirVolumesInRepeatedWindows) {
+  const MotionInBox once = motion_in_full_box(1000, 0, true, "0.1*sin(pi*max(y,0)/0.2)");
+  const MotionInBox often = motion_in_full_box(1000, 0, true, "0.1*sin(pi*max(y,0)/0.2)", 1e-4);
+  std::printf("[ one pass: %.2e m, repeated: %.2e m, in the mean of a face %.1e m ]\n", once.most, often.most, often.mean);
+  EXPECT_NEAR(often.most, once.most, 0.3 * once.most);
+  EXPECT_LT(std::abs(often.mean), 1e-5);
 }
 
 // Nothing ties the level of the pressure but the squeezing of the plate. Measured: 2.7 Pa.

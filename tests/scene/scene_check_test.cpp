@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
+#include <numbers>
 
 #include "case_file_fixture.hpp"
 #include "scene/estimate.hpp"
@@ -38,6 +40,8 @@ TEST_F(CaseFile, WhoseSceneMakesNoSenseIsRefused) {
   expect_refused(with("max = [0.4, 0.5]", "max = [0, 0.5]"), {"min has to be less than max"});
   expect_refused(with("open = [", "displacement = [\"t+1\", 0]\nopen = ["), {"1 m at t = 0"});
   expect_refused(with("open = [", "displacement = [\"t*x\", 0]\nopen = ["), {"depends on the place"});
+  expect_refused(with("max = [0.4, 0.5] } }", "max = [0.4, 0.5] } }\nvelocity = [\"sin(z)\", 0]"), {"has no z"});
+  expect_refused(with("max = [0.4, 0.5] } }", "max = [0.4, 0.5] } }\nvelocity = [\"sin(t)\", 0]"), {"depends on t", "that of the start"});
   const std::string twice = std::string(small_case) + "[[gauge]]\nkind = \"front\"\nname = \"tip\"\n";
   expect_refused(twice, {"'tip' is used twice"});
   const std::string gate =
@@ -468,6 +472,25 @@ TEST_F(CaseFile, WarnsOfWhatIsHardlyMeant) {
   expect_warning(read(with("end_time = 0.5", "end_time = 0.05")), {"nothing falls farther than 0.012 m", "Lengths are in metres"});
   const std::string sensor = "[[gauge]]\nkind = \"pressure\"\nname = \"p\"\nat = [0.75, 0.2]\n";
   expect_warning(read(small_case + sensor), {"the gauge 'p' at (0.75, 0.2) m is inside the elastic body 'plate'"});
+  expect_warning(read(with("density = 1000", "density = 1000\nviscosity = 10")), {"does not drag on the elastic body 'plate'", "9.9"});
+}
+
+// The same scene in metres and in millimetres, in seconds and in milliseconds, has the same windows over the period of the load.
+// Seen to fail: with windows of 1 ms where nothing moves yet.
+TEST_F(CaseFile, HasWindowsThatResolveItsLoads) {
+  const std::string load = "[[structure.load]]\nname = \"push\"\nbody = \"plate\"\ntraction = [\"F\", 0]\n";
+  for (const char* period : {"0.1", "1e-4"}) {
+    std::string text = replaced(small_case + replaced(load, "F", "10*sin(2*pi*t/T)"), "/T", std::string("/") + period);
+    text = replaced(text, "end_time = 0.5", std::string("end_time = ") + period);
+    EXPECT_NEAR(window_of_loads(read(text)) / std::stod(period), 1 / (16 * std::numbers::pi), 1e-5) << period;
+  }
+  const Case constant_load = read(small_case + replaced(load, "F", "10"));
+  EXPECT_EQ(window_of_loads(constant_load), std::numeric_limits<double>::infinity());
+  EXPECT_LT(first_window(constant_load), 0.1) << "a body that is loaded may vibrate";
+  EXPECT_EQ(first_window(read(small_case)), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(window_at_rest(read(small_case)), 0.5);
+  const Case rammed = read(with("open = [", "displacement = [\"2*t^2\", 0]\nopen = ["));
+  EXPECT_NEAR(window_at_rest(rammed), 0.1 * std::sqrt(0.05 / 4), 1e-6);
 }
 
 // Seen to fail: with faces that gravity does not press on counted; with bodies that hang from a clamp counted.
