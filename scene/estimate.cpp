@@ -275,15 +275,23 @@ double window_of_loads_in(const Case& scene) {
 
 template <int D>
 double window_at_rest_in(const Case& scene) {
-  std::vector<double> largest(instants, 0);
-  for (const WallCase& wall : scene.walls) raise_to_acceleration<D>(wall.motion, wall.shape, scene.end_time, largest);
+  std::vector<double> speeds(instants, 0), accelerations(instants, 0);
+  const auto raise_to = [&](const std::optional<RigidMotion>& motion, const Shape& shape) {
+    raise_to_motion<D>(motion, shape, scene.end_time, speeds);
+    raise_to_acceleration<D>(motion, shape, scene.end_time, accelerations);
+  };
+  for (const WallCase& wall : scene.walls) raise_to(wall.motion, wall.shape);
   if (scene.structure)
     for (const ClampCase& clamp : scene.structure->clamps)
       for (const StructureBody& body : scene.structure->bodies)
-        if (body.name == clamp.body) raise_to_acceleration<D>(clamp.motion, body.shape, scene.end_time, largest);
-  const double most = *std::max_element(largest.begin(), largest.end());
-  const double by_motion = scene.fluid->numerics.gravity_courant * std::sqrt(scene.fluid->spacing / most);
-  return most > 0 ? std::min(scene.end_time, by_motion) : scene.end_time;
+        if (body.name == clamp.body) raise_to(clamp.motion, body.shape);
+  const double speed = *std::max_element(speeds.begin(), speeds.end());
+  const double acceleration = *std::max_element(accelerations.begin(), accelerations.end());
+  const FluidCase& fluid = *scene.fluid;
+  double longest = scene.end_time;
+  if (speed > 0) longest = std::min(longest, fluid.numerics.courant * fluid.spacing / speed);
+  if (acceleration > 0) longest = std::min(longest, fluid.numerics.gravity_courant * std::sqrt(fluid.spacing / acceleration));
+  return longest;
 }
 
 template <int D>

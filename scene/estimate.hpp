@@ -75,8 +75,8 @@ double first_window(const Case& scene);
 /// their rate, root mean squares over the run: a load that swings has 50 windows a period.
 double window_of_loads(const Case& scene);
 
-/// Window of a fluid in which nothing moves, and on which nothing acts, yet [s]: what the largest acceleration of walls and clamps in the run
-/// asks for, as gravity would; without such the whole run.
+/// Window of a fluid in which nothing moves, and on which nothing acts, yet [s]: what the largest speed and acceleration of walls and
+/// clamps in the run ask for; without such the whole run.
 double window_at_rest(const Case& scene);
 
 /// Of a point of a clamp, in the whole run [m/s].

@@ -160,8 +160,8 @@ void check_start(const std::vector<Body>& bodies, const Setting& tables) {
     for (const Expression& component : bodies[i].velocity)
       if (component.depends_on('t'))
         fail_at(tables.items[i].at("velocity").where,
-                fmt::format("velocity depends on t (\"{}\"), but it is that of the start; use x, y and z alone. What is moved as given is a "
-                            "[[wall]] or a [[structure.clamp]] with a `displacement`.",
+                fmt::format("velocity depends on t (\"{}\"), but it is that of the start; use x, y and z alone. What is moved as given "
+                            "is a [[wall]] or a [[structure.clamp]] with a `displacement`.",
                             component.text()));
 }
 
