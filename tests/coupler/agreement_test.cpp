@@ -113,23 +113,25 @@ TEST(Agreement, OfALaterPassIsThatOfTheSurfaceItself) {
   for (const bool as_told : {true, false}) {
     Coupler<2> coupler(scene(2, dx), properties(surface.position.size(), mass));
     coupler.first_exchange(0, dt, surface, particles);
-    const SurfaceLoad<2>* load = coupler.next_load(answered(1e3));
-    ASSERT_NE(load, nullptr);
-    const SurfaceLoad<2> first = *load;
+    const SurfaceLoad<2>* next = coupler.next_load(answered(1e3));
+    ASSERT_NE(next, nullptr);
+    const SurfaceLoad<2> first = *next;
     std::vector<Vector<2>> velocity = surface.velocity;
     for (Vector<2>& v : velocity) v[1] = 2;
     EXPECT_FALSE(coupler.accepts(velocity));
     EXPECT_EQ(coupler.accelerated_load(), nullptr) << "the surface has moved under the load to go on with";
     coupler.repeat_exchange(velocity);
 
-    load = coupler.next_load(answered(2e5));
-    ASSERT_NE(load, nullptr);
-    const SurfaceLoad<2> second = *load;
+    next = coupler.next_load(answered(2e5));
+    ASSERT_NE(next, nullptr);
+    const SurfaceLoad<2> second = *next;
     for (std::size_t k = 0; as_told && k < velocity.size(); ++k)
       velocity[k] += dt / (mass * surface.area[k]) * (second.force[k] - first.force[k]);
     EXPECT_EQ(coupler.accepts(velocity), as_told);
     EXPECT_EQ(coupler.agreed(), as_told);
-    if (!as_told) EXPECT_NE(coupler.accelerated_load(), nullptr);
+    if (!as_told) {
+      EXPECT_NE(coupler.accelerated_load(), nullptr);
+    }
     EXPECT_EQ(coupler.iterations(), 2);
   }
 }
