@@ -484,6 +484,10 @@ TEST_F(CaseFile, HasWindowsThatResolveItsLoads) {
     text = replaced(text, "end_time = 0.5", std::string("end_time = ") + period);
     EXPECT_NEAR(window_of_loads(read(text)) / std::stod(period), 1 / (16 * std::numbers::pi), 1e-5) << period;
   }
+  // A load that sets in, and a blow, jump: no window resolves that. A ramp has the time that it takes.
+  for (const char* jumps : {"t < 0.2 ? 0 : 10", "t < 1e-6 ? 10 : 0", "abs(t - 0.2) < 1e-3 ? 10 : 0"})
+    EXPECT_EQ(window_of_loads(read(small_case + replaced(load, "F", jumps))), std::numeric_limits<double>::infinity()) << jumps;
+  EXPECT_NEAR(window_of_loads(read(small_case + replaced(load, "F", "10*min(t/0.1,1)"))), 0.125 * std::sqrt((0.1 / 3 + 0.4) * 0.1), 1e-4);
   const Case constant_load = read(small_case + replaced(load, "F", "10"));
   EXPECT_EQ(window_of_loads(constant_load), std::numeric_limits<double>::infinity());
   EXPECT_LT(first_window(constant_load), 0.1) << "a body that is loaded may vibrate";
