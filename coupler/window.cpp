@@ -141,8 +141,8 @@ const SurfaceLoad<D>* Coupler<D>::next_load(const InterfacePressure<D>& pressure
   answer(setup_, pressure, window_, state_.evaluations);
   const SurfaceLoad<D>& load = window_.answered_load = std::exchange(window_.load, explicit_part);
   window_.answered_audit = std::exchange(window_.audit, audit);
-  if (setup_.learns && window_.iterations == 1) return &window_.answered_load;  // accepts() tests it
   if (setup_.learns) {
+    if (window_.iterations == 1) return &window_.answered_load;  // accepts() tests it
     window_.agreed = disagreement(setup_, state_, window_, load, window_.surface.velocity).agrees();
     if (window_.agreed) return nullptr;
   }

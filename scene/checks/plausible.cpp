@@ -264,10 +264,9 @@ class Plausible {
     const double reynolds = size / nu * std::max(std::sqrt(gravity_.norm() * size), size / scene_.end_time);
     if (reynolds > least_reynolds) return;
     warn(where_body(i),
-         "the fluid does not drag on the elastic body '{}': bodies bear its pressure, but neither its friction nor its viscous normal "
-         "stress. "
-         "At a Reynolds number of {:.2g} (sqrt(|g| L) L/nu over the {:.3g} m of the body, or L^2/(nu end_time)) that is much of its "
-         "resistance: a disc that falls through honey in a round vessel falls 1.7 times too fast.",
+         "the fluid does not drag on the elastic body '{}': bodies bear its pressure, but neither its friction nor its viscous "
+         "normal stress. At a Reynolds number of {:.2g} (sqrt(|g| L) L/nu over the {:.3g} m of the body, or L^2/(nu end_time)) that "
+         "is much of its resistance: a disc that falls through honey in a round vessel falls 1.7 times too fast.",
          bodies()[i].name, reynolds, size);
   }
 
