@@ -56,14 +56,14 @@ void set_robin_condition(const Setup<D>& setup, Workspace<D>& window) {
   response = {window.answer.lumps.lump, window.answer.lumps.share, window.answer.mass};
   for (std::size_t k = 0; k < points; ++k) {
     // A pressure p loads the point with s p A, where the fluid takes it for p A: s is some per cent off 1 where particles are on no
-    // lattice, and less at a free surface. So its load is that of the pressure L/(s A), and it answers p s times as fast: half of that by
-    // the force on the lumps and half by their motion, so that the equation stays symmetric. With s left out, a body that rests under p
-    // is taken to give way by dt (1 - s) p/m in every window: where s > 1 that makes energy. A point that no pressure loads yields to
-    // what the particles before it fill.
+    // lattice, and less at a free surface. So its load is that of the pressure L/(s A), and its shares add up to s. With s left out, a body
+    // that rests under p is taken to give way by dt (1 - s) p/m in every window: where s > 1 that makes energy. And a level of p that rises
+    // on both sides of a plate moves it by what s differs from side to side. A point that no pressure loads yields to what the particles
+    // before it fill.
     const bool loaded = window.share[k] > least_share;
     const double share = loaded ? window.share[k] : 1;
     const double quickness = loaded ? share : window.seen_share[k] > least_share ? window.seen_share[k] : 1;
-    for (std::size_t c = k * per_point; c < (k + 1) * per_point; ++c) response.share[c] *= std::sqrt(quickness);
+    for (std::size_t c = k * per_point; c < (k + 1) * per_point; ++c) response.share[c] *= quickness;
     // What the assumed load carries, less what is known of the answer; contacts are not the pressure's. A pressure in excess of this moves
     // the surface on from where it was predicted.
     const Vector<D> carried = window.assumed_load.force[k] - window.load.force[k] - window.assumed_contact.force[k];

@@ -183,8 +183,7 @@ void Fluid<D>::drive_out_what_is_left(const std::vector<double>& reference_press
     left.assign(system_.matrix.rows(), 0);
     assemble_left_behind(reference_.constants, window_.duration, state_.particle_class, projected_divergence_, divergence_target_, left);
     if (foretells_interface_) {
-      system_.yielding.add_source(reference_pressure, boundary_, at_structure_, left);
-      system_.yielding.subtract_answer(at_structure_, state_.pressure, left);
+      system_.yielding.subtract_motion(reference_pressure, boundary_, at_structure_, state_.pressure, left);
     } else {
       for (const int i : beside_structure_.list) left[i] = 0;
     }

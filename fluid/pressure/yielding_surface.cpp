@@ -23,8 +23,7 @@ void YieldingSurface<D>::assemble(const Constants<D>& constants, const Ranks& ra
   const FaceRows& seen = boundary.surface_rows;
   const std::ptrdiff_t rows = static_cast<std::ptrdiff_t>(at_structure.size()), lumps = static_cast<std::ptrdiff_t>(response.mass.size());
   const std::ptrdiff_t per_point = static_cast<std::ptrdiff_t>(response.lumps_per_point(boundary.surface.size()));
-  // A pressure p pushes a point with p A, whatever its particles fill of the half space before it: the sums over them are made up to that,
-  // half by the force on the lumps and half by their motion.
+  // A pressure p pushes a point with p A, whatever its particles fill of the half space before it: the sums over them are made up to that.
   transferred_.assign(boundary.surface.size(), 0);
   for (const int i : at_structure) {
     if (!particle_class[i].pressure_unknown()) continue;
@@ -35,7 +34,7 @@ void YieldingSurface<D>::assemble(const Constants<D>& constants, const Ranks& ra
   for (std::size_t s = 0; s < response_.share.size(); ++s) {
     const std::size_t k = s / static_cast<std::size_t>(per_point);
     const double filled = transferred_[k] / boundary.surface.area[k];
-    if (filled > least_filled) response_.share[s] /= std::sqrt(filled);
+    if (filled > least_filled) response_.share[s] /= filled;
   }
 
   begin_.resize(rows + 1);
@@ -46,6 +45,7 @@ void YieldingSurface<D>::assemble(const Constants<D>& constants, const Ranks& ra
   if (static_cast<std::ptrdiff_t>(lump_.size()) < begin_[rows]) {
     lump_.resize(begin_[rows] + begin_[rows] / 8);
     vector_.resize(lump_.size());
+    counted_.resize(lump_.size());
     between_.resize(lump_.size());
   }
   parallel_for(rows, [&](std::ptrdiff_t m) {
@@ -55,11 +55,14 @@ void YieldingSurface<D>::assemble(const Constants<D>& constants, const Ranks& ra
     if (static_cast<std::ptrdiff_t>(place.size()) < lumps) place.resize(lumps, -1);
     int* const lump = lump_.data() + begin_[m];
     Vector<D>*const vector = vector_.data() + begin_[m], *const between = between_.data() + begin_[m];
+    Vector<D>* const counted = counted_.data() + begin_[m];
     int& count = count_[m];
     for (int entry = seen.begin[i]; entry < seen.begin[i] + seen.count[i]; ++entry) {
       const int k = seen.face[entry];
       const Vector<D> b = -2 * constants.volume * seen.weight[entry] * boundary.surface.normal[k];
       const double weight = constants.density * prediction.gravity[i].dot(boundary.surface.position[k] - prediction.position[i]);
+      double sum = 0;
+      for (std::ptrdiff_t s = k * per_point; s < (k + 1) * per_point; ++s) sum += response_.share[s];
       for (std::ptrdiff_t s = k * per_point; s < (k + 1) * per_point; ++s) {
         const double share = response_.share[s];
         if (share == 0) continue;
@@ -68,9 +71,11 @@ void YieldingSurface<D>::assemble(const Constants<D>& constants, const Ranks& ra
           place[a] = count;
           lump[count] = a;
           vector[count] = Vector<D>::Zero();
+          counted[count] = Vector<D>::Zero();
           between[count++] = Vector<D>::Zero();
         }
         vector[place[a]] += share * b;
+        counted[place[a]] += share / sum * b;
         between[place[a]] += share * weight * b;
       }
     }
@@ -108,54 +113,7 @@ void YieldingSurface<D>::assemble(const Constants<D>& constants, const Ranks& ra
 }
 
 template <int D>
-void YieldingSurface<D>::sum_motion() const {
-  if (!ranks_.alone()) ranks_.sum(std::span(motion_.data()->data(), D * motion_.size()));
-}
-
-template <int D>
-template <class T>
-void YieldingSurface<D>::push(const std::vector<int>& at_structure, const std::vector<T>& x) const {
-  const std::ptrdiff_t lumps = static_cast<std::ptrdiff_t>(response_.mass.size());
-  parallel_for(lumps, static_cast<std::ptrdiff_t>(row_.size()), [&](std::ptrdiff_t a) {
-    Vector<D> force = Vector<D>::Zero();
-    for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) force += vector_[entry_[e]] * double(x[at_structure[row_[e]]]);
-    motion_[a] = scale_[a] * force;
-  });
-  sum_motion();
-}
-
-template <int D>
-template <class T>
-void YieldingSurface<D>::spread(const std::vector<int>& at_structure, std::vector<T>& y) const {
-  const std::ptrdiff_t rows = static_cast<std::ptrdiff_t>(at_structure.size());
-  parallel_for(rows, [&](std::ptrdiff_t m) {
-    double sum = 0;
-    for (std::ptrdiff_t e = begin_[m]; e < begin_[m] + count_[m]; ++e) sum += vector_[e].dot(motion_[lump_[e]]);
-    y[at_structure[m]] += static_cast<T>(sum);
-  });
-}
-
-template <int D>
-template <class T>
-void YieldingSurface<D>::add_difference(const std::vector<int>& at_structure, const std::vector<T>& x, std::vector<T>& y) const {
-  if (!any()) return;
-  push(at_structure, x);
-  for (std::size_t m = 0; m < at_structure.size(); ++m) y[at_structure[m]] -= static_cast<T>(bound_[m] * x[at_structure[m]]);
-  spread(at_structure, y);
-}
-
-template <int D>
-void YieldingSurface<D>::subtract_answer(const std::vector<int>& at_structure, const std::vector<double>& x, std::vector<double>& y) const {
-  if (!any()) return;
-  push(at_structure, x);
-  for (Vector<D>& motion : motion_) motion = -motion;
-  spread(at_structure, y);
-}
-
-template <int D>
-void YieldingSurface<D>::add_source(const std::vector<double>& reference_pressure, const Boundary<D>& boundary,
-                                    const std::vector<int>& at_structure, std::vector<double>& source) const {
-  if (!any()) return;
+void YieldingSurface<D>::set_carried_motion(const std::vector<double>& reference_pressure, const Boundary<D>& boundary) const {
   std::fill(motion_.begin(), motion_.end(), Vector<D>::Zero());
   const std::size_t points = boundary.surface.size(), per_point = response_.lumps_per_point(points);
   for (std::size_t k = 0; k < points && ranks_.first(); ++k)
@@ -166,8 +124,64 @@ void YieldingSurface<D>::add_source(const std::vector<double>& reference_pressur
     for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) motion_[a] -= between_[entry_[e]];
     motion_[a] *= scale_[a];
   });
+}
+
+template <int D>
+template <class T>
+void YieldingSurface<D>::push(double factor, const std::vector<int>& at_structure, const std::vector<T>& x) const {
+  const std::ptrdiff_t lumps = static_cast<std::ptrdiff_t>(response_.mass.size());
+  parallel_for(lumps, static_cast<std::ptrdiff_t>(row_.size()), [&](std::ptrdiff_t a) {
+    Vector<D> force = Vector<D>::Zero();
+    for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) force += vector_[entry_[e]] * double(x[at_structure[row_[e]]]);
+    motion_[a] += factor * scale_[a] * force;
+  });
+}
+
+template <int D>
+void YieldingSurface<D>::sum_motion() const {
+  if (!ranks_.alone()) ranks_.sum(std::span(motion_.data()->data(), D * motion_.size()));
+}
+
+template <int D>
+template <class T>
+void YieldingSurface<D>::spread(const UninitialisedVector<Vector<D>>& vector, const std::vector<int>& at_structure,
+                                std::vector<T>& y) const {
+  const std::ptrdiff_t rows = static_cast<std::ptrdiff_t>(at_structure.size());
+  parallel_for(rows, [&](std::ptrdiff_t m) {
+    double sum = 0;
+    for (std::ptrdiff_t e = begin_[m]; e < begin_[m] + count_[m]; ++e) sum += vector[e].dot(motion_[lump_[e]]);
+    y[at_structure[m]] += static_cast<T>(sum);
+  });
+}
+
+template <int D>
+template <class T>
+void YieldingSurface<D>::add_difference(const std::vector<int>& at_structure, const std::vector<T>& x, std::vector<T>& y) const {
+  if (!any()) return;
+  std::fill(motion_.begin(), motion_.end(), Vector<D>::Zero());
+  push(1, at_structure, x);
   sum_motion();
-  spread(at_structure, source);
+  for (std::size_t m = 0; m < at_structure.size(); ++m) y[at_structure[m]] -= static_cast<T>(bound_[m] * x[at_structure[m]]);
+  spread(vector_, at_structure, y);
+}
+
+template <int D>
+void YieldingSurface<D>::subtract_motion(const std::vector<double>& reference_pressure, const Boundary<D>& boundary,
+                                         const std::vector<int>& at_structure, const std::vector<double>& x, std::vector<double>& y) const {
+  if (!any()) return;
+  set_carried_motion(reference_pressure, boundary);
+  push(-1, at_structure, x);
+  sum_motion();
+  spread(counted_, at_structure, y);
+}
+
+template <int D>
+void YieldingSurface<D>::add_source(const std::vector<double>& reference_pressure, const Boundary<D>& boundary,
+                                    const std::vector<int>& at_structure, std::vector<double>& source) const {
+  if (!any()) return;
+  set_carried_motion(reference_pressure, boundary);
+  sum_motion();
+  spread(vector_, at_structure, source);
 }
 
 #define TERN_INSTANTIATE(D, T) \

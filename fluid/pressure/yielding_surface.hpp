@@ -1,11 +1,17 @@
 #pragma once
 // How the pressure equation knows that the structure yields (Robin condition, docs/THEORY.md section 3). The bodies answer in lumps,
 // parts that are pushed and move as a whole (SurfaceResponse). A pressure p of particle i puts the force p b_ik on point k,
-//   b_ik = -2 V_i A_k w~_ik n_k,      c_ia = sum_k share_ka b_ik sqrt(A_k/|sum_j b_jk|),
-// and all forces together let lump a be faster by dt/m_a sum_j c_ja (p_j + rho g.(x_k - x_j) - p^_k) at the end of the window. Inserted
+//   b_ik = -2 V_i A_k w~_ik n_k,      c_ia = sum_k share_ka b_ik A_k/|sum_j b_jk|,
+// and all forces together let lump a be faster by dt/m_a sum_j c_ja . (p_j + rho g.(x_k - x_j) - p^_k) at the end of the window. Inserted
 // in div(u^{n+1}), with the rows scaled as in pressure_poisson.hpp, this is a matrix of low rank on the particles beside the structure:
 //   R_ij = rho sum_a c_ia . c_ja / m_a
-// A pressure on both faces of a plate does not move it: c of the two faces are opposed.
+// A pressure on both faces of a plate does not move it: c of the two faces are opposed, whatever the particles before them fill of their
+// half spaces.
+//
+// So the forces are those of the loads. Of the motion the rows of the divergence count
+//   d_ia = sum_k share_ka/(sum_b share_kb) b_ik
+// instead, what the particles fill and no more. What R takes too much or too little belongs to what the solve leaves of the divergence
+// (left_behind.hpp).
 //
 // R is symmetric and semi-definite, but no matrix of edges: the matrix has the sums of its absolute values in its place, a diagonal that
 // is nowhere smaller,
@@ -39,8 +45,10 @@ class YieldingSurface {
   template <class T>
   void add_difference(const std::vector<int>& at_structure, const std::vector<T>& x, std::vector<T>& y) const;
 
-  /// y -= R x.
-  void subtract_answer(const std::vector<int>& at_structure, const std::vector<double>& x, std::vector<double>& y) const;
+  /// y -= what the rows of the divergence, scaled as those of the equation, count of the motion under pressures x beyond p^ and the weight
+  /// of the fluid between: d_ia in place of c_ia on the left.
+  void subtract_motion(const std::vector<double>& reference_pressure, const Boundary<D>& boundary, const std::vector<int>& at_structure,
+                       const std::vector<double>& x, std::vector<double>& y) const;
 
   /// source += what p^ and the weight of the fluid between particles and faces put on the right-hand side.
   void add_source(const std::vector<double>& reference_pressure, const Boundary<D>& boundary, const std::vector<int>& at_structure,
@@ -64,12 +72,15 @@ class YieldingSurface {
   }
 
  private:
-  /// Motion of the lumps under pressures x, over all ranks: rho/m_a sum_j c_ja x_j.
+  /// Sets the motion of the lumps, rho/dt times their velocity, to that of p^ less what the weight of the fluid between does.
+  void set_carried_motion(const std::vector<double>& reference_pressure, const Boundary<D>& boundary) const;
+  /// Adds `factor` times that under pressures x.
   template <class T>
-  void push(const std::vector<int>& at_structure, const std::vector<T>& x) const;
-  void sum_motion() const;
+  void push(double factor, const std::vector<int>& at_structure, const std::vector<T>& x) const;
+  void sum_motion() const;  ///< over all ranks
+  /// y_i += sum_a vector_ia . motion_a
   template <class T>
-  void spread(const std::vector<int>& at_structure, std::vector<T>& y) const;
+  void spread(const UninitialisedVector<Vector<D>>& vector, const std::vector<int>& at_structure, std::vector<T>& y) const;
 
   Ranks ranks_;
   SurfaceResponse response_;
@@ -78,6 +89,7 @@ class YieldingSurface {
   std::vector<int> count_;                  ///< of its entries
   UninitialisedVector<int> lump_;           ///< of each entry
   UninitialisedVector<Vector<D>> vector_;   ///< c_ia
+  UninitialisedVector<Vector<D>> counted_;  ///< d_ia
   UninitialisedVector<Vector<D>> between_;  ///< the same sum with the weight of the fluid between, p in Pa
   std::vector<std::ptrdiff_t> first_;       ///< of each lump in the two that follow
   std::vector<int> row_;                    ///< m

@@ -136,9 +136,61 @@ TEST(YieldingSurface, GivesWayToWhatPushesItAltogether) {
     }
     EXPECT_GT(largest, 0);
     EXPECT_LT(error, 1e-12 * largest);
-    surface.subtract_answer(at_structure, x, answer);
-    for (const int i : at_structure) EXPECT_NEAR(answer[i], 0, 1e-12 * largest);
   }
+}
+
+// The particles before one face fill more of its half space than those before the other. A level of the pressure pushes lumps as its loads
+// do, which cancel; of the motion the rows count what the particles fill.
+// Seen to fail: with half of what makes the sums up in the force and half in the motion (0.02 of the push of one face).
+TEST(YieldingSurface, IsPushedAsByLoadsAndCountedByWhatParticlesFill) {
+  Fluid<2> fluid = waters(length, length);
+  Surface<2> surface = plate();
+  for (Vector<2>& x : surface.position)
+    if (x[0] < 0) x[0] -= 0.2 * dx;  // towards the water
+  fluid.begin_window(0, to_ticks(dt));
+  fluid.see_surface(surface);
+  const Boundary<2>& boundary = fluid.boundary();
+  std::vector<int> at_structure;
+  for (std::size_t i = 0; i < fluid.state().size(); ++i)
+    if (boundary.sees_structure(static_cast<std::ptrdiff_t>(i))) at_structure.push_back(static_cast<int>(i));
+  Prediction<2> prediction;
+  prediction.position = fluid.state().position;
+  prediction.gravity.assign(fluid.state().size(), Vector<2>::Zero());
+  YieldingSurface<2> yielding;
+  yielding.assemble(fluid.constants(), {}, response(Yields::by_sections, surface), boundary, fluid.state().particle_class, prediction,
+                    at_structure);
+  double uneven = 0, pushed = 0, one_face = 0;
+  std::vector<double> filled(surface.position.size(), 0), x(fluid.state().size(), 0), counted = x, expected = x;
+  for (std::size_t a = 0; a < yielding.lumps(); ++a) {
+    if (surface.position[a][1] > length - 3 * dx) continue;  // less is wet at the end
+    Vector<2> sum = Vector<2>::Zero();
+    yielding.for_rows(a, [&](int, const Vector<2>& c) { sum += c; });
+    pushed = std::max(pushed, sum.norm());
+    one_face = std::max(one_face, surface.area[a]);
+  }
+  for (std::size_t m = 0; m < at_structure.size(); ++m) x[at_structure[m]] = std::sin(3.7 * static_cast<double>(m * m));
+  const FaceRows& rows = boundary.surface_rows;
+  const auto visit_faces = [&](int i, const auto& visit) {
+    for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry)
+      visit(rows.face[entry], 2 * fluid.constants().volume * rows.weight[entry]);
+  };
+  for (const int i : at_structure) visit_faces(i, [&](int k, double weight) { filled[k] += weight / surface.area[k]; });
+  for (std::size_t k = 0; k < filled.size() / 2; ++k) uneven = std::max(uneven, std::abs(filled[k] - filled[k + filled.size() / 2]));
+  std::vector<Vector<2>> motion(yielding.lumps(), Vector<2>::Zero());
+  for (std::size_t a = 0; a < yielding.lumps(); ++a)
+    yielding.for_rows(a, [&](int m, const Vector<2>& c) { motion[a] += yielding.scale(a) * x[at_structure[m]] * c; });
+  for (const int i : at_structure)
+    visit_faces(i, [&](int k, double weight) { expected[i] += weight * surface.normal[k].dot(motion[k % yielding.lumps()]); });
+  yielding.subtract_motion(std::vector<double>(surface.position.size(), 0), boundary, at_structure, x, counted);
+  double error = 0, largest = 0;
+  for (const int i : at_structure) {
+    error = std::max(error, std::abs(counted[i] - expected[i]));
+    largest = std::max(largest, std::abs(expected[i]));
+  }
+  std::printf("[ filled apart by %.2f, push %.1e of that of one face, counted within %.1e ]\n", uneven, pushed / one_face, error / largest);
+  EXPECT_GT(uneven, 0.02);
+  EXPECT_LT(pushed, 1e-12 * one_face);
+  EXPECT_LT(error, 1e-12 * largest);
 }
 
 /// A window with this force on each particle at the plate, `times` times.
