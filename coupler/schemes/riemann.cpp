@@ -26,8 +26,9 @@ void add_dissipation(const Setup<D>& setup, Workspace<D>& window, Evaluations& e
   for (const auto& pair : pairs) {
     const Vector<D>& n = window.surface.normal[pair.point];
     const double approach = (window.surface.velocity[pair.point] - window.particles.velocity[pair.particle]).dot(n);
-    const double mean_density = 0.5 * (setup.density + setup.body_density[setup.properties.body[pair.point]]);
-    const double pressure = riemann_pressure(setup.coupling.riemann_limiter, mean_density, sound_speed, approach);
+    const double body = setup.body_density[setup.properties.body[pair.point]];
+    const double mean = mean_density(setup.density, body);
+    const double pressure = riemann_pressure(setup.coupling.riemann_limiter, mean, sound_speed, approach);
     if (pressure == 0) continue;
     add_pair_force(pair, Vector<D>(pressure * pair.b), window.load, window.condition.force);
     window.audit.riemann_dissipation += pressure * -pair.b.dot(n) * approach * window.duration;
