@@ -12,7 +12,8 @@
 namespace tern {
 namespace {
 
-constexpr double round_off = 1e-6;  // in spacings: sides given in decimal are whole multiples only to round-off
+constexpr double along_coordinates = 1e-6;  ///< rad
+constexpr double round_off = 1e-6;          // in spacings: sides given in decimal are whole multiples only to round-off
 
 /// Of a product: `across` and `along` are the signed distances to two sets whose boundaries are at right angles.
 double distance_to_product(double across, double along) {
@@ -347,13 +348,56 @@ long same_side(double off_level, double step) {
   return static_cast<long>(std::min(most, std::max(0.0, std::ceil(std::abs(off_level) / step - round_off) - 1)));
 }
 
-/// Points of a lattice with these steps from the corner of the bounding box, inside the shape.
+/// Bounds of the shape in the directions of these axes.
 template <int D>
-LatticePoints<D> fill(const Shape& shape, const Vector<D>& step, double spacing) {
-  const Bounds<D> bounds = bounding_box<D>(shape);
+Bounds<D> bounds_along(const Shape& shape, const Matrix<D>& axes) {
+  if (axes == Matrix<D>::Identity()) return bounding_box<D>(shape);
+  Bounds<D> bounds;
+  bounds.min.setConstant(std::numeric_limits<double>::max());
+  bounds.max = -bounds.min;
+  const auto add = [&](const Vector<D>& x, const Vector<D>& margin) {
+    const Vector<D> along = axes.transpose() * x;
+    bounds.min = bounds.min.cwiseMin(along - margin);
+    bounds.max = bounds.max.cwiseMax(along + margin);
+  };
+  if constexpr (D == 3)
+    if (shape.kind == Shape::Kind::plate) {
+      for (const auto& corner : shape.corners)
+        add({corner[0], corner[1], corner[2]},
+            0.5 * shape.thickness * (axes.transpose() * Vector<3>(shape.axes[2][0], shape.axes[2][1], shape.axes[2][2])).cwiseAbs());
+      return bounds;
+    }
+  if constexpr (D == 2)
+    if (shape.kind == Shape::Kind::polygon || shape.kind == Shape::Kind::line) {
+      const double margin = shape.kind == Shape::Kind::line ? 0.5 * shape.thickness : 0;
+      for (const auto& vertex : shape.vertices) add({vertex[0], vertex[1]}, Vector<2>::Constant(margin));
+      return bounds;
+    }
+  if (shape.kind == Shape::Kind::difference) return bounds_along<D>(shape.parts.front(), axes);
+  if (shape.kind == Shape::Kind::union_of) {
+    for (const Shape& part : shape.parts) {
+      const Bounds<D> of_part = bounds_along<D>(part, axes);
+      bounds.min = bounds.min.cwiseMin(of_part.min);
+      bounds.max = bounds.max.cwiseMax(of_part.max);
+    }
+    return bounds;
+  }
+  const Bounds<D> box = bounding_box<D>(shape);
+  const Vector<D> half = 0.5 * (box.max - box.min);
+  if (shape.kind == Shape::Kind::ball)
+    add(box.min + half, half);
+  else
+    add(box.min + half, axes.cwiseAbs().transpose() * half);
+  return bounds;
+}
+
+/// Points of a lattice along these axes, with these steps from the lowest place of the shape in their directions, inside the shape.
+template <int D>
+LatticePoints<D> fill(const Shape& shape, const Vector<D>& step, double spacing, const Matrix<D>& axes = Matrix<D>::Identity()) {
+  const Bounds<D> bounds = bounds_along<D>(shape, axes);
   std::array<long, 3> count{1, 1, 1};
   for (int d = 0; d < D; ++d) count[d] = cells_in(bounds.max[d] - bounds.min[d], step[d]);
-  LatticePoints<D> points(bounds.min, step);
+  LatticePoints<D> points(bounds.min, step, axes);
   for (long k = 0; k < count[2]; ++k) {
     for (long j = 0; j < count[1]; ++j) {
       typename LatticePoints<D>::Run run{{0, j, k}, 0};
@@ -384,8 +428,34 @@ const Shape* box_of(const Shape& shape) {
 }  // namespace
 
 template <int D>
+Matrix<D> lattice_axes(const Shape& shape) {
+  if (shape.kind == Shape::Kind::union_of || shape.kind == Shape::Kind::difference) return lattice_axes<D>(shape.parts.front());
+  Matrix<D> axes = Matrix<D>::Identity();
+  if constexpr (D == 2) {
+    if (shape.kind != Shape::Kind::polygon && shape.kind != Shape::Kind::line) return axes;
+    const std::size_t count = shape.vertices.size(), open = shape.kind == Shape::Kind::line && !shape.closed ? 1 : 0;
+    Vector<2> longest = Vector<2>::Zero();
+    for (std::size_t i = 0; i + open < count; ++i) {
+      const auto &a = shape.vertices[i], &b = shape.vertices[(i + 1) % count];
+      const Vector<2> side(b[0] - a[0], b[1] - a[1]);
+      if (side.norm() > longest.norm() * (1 + round_off)) longest = side;
+    }
+    constexpr double quarter = 0.25 * Shape::whole_turn;
+    const double angle = std::remainder(std::atan2(longest[1], longest[0]), quarter);  // the nearest to the coordinates
+    if (std::abs(angle) > along_coordinates) axes << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
+  } else {
+    if (shape.kind != Shape::Kind::plate) return axes;
+    for (int a = 0; a < 3; ++a)
+      for (int d = 0; d < 3; ++d) axes(d, a) = shape.axes[a][d];
+    // Close to a permutation of the coordinates all rows and columns have one number that is not small.
+    if ((axes.cwiseAbs().array() > along_coordinates).count() == 3 || axes.isZero()) axes.setIdentity();
+  }
+  return axes;
+}
+
+template <int D>
 LatticePoints<D> fill_lattice(const Shape& shape, double spacing) {
-  return fill<D>(shape, Vector<D>::Constant(spacing), spacing);
+  return fill<D>(shape, Vector<D>::Constant(spacing), spacing, lattice_axes<D>(shape));
 }
 
 template <int D>
@@ -456,6 +526,7 @@ double thickness(const Shape& shape, const Vector<D>& x, const Vector<D>& normal
 template double signed_distance<2>(const Shape&, const Vector<2>&);
 template Bounds<2> bounding_box<2>(const Shape&);
 template bool contains<2>(const Shape&, const Vector<2>&);
+template Matrix<2> lattice_axes<2>(const Shape&);
 template LatticePoints<2> fill_lattice<2>(const Shape&, double);
 template LatticePoints<2> fill_with_fluid<2>(const Shape&, double);
 template std::optional<Vector<2>> first_inside<2>(const LatticePoints<2>&, const Shape&, double);
@@ -464,6 +535,7 @@ template double thickness<2>(const Shape&, const Vector<2>&, const Vector<2>&);
 template double signed_distance<3>(const Shape&, const Vector<3>&);
 template Bounds<3> bounding_box<3>(const Shape&);
 template bool contains<3>(const Shape&, const Vector<3>&);
+template Matrix<3> lattice_axes<3>(const Shape&);
 template LatticePoints<3> fill_lattice<3>(const Shape&, double);
 template LatticePoints<3> fill_with_fluid<3>(const Shape&, double);
 template std::optional<Vector<3>> first_inside<3>(const LatticePoints<3>&, const Shape&, double);

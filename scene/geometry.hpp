@@ -62,8 +62,15 @@ bool contains(const Shape& shape, const Vector<D>& x);
 template <int D>
 Bounds<D> bounding_box(const Shape& shape);
 
-/// Points of a lattice inside a shape, kept as runs along x: as much memory as there are rows, however many points. Points off the lattice
-/// are runs of one.
+/// Along which the lattice of an elastic body goes: the columns are unit vectors. A lattice that cuts a face askew leaves teeth on it,
+/// which bear next to nothing: a beam four particles across, turned by 17 degrees, would bend by 38 % too much. So it goes along the
+/// longest side of a polygon or line and along the axes of a plate; that of a union or difference as of its first part; else along the
+/// coordinates.
+template <int D>
+Matrix<D> lattice_axes(const Shape& shape);
+
+/// Points of a lattice inside a shape, kept as runs along its first axis: as much memory as there are rows, however many points. Points off
+/// the lattice are runs of one.
 template <int D>
 class LatticePoints {
  public:
@@ -106,7 +113,9 @@ class LatticePoints {
     Vector<D> x_;
   };
 
-  LatticePoints(const Vector<D>& corner, const Vector<D>& step) : corner_(corner), step_(step) {}
+  /// `corner`: in the directions of the axes, as lattice_axes() has them.
+  LatticePoints(const Vector<D>& corner, const Vector<D>& step, const Matrix<D>& axes = Matrix<D>::Identity())
+      : corner_(corner), step_(step), axes_(axes), is_turned_(axes != Matrix<D>::Identity()) {}
   void add(const Run& run) {
     runs_.push_back(run);
     size_ += static_cast<std::size_t>(run.count);
@@ -124,23 +133,27 @@ class LatticePoints {
   Iterator end() const { return {this, runs_.size()}; }
   const std::vector<Run>& runs() const { return runs_; }
   const Vector<D>& step() const { return step_; }
+  bool is_turned() const { return is_turned_; }  ///< its runs are along no coordinate
   /// A point of a run, counted from its first.
   Vector<D> at(const Run& run, long in_run) const {
     if (run.off_lattice >= 0) return off_lattice_[run.off_lattice];
     Vector<D> x;
     for (int d = 0; d < D; ++d) x[d] = corner_[d] + (static_cast<double>(run.index[d] + (d == 0 ? in_run : 0)) + 0.5) * step_[d];
+    if (is_turned_) x = axes_ * x;
     return x;
   }
 
  private:
   Vector<D> corner_, step_;
+  Matrix<D> axes_;
+  bool is_turned_;
   std::vector<Run> runs_;
   std::vector<Vector<D>> off_lattice_;
   std::size_t size_ = 0;
 };
 
-/// Lattice points x = bounding_box.min + (k + 1/2) spacing inside the shape, x running fastest. The lattice of a box
-/// whose sides are whole multiples of the spacing fills it exactly (tolerance 1e-6 spacing).
+/// Points of a lattice along lattice_axes(), (k + 1/2) spacing from the lowest place of the shape in each direction, inside it; the first
+/// direction runs fastest. It fills a box or a rectangle whose sides are whole multiples of the spacing exactly (tolerance 1e-6 spacing).
 template <int D>
 LatticePoints<D> fill_lattice(const Shape& shape, double spacing);
 

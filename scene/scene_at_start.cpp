@@ -30,10 +30,14 @@ json row(const Vector<D>& first, long count) {
   return result;
 }
 
+/// Rows are along x: points of a turned lattice are rows of one.
 template <int D>
 json rows(const LatticePoints<D>& points) {
   json result = json::array();
-  for (const auto& run : points.runs()) result.push_back(row<D>(points.at(run, 0), run.count));
+  for (const auto& run : points.runs()) {
+    const long length = points.is_turned() ? 1 : run.count;
+    for (long i = 0; i < run.count; i += length) result.push_back(row<D>(points.at(run, i), length));
+  }
   return result;
 }
 
@@ -43,11 +47,12 @@ json marked_rows(const LatticePoints<D>& points, const std::vector<bool>& is_mar
   json result = json::array();
   std::size_t first = 0;  // point of the run
   for (const auto& run : points.runs()) {
-    long begin = 0;
-    for (long i = 0; i <= run.count; ++i) {
-      if (i < run.count && is_marked[first + static_cast<std::size_t>(i)]) continue;
-      if (i > begin) result.push_back(row<D>(points.at(run, begin), i - begin));
-      begin = i + 1;
+    const auto is_on = [&](long i) { return i < run.count && is_marked[first + static_cast<std::size_t>(i)]; };
+    for (long i = 0; i < run.count; ++i) {
+      if (!is_on(i)) continue;
+      const long begin = i;
+      while (!points.is_turned() && is_on(i + 1)) ++i;
+      result.push_back(row<D>(points.at(run, begin), i + 1 - begin));
     }
     first += static_cast<std::size_t>(run.count);
   }

@@ -36,6 +36,7 @@ constexpr Content face = 2;
 template <int D>
 struct Lattice {
   std::array<int, D> size{};
+  Matrix<D> axes;
   std::vector<std::int32_t> row;       // per cell, no_row where empty
   std::vector<Content> content;        // per cell
   std::vector<std::uint32_t> pattern;  // per cell: which neighbours it has, an index into the derivative vectors
@@ -84,18 +85,21 @@ std::vector<Cell<D>> offsets_within(double support) {
   return offsets;
 }
 
-/// Cells of the particles, counted from the lowest one.
+/// Cells of the particles, counted from the lowest one along each axis of the lattice; sets its size.
 template <int D>
-std::vector<Cell<D>> cells_of(const std::vector<Vector<D>>& points, double spacing, std::array<int, D>& size) {
-  Vector<D> lowest = points.front();
-  for (const auto& x : points) lowest = lowest.cwiseMin(x);
+std::vector<Cell<D>> cells_of(const std::vector<Vector<D>>& points, double spacing, Lattice<D>& lattice) {
+  const auto along = [&](const Vector<D>& x) { return Vector<D>(lattice.axes.transpose() * x); };
+  Vector<D> lowest = along(points.front());
+  for (const auto& x : points) lowest = lowest.cwiseMin(along(x));
   std::vector<Cell<D>> cells(points.size());
-  size.fill(0);
-  for (std::size_t n = 0; n < points.size(); ++n)
+  lattice.size.fill(0);
+  for (std::size_t n = 0; n < points.size(); ++n) {
+    const Vector<D> x = along(points[n]);
     for (int a = 0; a < D; ++a) {
-      cells[n][a] = static_cast<int>(std::lround((points[n][a] - lowest[a]) / spacing));
-      size[a] = std::max(size[a], cells[n][a] + 1);
+      cells[n][a] = static_cast<int>(std::lround((x[a] - lowest[a]) / spacing));
+      lattice.size[a] = std::max(lattice.size[a], cells[n][a] + 1);
     }
+  }
   return cells;
 }
 
@@ -129,7 +133,7 @@ std::int32_t number_rows(const std::vector<Cell<D>>& cells, std::int32_t next_ro
   return next_row;
 }
 
-/// Shift of a cell's particle from the middle of the cell, in spacings.
+/// Shift of a cell's particle from the middle of the cell along the axes of the lattice, in spacings.
 template <int D>
 Vector<D> shift_of(Content content) {
   Vector<D> shift = Vector<D>::Zero();
@@ -176,7 +180,7 @@ template <int D>
 Vector<D> offset_between(const Lattice<D>& lattice, const Cell<D>& cell, const Cell<D>& offset, double spacing) {
   Vector<D> x = shift_of<D>(lattice.content_of(shifted<D>(cell, offset))) - shift_of<D>(lattice.content_of(cell));
   for (int a = 0; a < D; ++a) x[a] += offset[a];
-  return spacing * x;
+  return spacing * (lattice.axes * x);
 }
 
 template <int D>
@@ -438,7 +442,8 @@ Reference<D> build_reference(const StructureCase& structure) {
                       input.name, input.spacing));
     body.count = filled.size();
     Lattice<D>& lattice = lattices[reference.bodies.size()];
-    cells.push_back(cells_of<D>(filled, input.spacing, lattice.size));
+    lattice.axes = lattice_axes<D>(input.shape);
+    cells.push_back(cells_of<D>(filled, input.spacing, lattice));
     first_row.push_back(next_row);
     next_row = number_rows<D>(cells.back(), next_row, lattice);
     for (const auto& cell : cells.back()) {
@@ -492,7 +497,7 @@ Reference<D> build_reference(const StructureCase& structure) {
     if (cells[b].empty()) continue;  // a shell
     place_faces<D>(cells[b], reference, lattices[b]);
     for (const auto& cell : cells[b]) {
-      const Vector<D> shift = reference.bodies[b].spacing * shift_of<D>(lattices[b].content_of(cell));
+      const Vector<D> shift = reference.bodies[b].spacing * (lattices[b].axes * shift_of<D>(lattices[b].content_of(cell)));
       for (int a = 0; a < D; ++a) reference.position[a][lattices[b].row[lattices[b].index(cell)]] += shift[a];
     }
     add_blocks<D>(cells[b], structure.numerics, b, first_row[b], first_row[b + 1], lattices[b], store, reference);

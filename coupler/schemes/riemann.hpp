@@ -8,9 +8,9 @@
 
 namespace tern::coupler {
 
-/// Of two sides with the same sound speed, as the waves from their contact have it: 2 Z_1 Z_2/(Z_1 + Z_2) of their impedances rho c. Beside
-/// a heavy side it is at most twice the density of the light one, whose particles the force stops: the arithmetic mean, as in the seed paper,
-/// would throw those of a gas back.
+/// Of two sides with the same sound speed, as the waves from their contact have it: 2 Z_1 Z_2/(Z_1 + Z_2) of their impedances rho c.
+/// Beside a heavy side it is at most twice the density of the light one, whose particles the force stops. The arithmetic mean, as in the
+/// seed paper, would throw those of a gas back.
 inline double mean_density(double one, double other) { return 2 * one * other / (one + other); }
 
 /// [Pa]. `approach` > 0: the sides move towards each other [m/s]; density: mean of both sides [kg/m^3]; sound speed [m/s].

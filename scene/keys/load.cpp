@@ -30,7 +30,8 @@ const Rows<LoadCase>& load_rows() {
       {"name", &LoadCase::name, "", required, any, "Name of the load in messages; unique."},
       {"body", &LoadCase::body, "", required, any, "The elastic body it acts on."},
       {"region", &LoadCase::region, "", absent, any,
-       "Part of the undeformed body that is loaded; of a traction or pressure, the surface inside it. Absent = the whole."},
+       "Part of the undeformed body that is loaded: of a body force, of every particle's cell as much as is inside; of a traction or "
+       "pressure, the surface inside, patch by patch. Absent = the whole."},
       {"traction", vector_load(LoadCase::Kind::traction), "Pa", absent, a_stress, "Force per undeformed area; it keeps its direction."},
       {"pressure", pressure(), "Pa", absent, a_stress, "Pressure on the present surface; it turns and stretches with it."},
       {"body_force", vector_load(LoadCase::Kind::body_force), "N/m^3", absent, a_body_force, "Force per undeformed volume."},

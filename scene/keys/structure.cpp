@@ -44,7 +44,8 @@ const Rows<StructureBody>& body_rows() {
       {"material", one_of(&StructureBody::material, structure::material_keys()), "", "\"neo_hookean\"", any,
        "Law of the material: " + material_meanings() + "."},
       {"model", one_of(&StructureBody::is_shell, {{"solid", false}, {"shell", true}}), "", absent, any,
-       "solid (absent): particles fill the shape. shell: one layer of particles on the mid-surface of a box, whose shortest side is the "
+       "solid (absent): particles fill the shape, in lines along the longest side of a polygon or line, the axes of a plate, else along "
+       "the coordinates. shell: one layer of particles on the mid-surface of a box, whose shortest side is the "
        "thickness, of a ring or a line (2D), of a plate, a tube or a ball less a smaller one about its centre (3D). Clamps hold whole "
        "edges, those of a box are boxes, those of a plate reach into it by less than its thickness; a ball has none. Shells must "
        "not touch: there are no joints. It bends without transverse shear, so it has to be thin: 30 thicknesses between two "

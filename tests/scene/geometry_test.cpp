@@ -204,6 +204,30 @@ TEST(Lattice, FillsABoxOfWholeMultiplesExactly) {
   EXPECT_EQ(fill_lattice<3>(box({0, 0, 0}, {0.3, 0.2, 0.1}), 0.1).size(), 6u);
 }
 
+// Seen to fail: with the lattice along the coordinates (83 points).
+TEST(Lattice, GoesAlongTheLongestSideOfAPolygonAndTheAxesOfAPlate) {
+  const double c = std::cos(0.3), s = std::sin(0.3);
+  const Shape turned = polygon({{1, 2}, {1 + c, 2 + s}, {1 + c - 0.2 * s, 2 + s + 0.2 * c}, {1 - 0.2 * s, 2 + 0.2 * c}});
+  const Matrix<2> axes = lattice_axes<2>(turned);
+  EXPECT_LT((axes - (Matrix<2>() << c, -s, s, c).finished()).norm(), 1e-12);
+  const Shape with_hole = combine(difference, {turned, ball({1.4, 2.2}, 0.01)});  // between the points
+  for (const Shape& shape : {turned, with_hole}) {
+    const auto lattice = fill_lattice<2>(shape, 0.05);
+    EXPECT_EQ(lattice.size(), 80u);
+    EXPECT_TRUE(lattice.is_turned());
+    for (const Vector<2>& x : lattice) {
+      const Vector<2> from_corner = axes.transpose() * (x - Vector<2>(1, 2)) / 0.05;
+      for (int a = 0; a < 2; ++a) EXPECT_NEAR(from_corner[a] - std::floor(from_corner[a]), 0.5, 1e-9);
+    }
+  }
+  EXPECT_EQ(lattice_axes<2>(polygon({{0, 0}, {0.2, 0}, {0.2, 1}, {0, 1}})), Matrix<2>::Identity());
+  EXPECT_EQ(lattice_axes<2>(ball({0, 0}, 1)), Matrix<2>::Identity());
+  const Shape sheet = plate_shape({{0, 0, 0}, {0.8 * c, 0, 0.8 * s}, {0.8 * c, 0.6, 0.8 * s}, {0, 0.6, 0}}, 0.2);
+  EXPECT_EQ(fill_lattice<3>(sheet, 0.1).size(), 8u * 6 * 2);
+  EXPECT_TRUE(fill_lattice<3>(sheet, 0.1).is_turned());
+  EXPECT_EQ(lattice_axes<3>(plate_shape({{0, 0, 0}, {0, 0, 2}, {0, 1, 2}, {0, 1, 0}}, 0.2)), Matrix<3>::Identity());
+}
+
 TEST(Lattice, HoldsThePointsThatASearchOfAllFinds) {
   const Shape hole = combine(difference, {box({0, 0}, {10, 7}), ball({4, 3}, 2.3), box({6.2, 1}, {7.1, 9})});
   const Shape shape = combine(union_of, {hole, ball({12, 4}, 1.7), ball({4.3, 3.1}, 0.4)});
