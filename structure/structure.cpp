@@ -69,6 +69,9 @@ struct Structure<D>::Parts {
     const std::vector<double> stable = stable_steps_at_rest(reference);
     for (std::size_t b = 0; b < stable.size(); ++b) reference.bodies[b].stable_step_at_rest = stable[b];
     damp_shells(reference, scene.structure->numerics.riemann_diffusion);
+    // A clamp that moves from the start on does so in the forces of the start as well: the diffusion asks how fast.
+    if (const double soon = stable.empty() ? 0 : *std::min_element(stable.begin(), stable.end()); soon > 0)
+      aim_clamps(reference, soon, soon, state, work);
     all_forces();
   }
 
