@@ -369,8 +369,7 @@ class PlacementCheck {
     if (across == 0) return;
     const auto softer = [](double particles) { return std::pow(1 - 2 * lost_at_teeth / particles, -3) - 1; };
     if (softer(across) < said_softness) return;
-    constexpr double fine = 2 * lost_at_teeth / 0.0161;  // softer(fine) = said_softness
-    static_assert(fine > 24.8 && fine < 25);
+    const double fine = 2 * lost_at_teeth / (1 - std::cbrt(1 / (1 + said_softness)));  // softer(fine) = said_softness
     scene_.warnings.push_back(fmt::format(
         "{}: the particles of the elastic body '{}' lie along straight lines, which its thin part, {:.3g} particles across, does not: it "
         "may bend as much as {:.2g} % too far. As a shell (model = \"shell\"), where its shape allows that, it has no such error; as a "

@@ -204,7 +204,7 @@ TEST(Lattice, FillsABoxOfWholeMultiplesExactly) {
   EXPECT_EQ(fill_lattice<3>(box({0, 0, 0}, {0.3, 0.2, 0.1}), 0.1).size(), 6u);
 }
 
-// Seen to fail: with the lattice along the coordinates (83 points).
+// Seen to fail: with the lattice along the coordinates.
 TEST(Lattice, GoesAlongTheLongestSideOfAPolygonAndTheAxesOfAPlate) {
   const double c = std::cos(0.3), s = std::sin(0.3);
   const Shape turned = polygon({{1, 2}, {1 + c, 2 + s}, {1 + c - 0.2 * s, 2 + s + 0.2 * c}, {1 - 0.2 * s, 2 + 0.2 * c}});

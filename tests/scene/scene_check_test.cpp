@@ -243,7 +243,7 @@ TEST_F(CaseFile, TakesTheThicknessOfABodyToTheDigitsThatItShows) {
 }
 
 // A part of a ring, whose lattice goes along the coordinates, four and thirty particles across. A slanting rectangle has a lattice of its
-// own, and a disc does not bend. Seen to fail: without look_at_teeth(); with the lattice of a polygon along the coordinates.
+// own, and a disc does not bend. Seen to fail: with the lattice of a polygon along the coordinates.
 TEST_F(CaseFile, WarnsOfAThinPartThatItsLatticeCutsAskew) {
   const auto body = [](const std::string& shape, const std::string& spacing) {
     return "title = \"bend\"\ndimension = 2\nend_time = 1\ngravity = [0, 0]\n[[structure.body]]\nname = \"beam\"\nshape = { " + shape +
