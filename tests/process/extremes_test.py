@@ -29,12 +29,13 @@ EXPECTED = {
     "plate under water, Poisson's ratio 0.49999": ("bounded", ""),
     "plate of 20 mm, 1 across, both faces wet": ("stopped", "needs at least 2"),
     "structure over fluid 0.25, 20 mm, both faces wet": ("bounded", ""),
-    "column that breaks, courant 0.6": ("stopped", "from 0 (excluded) to 0.5"),
+    "column that breaks, courant 0.6": ("stopped", r"from 0 \(excluded\) to 0\.5"),
     "plate, pressure solved to 1e-2": ("bounded", ""),
     "full tank with a plate in it, density ratio 1": ("bounded", ""),
     "drop at 10 m/s on a pool": ("bounded", ""),
     "neo_hookean squeezed to 0.3 of its height": ("stopped", "passed through each other"),
-    "st_venant_kirchhoff squeezed to 0.1 of its height": ("stopped", "J = det F"),
+    # Which of the two the collapsing column shows first is round-off: it is symmetric, and another processor breaks it elsewhere.
+    "st_venant_kirchhoff squeezed to 0.1 of its height": ("stopped", "J = det F|passed through each other"),
     "water at rest without gravity": ("bounded", ""),
     "floor under water at rest for 20 sqrt(H/g)": ("bounded", ""),
     "structure over fluid 4, four across, one face wet": ("bounded", ""),
@@ -58,7 +59,7 @@ class QuickMapTest(unittest.TestCase):
         found = {name: row["class"] for name, row in rows.items()}
         self.assertEqual(found, {name: expected for name, (expected, _) in EXPECTED.items()}, answer.stdout)
         for name, (_, part) in EXPECTED.items():
-            self.assertIn(part, rows[name]["message"])
+            self.assertRegex(rows[name]["message"], part)
         self.assertEqual(answer.returncode, 0, answer.stdout + answer.stderr)
         self.assertEqual(answer.stderr, "")
 
