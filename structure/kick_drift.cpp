@@ -42,12 +42,12 @@ void kick(const Reference<D>& reference, const Workspace<D>& work, double dt, St
 }
 
 template <int D>
-void aim_clamps(const Reference<D>& reference, double end, double dt, State<D>& state, Workspace<D>& work) {
+void aim_clamps(const Reference<D>& reference, double end, double dt, State<D>& state) {
   for (std::size_t c = 0; c < reference.clamps.size(); ++c) {
     const Clamp& clamp = reference.clamps[c];
     if (!clamp.motion) continue;
     const auto place = placement<D>(*clamp.motion, end);
-    work.clamp_spin[c] = (place.angle - state.clamp_angle[c]) / dt;
+    state.clamp_spin[c] = (place.angle - state.clamp_angle[c]) / dt;
     for (const auto row : clamp.row) {
       const Vector<D> x = reference.position_of(row), d = place(x) - x;
       for (int a = 0; a < D; ++a) state.velocity[a][row] = (d[a] - state.displacement[a][row]) / dt;
@@ -56,7 +56,7 @@ void aim_clamps(const Reference<D>& reference, double end, double dt, State<D>& 
 }
 
 template <int D>
-void drift(const Reference<D>& reference, const Workspace<D>& work, double dt, State<D>& state) {
+void drift(const Reference<D>& reference, double dt, State<D>& state) {
   for_each_block(static_cast<std::ptrdiff_t>(reference.blocks.size()), [&](std::ptrdiff_t n) {
     const std::ptrdiff_t i = reference.blocks[n].row;
     for (int a = 0; a < D; ++a) {
@@ -64,7 +64,7 @@ void drift(const Reference<D>& reference, const Workspace<D>& work, double dt, S
       store(d, load(d) + dt * load(state.velocity[a].data() + i));
     }
   });
-  for (std::size_t c = 0; c < state.clamp_angle.size(); ++c) state.clamp_angle[c] += dt * work.clamp_spin[c];
+  for (std::size_t c = 0; c < state.clamp_angle.size(); ++c) state.clamp_angle[c] += dt * state.clamp_spin[c];
 }
 
 template <int D>
@@ -82,9 +82,9 @@ template double clamp_power<2>(const Reference<2>&, const State<2>&, const Works
 template double clamp_power<3>(const Reference<3>&, const State<3>&, const Workspace<3>&);
 template void kick<2>(const Reference<2>&, const Workspace<2>&, double, State<2>&);
 template void kick<3>(const Reference<3>&, const Workspace<3>&, double, State<3>&);
-template void aim_clamps<2>(const Reference<2>&, double, double, State<2>&, Workspace<2>&);
-template void aim_clamps<3>(const Reference<3>&, double, double, State<3>&, Workspace<3>&);
-template void drift<2>(const Reference<2>&, const Workspace<2>&, double, State<2>&);
-template void drift<3>(const Reference<3>&, const Workspace<3>&, double, State<3>&);
+template void aim_clamps<2>(const Reference<2>&, double, double, State<2>&);
+template void aim_clamps<3>(const Reference<3>&, double, double, State<3>&);
+template void drift<2>(const Reference<2>&, double, State<2>&);
+template void drift<3>(const Reference<3>&, double, State<3>&);
 
 }  // namespace tern::structure

@@ -14,76 +14,13 @@
 #include "scene/geometry.hpp"
 #include "scene/mid_surface.hpp"
 #include "sph/kernel.hpp"
+#include "structure/clamp_balance.hpp"
 #include "structure/gradient_vectors.hpp"
+#include "structure/lattice.hpp"
 #include "structure/shell/shell_body.hpp"
 
 namespace tern::structure {
 namespace {
-
-template <int D>
-using Cell = std::array<int, D>;
-
-constexpr std::int32_t no_row = -1;
-
-/// What a cell of the lattice holds. From `face` on: a particle on the face of a clamp, plus three to the power of the
-/// axis times its shift along the axis (0, 1, 2 for -1/2, 0, 1/2 spacings).
-using Content = std::uint16_t;
-constexpr Content hidden = 0;  // nothing, or a particle inside a clamp
-constexpr Content free_particle = 1;
-constexpr Content face = 2;
-
-/// The lattice of one body: where each cell went.
-template <int D>
-struct Lattice {
-  std::array<int, D> size{};
-  Matrix<D> axes;
-  std::vector<std::int32_t> row;       // per cell, no_row where empty
-  std::vector<Content> content;        // per cell
-  std::vector<std::uint32_t> pattern;  // per cell: which neighbours it has, an index into the derivative vectors
-
-  /// Lines run along the longest side.
-  int line_direction() const { return static_cast<int>(std::max_element(size.begin(), size.end()) - size.begin()); }
-
-  Content content_of(const Cell<D>& cell) const {
-    const auto n = index(cell);
-    return n < 0 ? hidden : content[n];
-  }
-
-  /// -1 outside.
-  std::ptrdiff_t index(const Cell<D>& cell) const {
-    std::ptrdiff_t n = 0;
-    for (int a = D - 1; a >= 0; --a) {
-      if (cell[a] < 0 || cell[a] >= size[a]) return -1;
-      n = n * size[a] + cell[a];
-    }
-    return n;
-  }
-};
-
-template <int D>
-Cell<D> shifted(Cell<D> cell, const Cell<D>& by) {
-  for (int a = 0; a < D; ++a) cell[a] += by[a];
-  return cell;
-}
-
-/// Cell offsets closer than `support` cells, the own cell excluded; the opposite of the n-th is the n-th from the end.
-template <int D>
-std::vector<Cell<D>> offsets_within(double support) {
-  const int reach = static_cast<int>(std::ceil(support));
-  std::vector<Cell<D>> offsets;
-  Cell<D> o{};
-  const auto visit = [&](auto&& self, int axis) -> void {
-    if (axis == D) {
-      double squared = 0;
-      for (int a = 0; a < D; ++a) squared += o[a] * o[a];
-      if (squared > 0 && std::sqrt(squared) < support - 1e-9) offsets.push_back(o);
-      return;
-    }
-    for (o[axis] = -reach; o[axis] <= reach; ++o[axis]) self(self, axis + 1);
-  };
-  visit(visit, 0);
-  return offsets;
-}
 
 /// Cells of the particles, counted from the lowest one along each axis of the lattice; sets its size.
 template <int D>
@@ -133,15 +70,6 @@ std::int32_t number_rows(const std::vector<Cell<D>>& cells, std::int32_t next_ro
   return next_row;
 }
 
-/// Shift of a cell's particle from the middle of the cell along the axes of the lattice, in spacings.
-template <int D>
-Vector<D> shift_of(Content content) {
-  Vector<D> shift = Vector<D>::Zero();
-  if (content < face) return shift;
-  for (int a = 0, code = content - face; a < D; ++a, code /= 3) shift[a] = 0.5 * (code % 3 - 1);
-  return shift;
-}
-
 /// Decides what free particles see of the clamped ones: those with a free cell beside them (across a face of the cell or,
 /// where there is none, an edge or a corner) are shifted towards it.
 template <int D>
@@ -174,20 +102,6 @@ void place_faces(const std::vector<Cell<D>>& cells, const Reference<D>& referenc
     content = static_cast<Content>(face + code);
   }
 }
-
-/// X_j - X_i for the particle of the cell at `offset` from `cell`.
-template <int D>
-Vector<D> offset_between(const Lattice<D>& lattice, const Cell<D>& cell, const Cell<D>& offset, double spacing) {
-  Vector<D> x = shift_of<D>(lattice.content_of(shifted<D>(cell, offset))) - shift_of<D>(lattice.content_of(cell));
-  for (int a = 0; a < D; ++a) x[a] += offset[a];
-  return spacing * (lattice.axes * x);
-}
-
-template <int D>
-struct Neighbourhood {
-  std::vector<DerivativeVectors<D>> derivatives;  ///< one per offset, zero where there is no neighbour
-  std::vector<UnseenField<D, double>> unseen;     ///< of a free particle
-};
 
 /// Every neighbourhood that occurs.
 template <int D>
@@ -298,7 +212,8 @@ void add_blocks(const std::vector<Cell<D>>& cells, const StructureNumerics& nume
   const Body& body = reference.bodies[body_index];
   const Kernel<D> kernel(body.smoothing_length);
   const auto offsets = offsets_within<D>(kernel.support() / body.spacing);
-  const auto neighbourhoods = neighbourhoods_of<D>(cells, offsets, body, lattice);
+  auto neighbourhoods = neighbourhoods_of<D>(cells, offsets, body, lattice);
+  balance_clamps<D>(cells, offsets, body.spacing, lattice, neighbourhoods);
   const double volume = std::pow(body.spacing, D);
   reference.pair_slots = std::max(reference.pair_slots, static_cast<std::int32_t>(offsets.size() / 2));
 

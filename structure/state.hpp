@@ -21,6 +21,7 @@ struct State {
   RowVectors<D> displacement;       ///< x - X [m]
   RowVectors<D> velocity;           ///< [m/s]
   std::vector<double> clamp_angle;  ///< by which each of Reference::clamps is turned [rad]
+  std::vector<double> clamp_spin;   ///< and turns, from the last time it was aimed [rad/s]
   RowVectors<D> internal_force;     ///< elastic + diffusion + penalty at `displacement` [N/m^(3-D)]
   bool force_is_elastic = false;    ///< internal_force is the elastic part alone
   bool undisturbed = true;          ///< as it was built: nothing has moved or loaded it yet
@@ -42,6 +43,7 @@ struct State {
     visit("displacement", state.displacement...);
     visit("velocity", state.velocity...);
     visit("clamp_angle", state.clamp_angle...);
+    visit("clamp_spin", state.clamp_spin...);
     visit("internal_force", state.internal_force...);
     visit("force_is_elastic", state.force_is_elastic...);
     visit("undisturbed", state.undisturbed...);
@@ -92,7 +94,6 @@ struct Workspace {
   RowVectors<D> drag;                    ///< force of the diffusion on the first row of each pair: array of rows per pair slot
   RowVectors<D> pull;                    ///< the same of the penalty
   RowVectors<D> external_force;          ///< all that acts from outside, constant over a window [N/m^(3-D)]
-  std::vector<double> clamp_spin;        ///< by which each of Reference::clamps turns in the present window [rad/s]
   std::vector<ShellWork<D>> shells;
   Evaluations evaluations;
 };
@@ -103,6 +104,7 @@ State<D> state_at_rest(const Reference<D>& reference, std::size_t surface_points
   for (auto* vectors : {&state.displacement, &state.velocity, &state.internal_force})
     for (auto& axis : *vectors) axis.assign(reference.rows, 0);
   state.clamp_angle.assign(reference.clamps.size(), 0);
+  state.clamp_spin.assign(reference.clamps.size(), 0);
   state.load.force.assign(surface_points, Vector<D>::Zero());
   for (auto* values : {&state.diffusion_loss, &state.diffusion_power, &state.diffusion_brake})
     values->assign(reference.blocks.size(), broadcast(0));
@@ -127,7 +129,6 @@ Workspace<D> workspace_for(const Reference<D>& reference) {
       for (auto& pair : component) pair.assign(reference.rows, 0);
   }
   for (auto& axis : work.external_force) axis.assign(reference.rows, 0);
-  work.clamp_spin.assign(reference.clamps.size(), 0);
   if (reference.has_diffusion)
     for (auto& axis : work.drag) axis.assign(reference.rows * reference.pair_slots, 0);
   if (reference.has_penalty)

@@ -71,7 +71,7 @@ struct Structure<D>::Parts {
     damp_shells(reference, scene.structure->numerics.riemann_diffusion);
     // A clamp that moves from the start on does so in the forces of the start as well: the diffusion asks how fast.
     if (const double soon = stable.empty() ? 0 : *std::min_element(stable.begin(), stable.end()); soon > 0)
-      aim_clamps(reference, soon, soon, state, work);
+      aim_clamps(reference, soon, soon, state);
     all_forces();
   }
 
@@ -105,11 +105,11 @@ struct Structure<D>::Parts {
 
   /// Whether a clamp moves in the window.
   void begin_clamp_motion() {
-    aim_clamps(reference, seconds(state.time) + seconds(duration), seconds(duration), state, work);
+    aim_clamps(reference, seconds(state.time) + seconds(duration), seconds(duration), state);
     bool moves = false;
     for (std::size_t c = 0; c < reference.clamps.size(); ++c) {
       if (!reference.clamps[c].motion) continue;
-      moves |= work.clamp_spin[c] != 0;
+      moves |= state.clamp_spin[c] != 0;
       for (const auto row : reference.clamps[c].row)
         for (int a = 0; a < D; ++a) moves |= state.velocity[a][row] != 0;
       work.evaluations.moving_clamps += static_cast<long>(reference.clamps[c].row.size());
@@ -153,16 +153,15 @@ struct Structure<D>::Parts {
         by_gravity += weight[a][row] * moved;
         if (loads.any()) by_loads += loads.force()[a][row] * moved;
       }
-    for (std::size_t k = 0; k < attachment.row.size(); ++k) {
-      const auto row = attachment.row[k];
-      if (attachment.clamp[k] < 0 || is_shell(attachment.body[k])) continue;
-      for (int a = 0; a < D; ++a)  // what the fluid does on a clamp that moves, the clamp takes
-        state.clamp_work -= load_on(k)[a] * (state.displacement[a][row] - saved.displacement[a][row]);
-    }
+    double on_clamps = 0;  // of the fluid on the faces of solids that lie in clamps
+    const std::vector<Vector<D>> moved = held_feet_moved(attachment, reference, seconds(saved.time), seconds(state.time));
+    for (std::size_t k = 0; k < moved.size(); ++k) on_clamps += load_on(attachment.held[k]).dot(moved[k]);
+    total += on_clamps;
+    state.clamp_work -= on_clamps;  // which the clamp takes, with
     for (std::size_t p = 0; p < reference.particle_row.size(); ++p) {
       const auto row = reference.particle_row[p];
-      if (reference.inverse_mass[row] > 0 || !is_shell(reference.particle_body[p])) continue;
-      for (int a = 0; a < D; ++a)  // and all that loads the edge of a shell there
+      if (reference.inverse_mass[row] > 0) continue;
+      for (int a = 0; a < D; ++a)  // all that loads the particles on its face
         state.clamp_work -= work.external_force[a][row] * (state.displacement[a][row] - saved.displacement[a][row]);
     }
     state.gravity_work += by_gravity;
@@ -319,11 +318,11 @@ Reaction Structure<D>::reaction(const std::string& body, const std::string& clam
   const SurfaceAttachment<D>& attachment = parts_->attachment;
   const State<D>& state = parts_->state;
   Reaction reaction;
-  const auto add = [&](std::int32_t row, const auto& held) {  // the force that has to be borne there
+  const auto add = [&](const Vector<D>& place, const Vector<D>& held) {  // the force that has to be borne there
     std::array<double, 3> arm{}, force{};
     for (int a = 0; a < D; ++a) {
-      arm[a] = reference.position[a][row] + state.displacement[a][row] - about[a];
-      force[a] = -held(a);
+      arm[a] = place[a] - about[a];
+      force[a] = -held[a];
     }
     for (int a = 0; a < 3; ++a) {
       const int b = (a + 1) % 3, c = (a + 2) % 3;
@@ -334,20 +333,27 @@ Reaction Structure<D>::reaction(const std::string& body, const std::string& clam
   const auto add_couple = [&](const Vector<3>& couple) {
     for (int a = 0; a < 3; ++a) reaction.moment[a] += couple[a];
   };
-  const auto add_row = [&](std::int32_t row, std::uint32_t of) {
-    add(row, [&](int a) { return state.internal_force[a][row] + (parts_->is_shell(of) ? parts_->work.external_force[a][row] : 0); });
+  const auto add_row = [&](std::int32_t row) {
+    Vector<D> place = reference.position_of(row), held;
+    for (int a = 0; a < D; ++a) {
+      place[a] += state.displacement[a][row];
+      held[a] = state.internal_force[a][row] + parts_->work.external_force[a][row];
+    }
+    add(place, held);
   };
-  const auto add_fluid = [&](const auto& bears) {  // on a solid; on a shell it is among the external forces
-    for (std::size_t k = 0; k < attachment.row.size(); ++k)
-      if (attachment.clamp[k] >= 0 && bears(k) && !parts_->is_shell(attachment.body[k]))
-        add(attachment.row[k], [&](int a) { return parts_->load_on(k)[a]; });
+  const std::vector<Vector<D>> moved = held_feet_moved(attachment, reference, 0, seconds(state.time));
+  const auto add_fluid = [&](const auto& bears) {  // on the faces of a solid that are in the clamp
+    for (std::size_t n = 0; n < moved.size(); ++n) {
+      const std::size_t k = attachment.held[n];
+      if (bears(k)) add(reference.position_of(attachment.row[k]) + attachment.offset[k] + moved[n], parts_->load_on(k));
+    }
   };
   bool found = false;
   for (std::size_t n = 0; n < reference.clamps.size(); ++n) {
     const Clamp& known = reference.clamps[n];
     if (clamp.empty() || known.name != clamp || reference.bodies[known.body].name != body) continue;
     found = true;
-    for (const auto row : known.row) add_row(row, known.body);
+    for (const auto row : known.row) add_row(row);
     for (const ShellBody<D>& shell : reference.shells)
       if (shell.body == known.body) add_couple(shell_clamp_couple(shell, parts_->work, static_cast<std::int32_t>(n)));
     add_fluid([&](std::size_t k) { return attachment.clamp[k] == static_cast<std::int32_t>(n); });
@@ -358,7 +364,7 @@ Reaction Structure<D>::reaction(const std::string& body, const std::string& clam
     found = true;
     for (std::size_t p = known.first; p < known.first + known.count; ++p) {
       const auto row = reference.particle_row[p];
-      if (reference.inverse_mass[row] == 0) add_row(row, static_cast<std::uint32_t>(n));
+      if (reference.inverse_mass[row] == 0) add_row(row);
     }
     for (const ShellBody<D>& shell : reference.shells)
       if (shell.body == n) add_couple(shell_clamp_couple(shell, parts_->work, -1));

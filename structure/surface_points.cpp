@@ -105,13 +105,41 @@ Surface<D> joined(const SurfaceAttachment<D>& attachment, Surface<D> feet) {
   return surface;
 }
 
+/// sum_j w_kj y_j over the rows that bear foot k.
+template <int D>
+Vector<D> weighted(const SurfaceAttachment<D>& attachment, std::size_t k, const RowVectors<D>& y) {
+  Vector<D> sum = Vector<D>::Zero();
+  for (auto n = attachment.weights.first[k]; n < attachment.weights.first[k + 1]; ++n)
+    for (int a = 0; a < D; ++a) sum[a] += attachment.weights.weight[n] * y[a][attachment.weights.bearer[n]];
+  return sum;
+}
+
+/// Where the clamps of the reference are [of each], and at the end those without a name, which do not move.
+template <int D>
+std::vector<Placement<D>> places_of_clamps(const Reference<D>& reference, double t) {
+  std::vector<Placement<D>> place(reference.clamps.size() + 1);
+  for (std::size_t c = 0; c < reference.clamps.size(); ++c)
+    if (reference.clamps[c].motion) place[c] = placement<D>(*reference.clamps[c].motion, t);
+  return place;
+}
+
 template <int D>
 std::vector<Vector<D>> velocity_of_feet(const SurfaceAttachment<D>& attachment, const Reference<D>& reference, const State<D>& state,
                                         const Workspace<D>& work) {
   std::vector<Vector<D>> velocity(attachment.row.size());
+  std::vector<Matrix<D>> turn;  // of the clamps
+  for (std::size_t c = 0; c < reference.clamps.size(); ++c)
+    turn.push_back(reference.clamps[c].motion ? turn_by<D>(state.clamp_angle[c], reference.clamps[c].motion->axis) : Matrix<D>::Identity());
   for (std::size_t k = 0; k < velocity.size(); ++k) {
-    if (attachment.on_shell[k] < 0) {
+    if (attachment.clamp[k] >= 0) {
       for (int a = 0; a < D; ++a) velocity[k][a] = state.velocity[a][attachment.row[k]];
+      const auto c = static_cast<std::size_t>(attachment.clamp[k]);
+      if (c < turn.size() && state.clamp_spin[c] != 0)
+        velocity[k] += turning_velocity<D>(state.clamp_spin[c], reference.clamps[c].motion->axis, turn[c] * attachment.offset[k]);
+      continue;
+    }
+    if (attachment.on_shell[k] < 0) {
+      velocity[k] = weighted<D>(attachment, k, state.velocity);
       continue;
     }
     const ShellBody<D>& shell = reference.shells[attachment.on_shell[k]];
@@ -133,6 +161,7 @@ template <int D>
 SurfaceAttachment<D> attach_surface(const Reference<D>& reference, const Case& scene) {
   SurfaceAttachment<D> attachment;
   const std::optional<Shape> region = fluid_region(scene);
+  std::vector<std::int32_t> free_solid;  // row, where a foot is on a free face of a solid, else -1
   Patches<D> patches;
   for (std::uint32_t b = 0; b < reference.bodies.size(); ++b) {
     const Body& body = reference.bodies[b];
@@ -162,6 +191,8 @@ SurfaceAttachment<D> attach_surface(const Reference<D>& reference, const Case& s
       attachment.on_shell.push_back(shell == nullptr ? -1 : static_cast<std::int32_t>(shell->index));
       attachment.shell.push_back(shell == nullptr ? ShellPoint<D>{}
                                                   : shell_point<D>(shell->layer, row - shell->first_row, x - reference.position_of(row)));
+      if (clamped) attachment.held.push_back(attachment.row.size() - 1);
+      free_solid.push_back(!clamped && shell == nullptr ? row : -1);
       if (attachment.patch.back() < attachment.properties.body.size()) continue;  // the properties of a patch are those of its first foot
       attachment.properties.body.push_back(b);
       attachment.properties.section_mass.push_back(clamped ? held_mass : body.material.density * depth / wet_faces);
@@ -172,6 +203,9 @@ SurfaceAttachment<D> attach_surface(const Reference<D>& reference, const Case& s
       }
     }
   }
+  std::vector<Vector<D>> faces;
+  for (std::size_t k = 0; k < attachment.row.size(); ++k) faces.push_back(attachment.area[k] * attachment.normal[k]);
+  attachment.weights = surface_weights<D>(reference, free_solid, attachment.offset, faces);
   std::vector<double> area(attachment.properties.body.size(), 0);
   for (std::size_t k = 0; k < attachment.row.size(); ++k) area[attachment.patch[k]] += attachment.area[k];
   for (std::size_t k = 0; k < attachment.row.size(); ++k) attachment.share.push_back(attachment.area[k] / area[attachment.patch[k]]);
@@ -185,6 +219,18 @@ std::vector<Vector<D>> surface_velocity(const SurfaceAttachment<D>& attachment, 
 }
 
 template <int D>
+std::vector<Vector<D>> held_feet_moved(const SurfaceAttachment<D>& attachment, const Reference<D>& reference, double begin, double end) {
+  const std::vector<Placement<D>> before = places_of_clamps(reference, begin), after = places_of_clamps(reference, end);
+  std::vector<Vector<D>> moved;
+  moved.reserve(attachment.held.size());
+  for (const std::size_t k : attachment.held) {
+    const Vector<D> x = reference.position_of(attachment.row[k]) + attachment.offset[k];
+    moved.push_back(after[attachment.clamp[k]](x) - before[attachment.clamp[k]](x));
+  }
+  return moved;
+}
+
+template <int D>
 Surface<D> present_feet(const SurfaceAttachment<D>& attachment, const Reference<D>& reference, const State<D>& state,
                         const Workspace<D>& work) {
   const std::size_t count = attachment.row.size();
@@ -193,9 +239,7 @@ Surface<D> present_feet(const SurfaceAttachment<D>& attachment, const Reference<
   surface.position.resize(count);
   surface.normal.resize(count);
   surface.area.resize(count);
-  std::vector<Placement<D>> place(reference.clamps.size() + 1);  // the last: of those without a name, which do not move
-  for (std::size_t c = 0; c < reference.clamps.size(); ++c)
-    if (reference.clamps[c].motion) place[c] = placement<D>(*reference.clamps[c].motion, seconds(state.time));
+  const std::vector<Placement<D>> place = places_of_clamps(reference, seconds(state.time));
   for (std::size_t k = 0; k < count; ++k) {
     const auto row = attachment.row[k];
     if (attachment.clamp[k] >= 0) {
@@ -211,9 +255,7 @@ Surface<D> present_feet(const SurfaceAttachment<D>& attachment, const Reference<
       place_k = place_of<D>(shell.layer, work.shells[shell.index], attachment.shell[k]);
     } else {
       place_k.gradient = deformation_gradient_of<D>(work, row);
-      place_k.position = reference.position_of(row);
-      for (int a = 0; a < D; ++a) place_k.position[a] += state.displacement[a][row];
-      place_k.position += place_k.gradient * attachment.offset[k];
+      place_k.position = reference.position_of(row) + attachment.offset[k] + weighted<D>(attachment, k, state.displacement);
     }
     const Matrix<D>& f = place_k.gradient;
     const Vector<D> normal = f.determinant() * f.inverse().transpose() * attachment.normal[k];
@@ -235,6 +277,8 @@ template SurfaceAttachment<2> attach_surface<2>(const Reference<2>&, const Case&
 template SurfaceAttachment<3> attach_surface<3>(const Reference<3>&, const Case&);
 template std::vector<Vector<2>> surface_velocity<2>(const SurfaceAttachment<2>&, const Reference<2>&, const State<2>&, const Workspace<2>&);
 template std::vector<Vector<3>> surface_velocity<3>(const SurfaceAttachment<3>&, const Reference<3>&, const State<3>&, const Workspace<3>&);
+template std::vector<Vector<2>> held_feet_moved<2>(const SurfaceAttachment<2>&, const Reference<2>&, double, double);
+template std::vector<Vector<3>> held_feet_moved<3>(const SurfaceAttachment<3>&, const Reference<3>&, double, double);
 template Surface<2> present_feet<2>(const SurfaceAttachment<2>&, const Reference<2>&, const State<2>&, const Workspace<2>&);
 template Surface<3> present_feet<3>(const SurfaceAttachment<3>&, const Reference<3>&, const State<3>&, const Workspace<3>&);
 template Surface<2> present_surface<2>(const SurfaceAttachment<2>&, const Reference<2>&, const State<2>&, const Workspace<2>&);

@@ -46,11 +46,11 @@ void kick(const Reference<D>& reference, const Workspace<D>& work, double dt, St
 
 /// Gives moving clamps the velocity and the spin that bring them to their place at the time `end` within `dt` [s].
 template <int D>
-void aim_clamps(const Reference<D>& reference, double end, double dt, State<D>& state, Workspace<D>& work);
+void aim_clamps(const Reference<D>& reference, double end, double dt, State<D>& state);
 
-/// d += dt v; clamps turn by dt work.clamp_spin.
+/// d += dt v; clamps turn by dt state.clamp_spin.
 template <int D>
-void drift(const Reference<D>& reference, const Workspace<D>& work, double dt, State<D>& state);
+void drift(const Reference<D>& reference, double dt, State<D>& state);
 
 /// Power of the clamps that move, sum of their reaction times their velocity, of shells also of their couple times their spin
 /// [W/m^(3-D)]; `work` holds the stresses of the last internal_forces().

@@ -45,13 +45,13 @@ void scatter(const std::vector<std::int32_t>& rows, const Eigen::VectorXd& value
 
 /// Moves the clamped particles on for `dt`.
 template <int D>
-void drift_clamps(const Reference<D>& reference, const Workspace<D>& work, double dt, State<D>& state) {
+void drift_clamps(const Reference<D>& reference, double dt, State<D>& state) {
   for (const Clamp& clamp : reference.clamps) {
     if (!clamp.motion) continue;
     for (const auto row : clamp.row)
       for (int a = 0; a < D; ++a) state.displacement[a][row] += dt * state.velocity[a][row];
   }
-  for (std::size_t c = 0; c < state.clamp_angle.size(); ++c) state.clamp_angle[c] += dt * work.clamp_spin[c];
+  for (std::size_t c = 0; c < state.clamp_angle.size(); ++c) state.clamp_angle[c] += dt * state.clamp_spin[c];
 }
 
 /// Decays the velocity for half of a step.
@@ -269,9 +269,9 @@ bool ImplicitStep<D>::advance(const Reference<D>& reference, double begin, doubl
 
   // Clamps stand in their places at both stages. At one velocity through the step they would be off by a g (1 - g) dt^2/2 at the first,
   // and push with the stiffness of one spacing.
-  aim_clamps(reference, begin + g * dt, g * dt, state, work);
+  aim_clamps(reference, begin + g * dt, g * dt, state);
   const double power_n = clamp_power(reference, state, work);
-  drift_clamps(reference, work, g * dt, state);
+  drift_clamps(reference, g * dt, state);
   const Eigen::VectorXd straight = d_n + 2 * h * v_n;
   const double speed = v_n.size() > 0 ? v_n.cwiseAbs().maxCoeff() : 0;
   if (done) {
@@ -284,9 +284,9 @@ bool ImplicitStep<D>::advance(const Reference<D>& reference, double begin, doubl
     const double own = 1 / (g * (2 - g)), past = (1 - g) * (1 - g) * own;
     const Eigen::VectorXd d_hat = own * d_g - past * d_n, v_hat = own * v_g - past * v_n;
     const double power_g = clamp_power(reference, state, work);
-    aim_clamps(reference, begin + dt, (1 - g) * dt, state, work);
+    aim_clamps(reference, begin + dt, (1 - g) * dt, state);
     const double power_on = clamp_power(reference, state, work);
-    drift_clamps(reference, work, (1 - g) * dt, state);
+    drift_clamps(reference, (1 - g) * dt, state);
     const Eigen::VectorXd straight_on = d_g + (1 - g) * dt * v_g;
     scatter<D>(rows, guess(1, dt, straight_on), state.displacement);
     done = solve(reference, h, speed, d_hat + h * v_hat, external, state, work);

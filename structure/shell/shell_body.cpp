@@ -60,7 +60,7 @@ void shell_derivatives(const Reference<D>& reference, const State<D>& state, Wor
     for (std::size_t c = 0; c < reference.clamps.size(); ++c) {
       if (!reference.clamps[c].motion) continue;
       own.turn[c] = turn_by<D>(state.clamp_angle[c], reference.clamps[c].motion->axis);
-      own.turn_rate[c] = turn_rate<D>(work.clamp_spin[c], reference.clamps[c].motion->axis, own.turn[c]);
+      own.turn_rate[c] = turn_rate<D>(state.clamp_spin[c], reference.clamps[c].motion->axis, own.turn[c]);
     }
     shell_derivatives_of<D>(shell.layer, own.x, own.turn, own.derivatives);
   }

@@ -85,30 +85,29 @@ TEST(BodyForce, OfARegionIsThatOfItsVolume) {
 }
 
 // A pressure all round a free body has neither force nor moment and compresses it: in plane strain the strain is
-// -p (1 - nu - 2 nu^2)/E in both directions. Seen to fail: with the force along the normal instead of against it.
+// -p (1 - nu - 2 nu^2)/E in both directions, however few particles it is across. Seen to fail: with the force along the normal instead
+// of against it; with the load on the particles behind the faces alone (the thinnest by 0.28 of the strain).
 TEST(Pressure, OnAFreeBodyCompressesItWithoutMovingIt) {
-  StructureBody b = body("block", {-6, -6, 0}, {6, 6, 0}, 1);
-  b.mass_damping = 8;
-  Case c = scene(2, {b});
-  LoadCase load;
-  load.kind = LoadCase::Kind::pressure;
-  load.body = "block";
-  load.value[0] = Expression(1000.0);
-  c.structure->loads.push_back(load);
-  Structure<2> structure(c);
-  run(structure, 8);
-  const Momentum momentum = structure.momentum();
-  EXPECT_NEAR(momentum.linear[0], 0, 1e-6);
-  EXPECT_NEAR(momentum.angular[2], 0, 1e-6);
-  const double strain = -1000 * (1 - 0.3 - 2 * 0.09) / 1e6;
-  const auto fields = structure.fields();
-  double mean = 0, count = 0;
-  for (std::size_t p = 0; p < fields.jacobian.size(); ++p) {
-    if (fields.position[p].norm() > 3) continue;
-    mean += fields.jacobian[p] - 1;
-    count += 1;
+  for (const double half : {6.0, 2.0, 1.0}) {
+    StructureBody b = body("block", {-6, -half, 0}, {6, half, 0}, 1);
+    b.mass_damping = 8;
+    Case c = scene(2, {b});
+    LoadCase load;
+    load.kind = LoadCase::Kind::pressure;
+    load.body = "block";
+    load.value[0] = Expression(1000.0);
+    c.structure->loads.push_back(load);
+    Structure<2> structure(c);
+    run(structure, 8);
+    const Momentum momentum = structure.momentum();
+    EXPECT_NEAR(momentum.linear[0], 0, 1e-6);
+    EXPECT_NEAR(momentum.angular[2], 0, 1e-6);
+    const double strain = -1000 * (1 - 0.3 - 2 * 0.09) / 1e6;
+    const auto fields = structure.fields();
+    double mean = 0;
+    for (const double j : fields.jacobian) mean += (j - 1) / static_cast<double>(fields.jacobian.size());
+    EXPECT_NEAR(mean, 2 * strain, 0.002 * 2 * std::abs(strain)) << half;
   }
-  EXPECT_NEAR(mean / count, 2 * strain, 0.02 * 2 * std::abs(strain));
 }
 
 // A pressure follows the surface: on the end of a bar that has been turned by a right angle it presses along the bar. Seen to

@@ -283,7 +283,7 @@ RowVectors<D> forces_in_a_turned_body(const Case& c, double bend, double viscous
   Workspace<D> work = workspace_for(reference);
   const Placement<D> placed = placement<D>(*reference.clamps[0].motion, 0.1);
   state.clamp_angle[0] = placed.angle;
-  work.clamp_spin[0] = 1.7;
+  state.clamp_spin[0] = 1.7;
   for (const auto row : reference.particle_row) {
     const Vector<D> x = reference.position_of(row), bent = x + bend * x[1] * x[1] * (Vector<D>::Unit(0) + Vector<D>::Unit(1));
     const Vector<D> velocity = turning_velocity<D>(1.7, reference.clamps[0].motion->axis, placed.turn * (bent - placed.pivot));
@@ -358,7 +358,7 @@ void expect_power(const Case& c) {
     for (const auto row : reference.particle_row) power -= force[a][row] * state.velocity[a][row];
   EXPECT_LT(std::abs(power), 1e-14 * scale);
   constexpr double dt = 1e-7;
-  drift(reference, work, dt, state);
+  drift(reference, dt, state);
   deformation_gradient(reference, state, work);
   const auto after = present_surface(attachment, reference, state, work).position;
   for (std::size_t k = 0; k < velocity.size(); ++k)

@@ -28,15 +28,15 @@ std::vector<double> zero_crossings(Case c, double until) {
   return times;
 }
 
-// 4 mm x 90 mm, E 3.5e6, nu 0.45, rho 1161.54, plane strain. Quadratic finite elements give 4.950 Hz; the linear eigenvalue
-// problem of this discretisation with 4 particles across, assembled and solved apart, 4.881 Hz. Seen to fail: with the linear
-// basis alone there are only two passages; without the energy of the strain gradient 4.30 Hz.
+// 4 mm x 90 mm, E 3.5e6, nu 0.45, rho 1161.54, plane strain. Quadratic finite elements give 4.950 Hz. Seen to fail: with the linear
+// basis alone there are only two passages; without the energy of the strain gradient 4.30 Hz; with the gradients of the fit before the
+// clamp (balance_clamps) 4.881 Hz.
 TEST(BendingFrequency, OfThePlateOfTheDamBreakFourParticlesAcross) {
   const auto times = zero_crossings(plate(4), 0.35);
   ASSERT_GE(times.size(), 3u);
   const double frequency = 0.5 * static_cast<double>(times.size() - 1) / (times.back() - times.front());
   RecordProperty("frequency_Hz", std::to_string(frequency));
-  EXPECT_NEAR(frequency, 4.881, 0.005 * 4.881);
+  EXPECT_NEAR(frequency, 4.950, 0.01 * 4.950);
 }
 
 // A plate that swings as one along the coordinates does, turned. Seen to fail: with particles along the coordinates (the tip goes 5.5 %
