@@ -1,7 +1,7 @@
 // Acceleration by the pressure gradient, a_i = -G_i / rho. With B_i = sum_F V_j (p_j - p_i) grad w_ij:
 //   blended:    G = C_i (B_i + H_i) + 2 p^_i E_i,   p^_i = min(theta (p_i - least p of the neighbours), rho h^2 / (5.4 dt^2))
 //   symmetric:  G = B_i + H_i + T_i C^F_i B_i + 2 p_i sum V grad w                  = sum V_j (p_j + p_i) grad w_ij
-//   beside the structure: the symmetric form - 2 p_i R_i + 2 p^_i E_i
+//   beside the structure: the symmetric form - 2 p_i R_i + 2 p^_i (E_i without its part along the interface's reaction)
 // E_i is sum V grad w over fluid and faces, R_i what a uniform pressure of 1/2 does to the particle, with the interface's reaction.
 // A wall mirrors the pressure: along its normal p_w = p_i + rho (g - a_w) . (r_w - r_i), which gives H_i, along its face
 // with the fluid's own gradient, which C_i finds (blended form) or T_i completes (symmetric form). The symmetric form conserves momentum
@@ -79,10 +79,15 @@ void apply_pressure_gradient(const Reference<D>& reference, double duration, con
           gradient = correction.matrix[i] * difference;
         }
         if constexpr (decltype(ordered)::value) {
-          if (!level)
-            (*order)[i] += scale * 2 * in_order *
-                           (neighbours.kernel_gradient[i] + boundary.sums.wall_gradient[i] + boundary.sums.surface_gradient[i] +
-                            boundary.sums.back_facing_gradient[i]);
+          if (!level) {
+            Vector<D> gap = neighbours.kernel_gradient[i] + boundary.sums.wall_gradient[i] + boundary.sums.surface_gradient[i] +
+                            boundary.sums.back_facing_gradient[i];
+            if (at_structure) {
+              const Vector<D>& reaction = boundary.sums.reaction[i];
+              if (const double squared = reaction.squaredNorm(); squared > 0) gap -= gap.dot(reaction) / squared * reaction;
+            }
+            (*order)[i] += scale * 2 * in_order * gap;
+          }
         }
         velocity[i] += scale * gradient;
       });

@@ -33,8 +33,8 @@ EXPECTED = {
     "plate, pressure solved to 1e-2": ("bounded", ""),
     "full tank with a plate in it, density ratio 1": ("bounded", ""),
     "drop at 10 m/s on a pool": ("bounded", ""),
-    "neo_hookean squeezed to 0.3 of its height": ("stopped", "passed through each other"),
-    # Which of the two the collapsing column shows first is round-off: it is symmetric, and another processor breaks it elsewhere.
+    # Which of the two the collapsing columns show first is round-off: they are symmetric, and another processor breaks them elsewhere.
+    "neo_hookean squeezed to 0.1 of its height": ("stopped", "J = det F|passed through each other"),
     "st_venant_kirchhoff squeezed to 0.1 of its height": ("stopped", "J = det F|passed through each other"),
     "water at rest without gravity": ("bounded", ""),
     "floor under water at rest for 20 sqrt(H/g)": ("bounded", ""),
