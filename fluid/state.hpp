@@ -17,6 +17,8 @@ struct EnclosedAccount {
   double largest_flux = 0;  ///< net sum V (div u* - s) taken out of the source of a region, largest by size [m^D/s]
   double volume_error = 0;  ///< volume that faces have pushed into a region over its volume, largest by size [-]
   bool warned = false;
+  double way = 0;  ///< volume that faces of bodies have swept in enclosed fluid, to and fro [m^D]
+  bool warned_of_lag = false;
   std::vector<double> pushed;  ///< volume error by label of the particle, which keeps it while regions join and part; empty: none yet
 
   /// The list of the members: visit(name, member of each) for every one.
@@ -26,6 +28,8 @@ struct EnclosedAccount {
     visit("largest_flux", all.largest_flux...);
     visit("volume_error", all.volume_error...);
     visit("warned", all.warned...);
+    visit("way", all.way...);
+    visit("warned_of_lag", all.warned_of_lag...);
     visit("pushed", all.pushed...);
   }
 };

@@ -227,6 +227,7 @@ void Fluid<D>::end_window(const InterfaceForce<D>& force) {
   const Constants<D>& constants = reference_.constants;
   push(force.force);  // u^{n+1} = u** + dt a_interface
   system_.swept.remember(window_.duration, boundary_.surface, system_.beside_bodies, state_);
+  system_.swept.watch_lag(constants, window_, system_.beside_bodies, state_);
   settle_wall_contacts(constants, window_.duration, boundary_, prediction_.position, prediction_.velocity, state_.stopped);
   domain_.forget_ghosts(state_);
   check_speed(domain_.ranks(), window_, prediction_, boundary_.surface.velocity, state_);

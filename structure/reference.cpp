@@ -14,7 +14,7 @@
 #include "scene/geometry.hpp"
 #include "scene/mid_surface.hpp"
 #include "sph/kernel.hpp"
-#include "structure/clamp_balance.hpp"
+#include "structure/face_balance.hpp"
 #include "structure/gradient_vectors.hpp"
 #include "structure/lattice.hpp"
 #include "structure/shell/shell_body.hpp"
@@ -213,7 +213,10 @@ void add_blocks(const std::vector<Cell<D>>& cells, const StructureNumerics& nume
   const Kernel<D> kernel(body.smoothing_length);
   const auto offsets = offsets_within<D>(kernel.support() / body.spacing);
   auto neighbourhoods = neighbourhoods_of<D>(cells, offsets, body, lattice);
-  balance_clamps<D>(cells, offsets, body.spacing, lattice, neighbourhoods);
+  const Fit<D> fit{cells, offsets, body.spacing, lattice, neighbourhoods};
+  balance_clamps(fit);
+  const Vector<D> shift = body.spacing * (lattice.axes * shift_of<D>(lattice.content_of(cells.front())));
+  balance_askew_faces(fit, body.shape, body.clamps, Vector<D>(reference.position_of(lattice.row[lattice.index(cells.front())]) - shift));
   const double volume = std::pow(body.spacing, D);
   reference.pair_slots = std::max(reference.pair_slots, static_cast<std::int32_t>(offsets.size() / 2));
 

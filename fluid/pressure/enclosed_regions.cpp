@@ -9,12 +9,16 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "scene/geometry.hpp"
+#include "scene/scene_check.hpp"
 
 namespace tern::fluid {
 namespace {
 
 /// Of a region; more is worth a warning. The patches of a round wall that moves sweep some 1e-4 of it though their sum should be 0.
 constexpr double tolerated_volume_error = 1e-3;
+constexpr double tolerated_lag = 0.1;  ///< of what bodies have swept; worth a warning where that is more than ...
+constexpr double least_way = 0.01;     ///< spacings
 
 }  // namespace
 
@@ -220,6 +224,43 @@ std::vector<int> main_walls(const Boundary<D>& boundary, const EnclosedRegions& 
   return result;
 }
 
+constexpr double least_seen = 1e-3;  ///< of the half space before a patch
+
+/// Whether another wall is in front of the patch k, so that no fluid is.
+template <int D>
+bool is_covered(const Walls<D>& walls, double spacing, std::size_t k) {
+  constexpr double before = 1e-3;  // spacings
+  const Vector<D> x = walls.faces().position[k] + before * spacing * walls.faces().normal[k];
+  const std::vector<Wall<D>>& all = walls.all();
+  for (std::size_t w = 0; w < all.size(); ++w) {
+    if (w == walls.wall_of(static_cast<int>(k))) continue;
+    const Vector<D> at_rest = all[w].scene.motion ? all[w].place.reference(x) : x;
+    if ((signed_distance<D>(without_open_faces(all[w].scene), at_rest) < 0) != all[w].scene.container) return true;
+  }
+  return false;
+}
+
+/// What a patch of a wall counts for where walls move, over the weights with which particles see it: one over the share of it that they
+/// fill.
+template <int D>
+std::vector<double> shares_of_walls(const Constants<D>& constants, const Boundary<D>& boundary, const EnclosedRegions& regions) {
+  const FaceRows& rows = boundary.wall_rows;
+  std::vector<double> share(boundary.walls.faces().size(), 0);
+  for (std::size_t i = 0; i < regions.region.size(); ++i)
+    for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry)
+      share[rows.face[entry]] += 2 * constants.volume * rows.weight[entry] / boundary.walls.faces().area[rows.face[entry]];
+  regions.ranks.sum(std::span(share));
+  for (std::size_t k = 0; k < share.size(); ++k)
+    share[k] = share[k] > least_seen && !is_covered(boundary.walls, constants.spacing, k) ? 1 / share[k] : 0;
+  return share;
+}
+
+/// How far the point of a wall that is now at x has come since the wall was at `before` [m].
+template <int D>
+Vector<D> moved(const Wall<D>& wall, const Placement<D>& before, const Vector<D>& x) {
+  return wall.scene.motion ? Vector<D>(x - before(wall.place.reference(x))) : Vector<D>(Vector<D>::Zero());
+}
+
 }  // namespace
 
 template <int D>
@@ -250,32 +291,51 @@ void SweptVolume<D>::find(const Constants<D>& constants, double duration, bool f
   const FaceRows &wall_rows = boundary.wall_rows, &surface_rows = boundary.surface_rows;
   if (first) motion.find(duration, surface, state);
   const std::vector<int> frame = main_walls(boundary, regions);
+  const std::vector<Wall<D>>& all = boundary.walls.all();
+  std::vector<Placement<D>> before(all.size());  // where walls were when `motion` begins
+  const double begin = seconds(state.time) + 0.5 * duration - motion.time;
+  for (std::size_t w = 0; w < all.size(); ++w)
+    if (all[w].scene.motion) before[w] = placement<D>(*all[w].scene.motion, begin);
+  const std::vector<double> share = boundary.walls.moving() ? shares_of_walls(constants, boundary, regions) : std::vector<double>();
   const std::size_t count = regions.size.size();
-  rate.assign(2 * count, 0);  // and pushed_in, for one sum over the ranks
+  rate.assign(2 * count + 2, 0);  // and pushed_in, way and area, for one sum over the ranks
   for (std::size_t i = 0; i < regions.region.size(); ++i) {
     const int r = regions.region[i];
     if (r < 0) continue;
     const auto of_frame = [&](const Vector<D>& position) -> Vector<D> {
-      return frame[r] < 0 ? Vector<D>(Vector<D>::Zero()) : boundary.walls.all()[frame[r]].velocity(position);
+      return frame[r] < 0 ? Vector<D>(Vector<D>::Zero()) : all[frame[r]].velocity(position);
     };
-    double by_walls = 0, by_surface = 0, pushed_by_surface = 0;
+    const auto frame_moved = [&](const Vector<D>& position) -> Vector<D> {
+      return frame[r] < 0 ? Vector<D>(Vector<D>::Zero()) : moved(all[frame[r]], before[frame[r]], position);
+    };
+    double by_walls = 0, by_surface = 0, pushed = 0, way_of_surface = 0, area_of_surface = 0;
     if (boundary.walls.moving())
       for (int entry = wall_rows.begin[i]; entry < wall_rows.begin[i] + wall_rows.count[i]; ++entry) {
         const int k = wall_rows.face[entry];
-        by_walls += wall_rows.weight[entry] * (walls.velocity[k] - of_frame(walls.position[k])).dot(walls.normal[k]);
+        const double weight = share[k] * wall_rows.weight[entry];
+        const int w = static_cast<int>(boundary.walls.wall_of(k));
+        by_walls += weight * (walls.velocity[k] - of_frame(walls.position[k])).dot(walls.normal[k]);
+        pushed += weight * (moved(all[w], before[w], walls.position[k]) - frame_moved(walls.position[k])).dot(walls.normal[k]);
       }
     for (int entry = surface_rows.begin[i]; entry < surface_rows.begin[i] + surface_rows.count[i]; ++entry) {
       const int k = surface_rows.face[entry];
       const double weight = boundary.sums.swept_share[k] * surface_rows.weight[entry];
       const Vector<D> frame_velocity = of_frame(surface.position[k]);
       by_surface += weight * (surface.velocity[k] - frame_velocity).dot(surface.normal[k] + motion.turn[k]);
-      pushed_by_surface += weight * (motion.displacement[k] - motion.time * frame_velocity).dot(motion.mean_normal[k]);
+      const double swept = weight * (motion.displacement[k] - frame_moved(surface.position[k])).dot(motion.mean_normal[k]);
+      pushed += swept;
+      way_of_surface += std::abs(swept);
+      area_of_surface += weight;
     }
     rate[r] += 2 * constants.volume * (by_walls + by_surface);
-    rate[count + r] += state.pushed_in[i] + 2 * constants.volume * (motion.time * by_walls + pushed_by_surface);
+    rate[count + r] += state.pushed_in[i] + 2 * constants.volume * pushed;
+    rate[2 * count] += 2 * constants.volume * way_of_surface;
+    rate[2 * count + 1] += 2 * constants.volume * area_of_surface;
   }
   regions.ranks.sum(std::span(rate));
-  pushed_in.assign(rate.begin() + static_cast<std::ptrdiff_t>(count), rate.end());
+  pushed_in.assign(rate.begin() + static_cast<std::ptrdiff_t>(count), rate.begin() + static_cast<std::ptrdiff_t>(2 * count));
+  way = rate[2 * count];
+  area = rate[2 * count + 1];
   rate.resize(count);
 }
 
@@ -290,6 +350,23 @@ void SweptVolume<D>::remember(double duration, const Faces<D>& surface, const En
     const int r = regions.any() ? regions.region[i] : -1;
     state.pushed_in[i] = r >= 0 ? pushed_in[r] / regions.size[r] : 0;
   }
+}
+
+template <int D>
+void SweptVolume<D>::watch_lag(const Constants<D>& constants, const Window& window, const EnclosedRegions& regions, State<D>& state) const {
+  EnclosedAccount& account = state.enclosed;
+  if (!regions.any()) return;
+  account.way += way;
+  double lag = 0;
+  for (const double volume : pushed_in) lag = std::max(lag, std::abs(volume));
+  if (account.warned_of_lag || account.way < least_way * constants.spacing * area || lag < tolerated_lag * account.way) return;
+  account.warned_of_lag = true;
+  if (!regions.ranks.first()) return;
+  log_warning(fmt::format(
+      "Bodies around enclosed fluid lag behind the volume that it has to keep: by {:.3g} m^{} at t = {:.6g} s, where their faces have "
+      "swept {:.3g}. They answer its pressure faster than windows of {:.3g} s resolve, and loads and displacements are too small while "
+      "something moves them. Make the windows shorter until the lag is small: a smaller fluid.numerics.gravity_courant, courant, or both.",
+      lag, D, window.begin + window.duration, account.way, window.duration));
 }
 
 template <int D>

@@ -84,6 +84,7 @@ struct SweptVolume {
   /// and fro would push half a window of the square of its velocity each time.
   std::vector<double> rate;
   std::vector<double> pushed_in;  ///< by region, up to the middle of the window, since it is enclosed [m^D]
+  double way = 0, area = 0;       ///< in the window, of all regions: what faces of bodies sweep to and fro [m^D], and their area
   FaceMotion<D> motion;           ///< scratch
 
   /// `first`: coupling iteration of the window. Later ones have other velocities at the same places.
@@ -91,6 +92,8 @@ struct SweptVolume {
             const State<D>& state);
   /// Into the state, for the window to come.
   void remember(double duration, const Faces<D>& surface, const EnclosedRegions& regions, State<D>& state) const;
+  /// Warns once where what has been pushed in is no longer small beside what bodies have swept: windows are too long for them.
+  void watch_lag(const Constants<D>& constants, const Window& window, const EnclosedRegions& regions, State<D>& state) const;
 };
 
 /// Accounts for what the regions are asked for and cannot do, into state.enclosed, with one warning; finds whether the fluid fills its

@@ -84,6 +84,7 @@ std::string differences(const State<D>& a, const State<D>& b, bool fields_only) 
   note(a.fills_enclosure == b.fills_enclosure, "fills_enclosure");
   note(a.enclosed.any == b.enclosed.any && a.enclosed.largest_flux == b.enclosed.largest_flux &&
            a.enclosed.volume_error == b.enclosed.volume_error && a.enclosed.warned == b.enclosed.warned &&
+           a.enclosed.way == b.enclosed.way && a.enclosed.warned_of_lag == b.enclosed.warned_of_lag &&
            same_bits(a.enclosed.pushed, b.enclosed.pushed),
        "enclosed");
   note(a.reference_speed == b.reference_speed, "reference_speed");
