@@ -229,7 +229,7 @@ double order_across_faces() {
 }
 
 // What pushed layers away from a face would have no reaction on the body, and the pressure that answers it would push that.
-// Seen to fail: with order kept across the faces, too (0.9).
+// Seen to fail: with order kept across the faces, too (0.6).
 TEST(Order, BesideABodyIsKeptAlongItsFacesAlone) {
   EXPECT_LT(order_across_faces<2>(), 1e-9);
 }

@@ -46,7 +46,7 @@ double lengthening(int layers, double angle, bool clamped) {
 }
 
 // Seen to fail: with the load on the particles behind the faces (2 layers: 0.50 and, clamped, 0.86); with the weights of the particle
-// behind alone (4: 1.094 and 1.058); with the gradients of the fit before the clamp (10, clamped: 1.025); with what free faces bear left
+// behind alone (4, free: 1.094); with the gradients of the fit before the clamp (10, clamped: 1.025); with what free faces bear left
 // in the balance of the clamp (4, clamped: 1.058).
 TEST(UniformStress, LengthensABarOfAnyNumberOfParticlesAsItOught) {
   for (const double angle : {0.0, 0.3})
