@@ -62,6 +62,7 @@ struct State {
   std::vector<double> pressure_correction;    ///< the part of it that answers what the first solve has left behind [Pa]
   std::vector<Vector<D>> stopped;             ///< by contact with walls in the last window: the velocity taken away, over it [m/s^2]
   std::vector<double> pushed_in;              ///< its share of the volume that faces have pushed into its enclosed region [m^D]
+  std::vector<double> taken_away;             ///< and of the rate that the last window has taken away there [m^D/s]
   std::vector<std::uint32_t> id;              ///< label, stable over the run
   std::vector<ParticleClass> particle_class;  ///< of the last step
 
@@ -95,6 +96,7 @@ struct State {
     visit("pressure_correction", all.pressure_correction...);
     visit("stopped", all.stopped...);
     visit("pushed_in", all.pushed_in...);
+    visit("taken_away", all.taken_away...);
     visit("id", all.id...);
     visit("particle_class", all.particle_class...);
     visit("wall_velocity", all.wall_velocity...);
@@ -127,6 +129,7 @@ void for_each_particle_field(AnyState& state, Visit&& visit) {
   visit("pressure_correction", nullptr, state.pressure_correction);
   visit("stopped", nullptr, state.stopped);
   visit("pushed_in", nullptr, state.pushed_in);
+  visit("taken_away", nullptr, state.taken_away);
   visit("id", "", state.id);
   visit("flag", "", state.particle_class);
 }

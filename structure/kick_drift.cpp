@@ -11,7 +11,7 @@
 namespace tern::structure {
 
 template <int D>
-void kick(const Reference<D>& reference, const Workspace<D>& work, double dt, State<D>& state) {
+void kick(const Reference<D>& reference, double dt, State<D>& state) {
   for_each_block(static_cast<std::ptrdiff_t>(reference.blocks.size()), [&](std::ptrdiff_t n) {
     const Block& block = reference.blocks[n];
     const std::ptrdiff_t i = block.row;
@@ -36,7 +36,7 @@ void kick(const Reference<D>& reference, const Workspace<D>& work, double dt, St
     }
     for (int a = 0; a < D; ++a) {
       double* v = state.velocity[a].data() + i;
-      store(v, load(v) + dt * inverse_mass * (load(state.internal_force[a].data() + i) + load(work.external_force[a].data() + i)));
+      store(v, load(v) + dt * inverse_mass * (load(state.internal_force[a].data() + i) + load(state.external_force[a].data() + i)));
     }
   });
 }
@@ -80,8 +80,8 @@ double clamp_power(const Reference<D>& reference, const State<D>& state, const W
 
 template double clamp_power<2>(const Reference<2>&, const State<2>&, const Workspace<2>&);
 template double clamp_power<3>(const Reference<3>&, const State<3>&, const Workspace<3>&);
-template void kick<2>(const Reference<2>&, const Workspace<2>&, double, State<2>&);
-template void kick<3>(const Reference<3>&, const Workspace<3>&, double, State<3>&);
+template void kick<2>(const Reference<2>&, double, State<2>&);
+template void kick<3>(const Reference<3>&, double, State<3>&);
 template void aim_clamps<2>(const Reference<2>&, double, double, State<2>&);
 template void aim_clamps<3>(const Reference<3>&, double, double, State<3>&);
 template void drift<2>(const Reference<2>&, double, State<2>&);

@@ -23,6 +23,7 @@ struct State {
   std::vector<double> clamp_angle;  ///< by which each of Reference::clamps is turned [rad]
   std::vector<double> clamp_spin;   ///< and turns, from the last time it was aimed [rad/s]
   RowVectors<D> internal_force;     ///< elastic + diffusion + penalty at `displacement` [N/m^(3-D)]
+  RowVectors<D> external_force;     ///< all that acts from outside, constant over a window: of the last one [N/m^(3-D)]
   bool force_is_elastic = false;    ///< internal_force is the elastic part alone
   bool undisturbed = true;          ///< as it was built: nothing has moved or loaded it yet
   SurfaceLoad<D> load;              ///< of the last window
@@ -45,6 +46,7 @@ struct State {
     visit("clamp_angle", state.clamp_angle...);
     visit("clamp_spin", state.clamp_spin...);
     visit("internal_force", state.internal_force...);
+    visit("external_force", state.external_force...);
     visit("force_is_elastic", state.force_is_elastic...);
     visit("undisturbed", state.undisturbed...);
     visit("load", state.load.force...);
@@ -93,7 +95,6 @@ struct Workspace {
   RowMatrices<D> stress;                 ///< first Piola-Kirchhoff P [Pa]
   RowVectors<D> drag;                    ///< force of the diffusion on the first row of each pair: array of rows per pair slot
   RowVectors<D> pull;                    ///< the same of the penalty
-  RowVectors<D> external_force;          ///< all that acts from outside, constant over a window [N/m^(3-D)]
   std::vector<ShellWork<D>> shells;
   Evaluations evaluations;
 };
@@ -101,7 +102,7 @@ struct Workspace {
 template <int D>
 State<D> state_at_rest(const Reference<D>& reference, std::size_t surface_points) {
   State<D> state;
-  for (auto* vectors : {&state.displacement, &state.velocity, &state.internal_force})
+  for (auto* vectors : {&state.displacement, &state.velocity, &state.internal_force, &state.external_force})
     for (auto& axis : *vectors) axis.assign(reference.rows, 0);
   state.clamp_angle.assign(reference.clamps.size(), 0);
   state.clamp_spin.assign(reference.clamps.size(), 0);
@@ -128,7 +129,6 @@ Workspace<D> workspace_for(const Reference<D>& reference) {
     for (auto& component : work.fitted_curvature)
       for (auto& pair : component) pair.assign(reference.rows, 0);
   }
-  for (auto& axis : work.external_force) axis.assign(reference.rows, 0);
   if (reference.has_diffusion)
     for (auto& axis : work.drag) axis.assign(reference.rows * reference.pair_slots, 0);
   if (reference.has_penalty)

@@ -126,13 +126,13 @@ struct Structure<D>::Parts {
   /// Counts the work of the constant forces, too: f . (d_end - d_begin).
   void advance_state() {
     begin_clamp_motion();
-    for (int a = 0; a < D; ++a) work.external_force[a] = weight[a];
+    for (int a = 0; a < D; ++a) state.external_force[a] = weight[a];
     shell_derivatives(reference, state, work);  // of the begin of the window, at which their loads are spread
     for (std::size_t k = 0; k < attachment.row.size(); ++k)
-      add_point_force<D>(attachment, reference, work, k, load_on(k), work.external_force);
-    loads.add_to(work.external_force);
+      add_point_force<D>(attachment, reference, work, k, load_on(k), state.external_force);
+    loads.add_to(state.external_force);
     if (loads.any()) work.evaluations.loads += reference.rows;
-    for (const auto& axis : work.external_force)
+    for (const auto& axis : state.external_force)
       state.undisturbed = state.undisturbed && std::all_of(axis.begin(), axis.end(), [](double f) { return f == 0; });
     if (state.undisturbed) {  // nothing has moved it yet and nothing does now
       state.time += duration;
@@ -149,7 +149,7 @@ struct Structure<D>::Parts {
     for (int a = 0; a < D; ++a)
       for (const auto row : reference.particle_row) {
         const double moved = state.displacement[a][row] - saved.displacement[a][row];
-        total += work.external_force[a][row] * moved;
+        total += state.external_force[a][row] * moved;
         by_gravity += weight[a][row] * moved;
         if (loads.any()) by_loads += loads.force()[a][row] * moved;
       }
@@ -162,7 +162,7 @@ struct Structure<D>::Parts {
       const auto row = reference.particle_row[p];
       if (reference.inverse_mass[row] > 0) continue;
       for (int a = 0; a < D; ++a)  // all that loads the particles on its face
-        state.clamp_work -= work.external_force[a][row] * (state.displacement[a][row] - saved.displacement[a][row]);
+        state.clamp_work -= state.external_force[a][row] * (state.displacement[a][row] - saved.displacement[a][row]);
     }
     state.gravity_work += by_gravity;
     state.load_work += by_loads;
@@ -232,7 +232,7 @@ void Structure<D>::set_state(const CompleteState<D>& given) {
   copy_state(given, state);
   const auto fits = [&](const RowVectors<D>& values) { return values[D - 1].size() == p.reference.rows; };
   if (!fits(state.motion.displacement) || !fits(state.motion.velocity) || !fits(state.motion.internal_force) ||
-      (state.implicit.factored_h > 0 && !fits(state.implicit.factored_displacement)) ||
+      !fits(state.motion.external_force) || (state.implicit.factored_h > 0 && !fits(state.implicit.factored_displacement)) ||
       state.motion.load.force.size() != p.attachment.properties.body.size())
     throw BadInput("The state is that of another scene: it has other particles or surface points.");
   p.state = std::move(state.motion);
@@ -337,7 +337,7 @@ Reaction Structure<D>::reaction(const std::string& body, const std::string& clam
     Vector<D> place = reference.position_of(row), held;
     for (int a = 0; a < D; ++a) {
       place[a] += state.displacement[a][row];
-      held[a] = state.internal_force[a][row] + parts_->work.external_force[a][row];
+      held[a] = state.internal_force[a][row] + state.external_force[a][row];
     }
     add(place, held);
   };

@@ -24,14 +24,14 @@ void verlet(const Reference<D>& reference, double begin, double duration, int su
   const double dt = duration / sub_steps;
   for (int n = 0; n < sub_steps; ++n) {
     // The kick that ends a sub-step and the one that begins the next are the same force for half a step each.
-    kick(reference, work, n == 0 ? 0.5 * dt : dt, state);
+    kick(reference, n == 0 ? 0.5 * dt : dt, state);
     aim_clamps(reference, begin + (n + 1) * dt, dt, state);
     drift(reference, dt, state);
     state.clamp_work += 0.5 * dt * clamp_power(reference, state, work);  // by the forces at the begin of the drift
     internal_forces(reference, begin + (n + 1) * dt, dt, state, work);
     state.clamp_work += 0.5 * dt * clamp_power(reference, state, work);  // and at its end
   }
-  kick(reference, work, 0.5 * dt, state);
+  kick(reference, 0.5 * dt, state);
 }
 
 namespace {

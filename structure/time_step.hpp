@@ -42,7 +42,7 @@ void internal_forces(const Reference<D>& reference, double time_s, double dt, St
 
 /// v += dt (f_internal + f_external) / m, after the mass damping; unchanged where clamped. Counts what the diffusion takes.
 template <int D>
-void kick(const Reference<D>& reference, const Workspace<D>& work, double dt, State<D>& state);
+void kick(const Reference<D>& reference, double dt, State<D>& state);
 
 /// Gives moving clamps the velocity and the spin that bring them to their place at the time `end` within `dt` [s].
 template <int D>
@@ -67,14 +67,14 @@ template <int D>
 void check_bond_order(const Reference<D>& reference, const State<D>& state, const Workspace<D>& work);
 
 /// Advances displacement and velocity by `duration` [s], from the time `begin` [s], in `sub_steps` equal steps of velocity Verlet under
-/// work.external_force; the time in `state` stays.
+/// state.external_force; the time in `state` stays.
 template <int D>
 void verlet(const Reference<D>& reference, double begin, double duration, int sub_steps, State<D>& state, Workspace<D>& work);
 
 template <int D>
 class ImplicitStep;
 
-/// Advances the state by `duration` under work.external_force: in `sub_steps` explicit steps, or, with `implicit`, in
+/// Advances the state by `duration` under state.external_force: in `sub_steps` explicit steps, or, with `implicit`, in
 /// one implicit step. One that does not converge is halved until it stands for least_implicit_ratio explicit steps, and at last replaced
 /// by those.
 template <int D>

@@ -298,7 +298,7 @@ void SweptVolume<D>::find(const Constants<D>& constants, double duration, bool f
     if (all[w].scene.motion) before[w] = placement<D>(*all[w].scene.motion, begin);
   const std::vector<double> share = boundary.walls.moving() ? shares_of_walls(constants, boundary, regions) : std::vector<double>();
   const std::size_t count = regions.size.size();
-  rate.assign(2 * count + 2, 0);  // and pushed_in, way and area, for one sum over the ranks
+  rate.assign(3 * count + 2, 0);  // and pushed_in, taken_away, way and area, for one sum over the ranks
   for (std::size_t i = 0; i < regions.region.size(); ++i) {
     const int r = regions.region[i];
     if (r < 0) continue;
@@ -329,13 +329,16 @@ void SweptVolume<D>::find(const Constants<D>& constants, double duration, bool f
     }
     rate[r] += 2 * constants.volume * (by_walls + by_surface);
     rate[count + r] += state.pushed_in[i] + 2 * constants.volume * pushed;
-    rate[2 * count] += 2 * constants.volume * way_of_surface;
-    rate[2 * count + 1] += 2 * constants.volume * area_of_surface;
+    rate[2 * count + r] += state.taken_away[i];
+    rate[3 * count] += 2 * constants.volume * way_of_surface;
+    rate[3 * count + 1] += 2 * constants.volume * area_of_surface;
   }
   regions.ranks.sum(std::span(rate));
   pushed_in.assign(rate.begin() + static_cast<std::ptrdiff_t>(count), rate.begin() + static_cast<std::ptrdiff_t>(2 * count));
-  way = rate[2 * count];
-  area = rate[2 * count + 1];
+  if (first)
+    taken_away.assign(rate.begin() + static_cast<std::ptrdiff_t>(2 * count), rate.begin() + static_cast<std::ptrdiff_t>(3 * count));
+  way = rate[3 * count];
+  area = rate[3 * count + 1];
   rate.resize(count);
 }
 
@@ -349,6 +352,7 @@ void SweptVolume<D>::remember(double duration, const Faces<D>& surface, const En
   for (std::size_t i = 0; i < state.size(); ++i) {
     const int r = regions.any() ? regions.region[i] : -1;
     state.pushed_in[i] = r >= 0 ? pushed_in[r] / regions.size[r] : 0;
+    state.taken_away[i] = r >= 0 ? taken_away[r] / regions.size[r] : 0;
   }
 }
 

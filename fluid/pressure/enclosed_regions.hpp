@@ -56,12 +56,13 @@ void find_enclosed_regions_of_ranks(const Domain<D>& domain, const Neighbours<D>
 /// Those of `regions` that get a number, 0, 1, ...; -1: none. Regions of the same number become one.
 void select_regions(const EnclosedRegions& regions, const std::vector<int>& number, EnclosedRegions& selected);
 
-/// What the level of an enclosed pressure takes away of the volume that bodies sweep [m^D/s]: half of the `rate` that they have under the
-/// load of the last window, and an eighth of what they have pushed in, given as a rate over one window. Not all of it: a body that has to
-/// keep its place in the mean of each window turns its velocity round from one to the next, for ever; and how it answers is known to some
-/// tenths. With half, this dies out for bodies of any stiffness that answer from half to one and a half times as much as they are taken
-/// to (tests/coupler/interface_velocity_test.cpp). In smooth motion what is left is of second order in the window.
-inline double level_taken_away(double rate, double pushed_in) { return 0.5 * rate + 0.125 * pushed_in; }
+/// What the level of an enclosed pressure takes away of the volume that bodies sweep [m^D/s]: a part of the `rate` that they have under
+/// the load of the last window, a part of what they have pushed in, given as a rate over one window, and a part of what it has taken away
+/// in the last one, `before`, for a motion goes on. Not all of the rate: a body that has to keep its place in the mean of each window
+/// turns its velocity round from one to the next, for ever; and how it answers is known to some tenths. With these parts it dies out for
+/// bodies of any stiffness that answer from half to one and a half times as much as they are taken to, and a body that is driven on lags
+/// by a third of a window at most (tests/coupler/interface_velocity_test.cpp).
+inline double level_taken_away(double rate, double pushed_in, double before) { return 0.65 * rate + 0.25 * pushed_in + 0.25 * before; }
 
 /// How the faces of the structure have moved since the middle of the last window; where that is not known, since the begin of this one, as
 /// their velocity has it.
@@ -84,8 +85,10 @@ struct SweptVolume {
   /// and fro would push half a window of the square of its velocity each time.
   std::vector<double> rate;
   std::vector<double> pushed_in;  ///< by region, up to the middle of the window, since it is enclosed [m^D]
-  double way = 0, area = 0;       ///< in the window, of all regions: what faces of bodies sweep to and fro [m^D], and their area
-  FaceMotion<D> motion;           ///< scratch
+  /// By region, of the rate: what the last window has taken away, after the first coupling iteration what this one does [m^D/s].
+  std::vector<double> taken_away;
+  double way = 0, area = 0;  ///< in the window, of all regions: what faces of bodies sweep to and fro [m^D], and their area
+  FaceMotion<D> motion;      ///< scratch
 
   /// `first`: coupling iteration of the window. Later ones have other velocities at the same places.
   void find(const Constants<D>& constants, double duration, bool first, const Boundary<D>& boundary, const EnclosedRegions& regions,

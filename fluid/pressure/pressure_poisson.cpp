@@ -116,7 +116,11 @@ void assemble_pressure_source(const Constants<D>& constants, double duration, co
     wanted.resize(rate.size());
     left.resize(rate.size());
     for (std::size_t r = 0; r < wanted.size(); ++r) {
-      if (first) left[r] = rate[r] - level_taken_away(rate[r], system.swept.pushed_in[r] / duration);
+      if (first) {
+        double& taken = system.swept.taken_away[r];  // by now that of the last window
+        taken = level_taken_away(rate[r], system.swept.pushed_in[r] / duration, taken);
+        left[r] = rate[r] - taken;
+      }
       wanted[r] = rate[r] - left[r];
     }
     system.beside_bodies.set_sums(wanted, density / duration, system.source);

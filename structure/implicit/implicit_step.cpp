@@ -258,7 +258,7 @@ bool ImplicitStep<D>::advance(const Reference<D>& reference, double begin, doubl
   const State<D> saved = state;
   const double g = 2 - std::sqrt(2.0), h = 0.5 * g * dt;
   damp(reference, dt, state);
-  const Eigen::VectorXd external = gather<D>(rows, work.external_force);
+  const Eigen::VectorXd external = gather<D>(rows, state.external_force);
   const Eigen::VectorXd d_n = gather<D>(rows, state.displacement), v_n = gather<D>(rows, state.velocity);
   bool done = state.force_is_elastic;  // as the last implicit step leaves it
   if (!done) {

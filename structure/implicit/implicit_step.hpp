@@ -21,7 +21,7 @@ class ImplicitStep {
 
   const ImplicitCosts& costs() const { return costs_; }
 
-  /// Advances the state by `dt` [s] from the time `begin` [s] under work.external_force, with the internal force of elasticity alone;
+  /// Advances the state by `dt` [s] from the time `begin` [s] under state.external_force, with the internal force of elasticity alone;
   /// clamps stand in their places at both stages. Returns false, with the state as it was, when Newton's method does not converge.
   bool advance(const Reference<D>& reference, double begin, double dt, State<D>& state, Workspace<D>& work);
 

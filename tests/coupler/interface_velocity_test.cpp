@@ -84,41 +84,82 @@ TEST(InterfaceVelocity, MakesAnErrorOfSecondOrderAndALossOfThird) {
   EXPECT_LT(loss, 5e-4);
 }
 
-/// Largest factor by which a state grows in a window where the mode has a volume that enclosed fluid keeps: the load is what takes away
-/// taken_away(rate, pushed in), by an answer to it of which the true one is `answers` times as much. From omega dt = `least`.
+/// A mode of omega dt = y that has a volume which enclosed fluid keeps: its load is what takes away taken_away(rate, pushed in, before), by
+/// an answer to it of which the true one is `answers` times as much. A state: as Mode, the load and what was taken away of the last window.
+template <class TakenAway>
+class HeldMode {
+ public:
+  using State = Eigen::Vector<double, 6>;
+  HeldMode(double y, double answers, TakenAway taken_away)
+      : y_(y), mobility_(after(State::Zero(), 1)[2] / answers), taken_away_(std::move(taken_away)) {}
+
+  /// After a window, where the fluid's walls have gone `way`, in its middle, at the speed `speed`.
+  State operator()(const State& q, double way = 0, double speed = 0) const {
+    const State trial = after(q, q[4]);
+    const double taken = taken_away_(trial[2] - speed, 0.5 * (q[0] + trial[0]) - way, q[5]);
+    State next = after(q, q[4] - taken / mobility_);
+    next[5] = taken;
+    return next;
+  }
+
+ private:
+  State after(const State& q, double load) const {
+    const double c = std::cos(y_), s = std::sin(y_), displacement = c * q[0] + s / y_ * q[1] + (1 - c) / (y_ * y_) * load;
+    const Followed followed = follow_mean(displacement - q[0], 0, Followed{q[2], q[3]});
+    return {displacement, -y_ * s * q[0] + c * q[1] + s / y_ * load, followed.given, followed.own, load, q[5]};
+  }
+  double y_, mobility_;
+  TakenAway taken_away_;
+};
+
+/// Largest factor by which a state grows in a window. From omega dt = `least`.
 double growth_in_enclosed_fluid(double answers, double least, auto&& taken_away) {
   double largest = 0;
   for (double y = least; y < 50; y *= 1.02) {
-    const double c = std::cos(y), s = std::sin(y);
-    using State = Eigen::Vector<double, 5>;  // as Mode, and the load of the last window
-    const auto after = [&](const State& q, double load) -> State {
-      const double displacement = c * q[0] + s / y * q[1] + (1 - c) / (y * y) * load;
-      const Followed followed = follow_mean(displacement - q[0], 0, Followed{q[2], q[3]});
-      return {displacement, -y * s * q[0] + c * q[1] + s / y * load, followed.given, followed.own, load};
-    };
-    const double mobility = after(State::Zero(), 1)[2] / answers;
-    Eigen::Matrix<double, 5, 5> map;
-    for (int column = 0; column < 5; ++column) {
-      const State q = State::Unit(column), trial = after(q, q[4]);
-      map.col(column) = after(q, q[4] - taken_away(trial[2], 0.5 * (q[0] + trial[0])) / mobility);
-    }
+    const HeldMode mode(y, answers, taken_away);
+    Eigen::Matrix<double, 6, 6> map;
+    for (int column = 0; column < 6; ++column) map.col(column) = mode(Eigen::Vector<double, 6>::Unit(column));
     largest = std::max(largest, map.eigenvalues().cwiseAbs().maxCoeff());
   }
   return largest;
 }
 
-// Seen to fail: with all of the rate taken away (1.09), with half of what has been pushed in (1.08 where it answers half as much).
-TEST(InterfaceVelocity, OfAModeThatEnclosedFluidHoldsDiesOutWhateverItsStiffness) {
-  for (const double answers : {0.5, 1.0, 1.5}) {
-    EXPECT_LE(growth_in_enclosed_fluid(answers, 0.01, fluid::level_taken_away), 1 + 1e-9) << answers;
-    EXPECT_LE(growth_in_enclosed_fluid(answers, 0.01, [](double rate, double) { return fluid::level_taken_away(rate, 0); }), 1 + 1e-9);
+/// Windows by which a mode lags behind the walls, which go on at a constant speed.
+double lag_in_enclosed_fluid(double y, auto&& taken_away) {
+  const HeldMode mode(y, 1, taken_away);
+  Eigen::Vector<double, 6> q = Eigen::Vector<double, 6>::Zero();
+  double sum = 0;
+  for (int n = 0; n < 400; ++n) {
+    q = mode(q, n + 0.5, 1);
+    if (n >= 300) sum += n + 1 - q[0];
   }
+  return sum / 100;
+}
+
+// Seen to fail: with all of the rate taken away and half of what has been pushed in (1.4 to 3.0).
+TEST(InterfaceVelocity, OfAModeThatEnclosedFluidHoldsDiesOutWhateverItsStiffness) {
+  for (const double answers : {0.5, 0.75, 1.0, 1.25, 1.5}) {
+    EXPECT_LE(growth_in_enclosed_fluid(answers, 0.001, fluid::level_taken_away), 1 + 1e-9) << answers;
+    EXPECT_LE(growth_in_enclosed_fluid(answers, 0.001,
+                                       [](double rate, double, double before) { return fluid::level_taken_away(rate, 0, before); }),
+              1 + 1e-9);
+  }
+}
+
+// A stiff mode has to be loaded anew in every window. Seen to fail: with half of the rate and an eighth of what has been pushed in, and
+// nothing of what was taken away before (12.4 windows).
+TEST(InterfaceVelocity, OfAModeThatEnclosedFluidDrivesOnLagsByAWindowOrTwo) {
+  double most = 0;
+  for (const double y : {0.01, 0.3, 1.0, 3.0, 10.0, 30.0})
+    most = std::max(most, std::abs(lag_in_enclosed_fluid(y, fluid::level_taken_away)));
+  std::printf("[ %.2f windows ]\n", most);
+  EXPECT_LT(most, 0.5);
 }
 
 // Why not all of the rate: a body that keeps its place in the mean of each window turns its velocity round, and with any of the volume
 // given back this grows.
 TEST(InterfaceVelocity, WouldTurnRoundForEverInEnclosedFluidIfAllOfTheRateWereTakenAway) {
-  EXPECT_GT(growth_in_enclosed_fluid(1, 0.01, [](double rate, double pushed_in) { return rate + pushed_in / 16; }), 1.04);
+  EXPECT_GT(growth_in_enclosed_fluid(1, 0.01, [](double rate, double pushed_in, double) { return rate + pushed_in / 16; }), 1.04);
 }
 
 }  // namespace

@@ -162,12 +162,12 @@ double volume_without_work(InterfaceScheme scheme, Place place) {
   }
   EXPECT_FALSE(water.fluid.sealed().any);
   EXPECT_GT(std::abs(power / level), 0.01 * either_way);
-  return std::abs(told - fluid::level_taken_away(power / level, 0.5 * power / level)) / either_way;
+  return std::abs(told - fluid::level_taken_away(power / level, 0.5 * power / level, 0)) / either_way;
 }
 
-/// Volume that enclosed water takes away in the second window for a block that turns about its centre, over the square of the speed of its
-/// faces times half a window. Faces stand where they are in the middle of a window, and move as they do at its end.
-double volume_of_turning_block() {
+/// Volume that enclosed water takes away in the last of `windows` for a block that turns about its centre, over the square of the speed
+/// of its faces times half a window. Faces stand where they are in the middle of a window, and move as they do at its end.
+double volume_of_turning_block(int windows) {
   constexpr double rate = 20;
   const Case c = block_in_water<2>(InterfaceScheme::riemann, Place::enclosed, 0);
   fluid::Fluid<2> fluid(c);
@@ -186,7 +186,7 @@ double volume_of_turning_block() {
     return result;
   };
   double told = 0;
-  for (int n = 0; n < 2; ++n) {
+  for (int n = 0; n < windows; ++n) {
     Coupler<2> coupler(c, structure.surface_properties());
     const Surface<2> surface = turned((n + 0.5) * window);
     fluid.begin_window(n * to_ticks(window), to_ticks(window));
@@ -265,11 +265,11 @@ TEST(PressureLevel, OfEnclosedWaterWorksByTheVolumeThatTheBodySweeps) {
 }
 
 // A block that turns sweeps no volume, though its faces are where they were half a window before the velocity that they have. Measured:
-// 0.06, given back of the first window. Seen to fail: without what A n changes by in half a window (0.5).
+// 0.17, given back of the first window. Seen to fail: without what A n changes by in half a window (1.03).
 TEST(PressureLevel, OfEnclosedWaterKeepsTheVolumeOfABlockThatTurns) {
-  const double volume = volume_of_turning_block();
+  const double volume = volume_of_turning_block(8);
   std::printf("[ %.1e of half a window of the square of the velocity ]\n", volume);
-  EXPECT_LT(std::abs(volume), 0.1);
+  EXPECT_LT(std::abs(volume), 0.25);
 }
 
 // On the same particles. Measured: 6e-15 of gravity. Seen to fail: without what balances the weight (0.2), and with what it balances taken

@@ -4,6 +4,7 @@
 import csv
 import json
 import os
+import re
 import signal
 import subprocess
 import tempfile
@@ -59,7 +60,7 @@ class QuickMapTest(unittest.TestCase):
         found = {name: row["class"] for name, row in rows.items()}
         self.assertEqual(found, {name: expected for name, (expected, _) in EXPECTED.items()}, answer.stdout)
         for name, (_, part) in EXPECTED.items():
-            self.assertRegex(rows[name]["message"], part)
+            self.assertTrue(re.search(part, rows[name]["message"]), (name, rows[name]["message"]))
         self.assertEqual(answer.returncode, 0, answer.stdout + answer.stderr)
         self.assertEqual(answer.stderr, "")
 

@@ -175,6 +175,8 @@ std::string differences_after_continuation(const Case& c, const Windows& run, co
   try {
     continued.set_state(state);
     if (continued.surface_velocity() != whole.surface_velocity()) return "velocity of the surface";
+    const std::string& name = c.structure->bodies[0].name;
+    if (continued.reaction(name, "", {}).force != whole.reaction(name, "", {}).force) return "reaction";
     for (int n = run.before; n < run.before + run.after; ++n) {
       window(whole, duration, n);
       window(continued, duration, n);
