@@ -106,7 +106,7 @@ class WindowRepeatTest(unittest.TestCase):
         code, errors, contents = self.run_case(ROOT / "cases" / "gray_cantilever", self.path / "run", "--set",
                                                "structure.body.plate.velocity=[0, '-20000*x']")
         self.assertEqual(code, 3, errors)
-        self.assertFalse([one for one in contents.get("taken_back", []) if "has entered" in one["cause"]], contents.get("taken_back"))
+        self.assertNotIn("taken_back", contents)
 
     # Nobody has to read what is said of the repeats. Seen to fail: with a bare print (exit code 1, no repeat).
     def test_standard_error_may_be_gone(self):
@@ -148,7 +148,7 @@ class WindowRepeatTest(unittest.TestCase):
                                                "structure.body.plate.velocity=[-3, 0]", "--set", "structure.body.plate.young_modulus=3e4")
         self.assertEqual(code, 3, errors)
         self.assertIn("has entered", contents["first_cause"])
-        self.assertNotIn("taken_back", contents)
+        self.assertFalse([one for one in contents.get("taken_back", []) if "has entered" in one["cause"]], contents.get("taken_back"))
 
 
 if __name__ == "__main__":
