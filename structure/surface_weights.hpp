@@ -10,7 +10,8 @@
 // and then a body of any number of particles is as long as it ought to be. The weights above are not quite so: a face would go 0.18
 // spacings' strain too far. So the weights get second differences along the lattice line that goes inwards from i,
 //   w_kj += sum_q c_kq (1, -2, 1 on the particles q, q + 1, q + 2 of the line),
-// which no affine motion sees, with the c of least squares of what is left of b. On a plane face it is solved exactly.
+// which no affine motion sees, with the c of least squares of what is left of b. On a plane face it is solved exactly. That is for faces
+// with which the lattice lies flush, half a spacing behind; behind others the gradients are corrected (face_balance.hpp).
 
 #include "structure/reference.hpp"
 #include "structure/state.hpp"
