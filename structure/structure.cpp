@@ -153,7 +153,7 @@ struct Structure<D>::Parts {
         by_gravity += weight[a][row] * moved;
         if (loads.any()) by_loads += loads.force()[a][row] * moved;
       }
-    double on_clamps = 0;  // of the fluid on the faces of solids that lie in clamps
+    double on_clamps = 0;  // of the fluid on the faces that lie in clamps
     const std::vector<Vector<D>> moved = held_feet_moved(attachment, reference, seconds(saved.time), seconds(state.time));
     for (std::size_t k = 0; k < moved.size(); ++k) on_clamps += load_on(attachment.held[k]).dot(moved[k]);
     total += on_clamps;
@@ -342,7 +342,7 @@ Reaction Structure<D>::reaction(const std::string& body, const std::string& clam
     add(place, held);
   };
   const std::vector<Vector<D>> moved = held_feet_moved(attachment, reference, 0, seconds(state.time));
-  const auto add_fluid = [&](const auto& bears) {  // on the faces of a solid that are in the clamp
+  const auto add_fluid = [&](const auto& bears) {  // on the faces that are in the clamp
     for (std::size_t n = 0; n < moved.size(); ++n) {
       const std::size_t k = attachment.held[n];
       if (bears(k)) add(reference.position_of(attachment.row[k]) + attachment.offset[k] + moved[n], parts_->load_on(k));

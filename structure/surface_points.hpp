@@ -1,8 +1,8 @@
 #pragma once
 // The wet-able surface of the bodies: points on the true faces, each carried by the nearest particle i of its body:
 //   x_k ~ x_i + F_i (X_k - X_i),  n_k = F_i^-T N_k normalised,  a_k = A_k J |F_i^-T N_k|  (Nanson).
-// Both are sums over particles with constant weights, x_k = X_k + sum_j w_kj d_j, u_k = sum_j w_kj v_j, by which the load on k is borne,
-// too (surface_weights.hpp): its power is f_k.u_k on both sides of the interface.
+// Place and velocity are sums over particles with constant weights, x_k = X_k + sum_j w_kj d_j, u_k = sum_j w_kj v_j, by which the load
+// on k is borne, too (surface_weights.hpp): its power is f_k.u_k on both sides of the interface.
 // What lies in a clamp is rigid: its points move with the clamp, and the force on them is the clamp's to bear. On shells:
 // shell/shell_surface.hpp.
 //
@@ -38,7 +38,7 @@ struct SurfaceAttachment {
   std::vector<ShellPoint<D>> shell;    ///< on a shell that is not clamped there: where
   std::vector<std::int32_t> on_shell;  ///< index of Reference::shells, or -1
   std::vector<std::int32_t> clamp;     ///< that holds it: index of Reference::clamps, or their number for one without a name; free: -1
-  std::vector<std::size_t> held;       ///< the feet of solids that a clamp holds
+  std::vector<std::size_t> held;       ///< the feet that a clamp holds
 };
 
 /// Feet are as far apart as the particles of the body, or, where that is less, half of those of the fluid (point_distance()). What
@@ -60,7 +60,7 @@ Surface<D> present_surface(const SurfaceAttachment<D>& attachment, const Referen
 template <int D>
 std::vector<Vector<D>> held_feet_moved(const SurfaceAttachment<D>& attachment, const Reference<D>& reference, double begin, double end);
 
-/// Adds the force f on foot k to the rows that bear it; none when it is in a clamp of a solid.
+/// Adds the force f on foot k to the rows that bear it; none when a clamp holds it.
 template <int D>
 void add_point_force(const SurfaceAttachment<D>& attachment, const Reference<D>& reference, const Workspace<D>& work, std::size_t k,
                      const Vector<D>& f, RowVectors<D>& force) {
