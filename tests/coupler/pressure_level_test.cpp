@@ -230,9 +230,7 @@ double order_across_faces() {
 
 // What pushed layers away from a face would have no reaction on the body, and the pressure that answers it would push that.
 // Seen to fail: with order kept across the faces, too (0.6).
-TEST(Order, BesideABodyIsKeptAlongItsFacesAlone) {
-  EXPECT_LT(order_across_faces<2>(), 1e-9);
-}
+TEST(Order, BesideABodyIsKeptAlongItsFacesAlone) { EXPECT_LT(order_across_faces<2>(), 1e-9); }
 
 // On particles 15 % out of their lattice. Measured: 1e-15 of the level.
 // Seen to fail: with the level left in (0.3); with the fluid's own sums over the faces in place of the reaction (0.05); without faces past
