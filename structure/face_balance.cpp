@@ -1,10 +1,9 @@
 #include "structure/face_balance.hpp"
 
-#include <Eigen/IterativeLinearSolvers>
-#include <Eigen/Sparse>
 #include <map>
 
 #include "scene/geometry.hpp"
+#include "structure/least_squares.hpp"
 
 namespace tern::structure {
 namespace {
@@ -30,6 +29,7 @@ struct Correction {
 template <int D>
 std::vector<Vector<D>> push_of_uniform_stress(const Fit<D>& fit) {
   std::vector<Vector<D>> push(fit.lattice.row.size(), Vector<D>::Zero());
+  const double scale = std::pow(fit.spacing, D + 1);
   for (const auto& cell : fit.cells) {
     if (fit.lattice.content_of(cell) != free_particle) continue;
     const auto own = fit.lattice.index(cell);
@@ -37,7 +37,7 @@ std::vector<Vector<D>> push_of_uniform_stress(const Fit<D>& fit) {
     for (std::size_t o = 0; o < fit.offsets.size(); ++o) {
       const auto other = fit.lattice.index(shifted<D>(cell, fit.offsets[o]));
       if (other < 0 || fit.lattice.content[other] == hidden) continue;
-      const Vector<D> gradient = std::pow(fit.spacing, D + 1) * derivatives[o].gradient;
+      const Vector<D> gradient = scale * derivatives[o].gradient;
       push[other] += gradient;
       push[own] -= gradient;
     }
@@ -50,24 +50,15 @@ template <int D>
 void subtract_load(const Fit<D>& fit, const Cell<D>& cell, const Vector<D>& offset, const Vector<D>& area, std::vector<Vector<D>>& push) {
   const auto own = fit.lattice.index(cell);
   const auto& derivatives = fit.neighbourhoods[fit.lattice.pattern[own]].derivatives;
+  const double scale = std::pow(fit.spacing, D + 1);
   push[own] -= area;
   for (std::size_t o = 0; o < fit.offsets.size(); ++o) {
     const auto other = fit.lattice.index(shifted<D>(cell, fit.offsets[o]));
     if (other < 0 || fit.lattice.content[other] == hidden) continue;
-    const double weight = std::pow(fit.spacing, D + 1) * derivatives[o].gradient.dot(offset);
+    const double weight = scale * derivatives[o].gradient.dot(offset);
     push[other] -= weight * area;
     push[own] += weight * area;
   }
-}
-
-/// Least squares of A x = b.
-Eigen::VectorXd solved(const std::vector<Eigen::Triplet<double>>& entries, const std::vector<double>& right, std::size_t unknowns,
-                       double tolerance) {
-  Eigen::SparseMatrix<double> matrix(static_cast<Eigen::Index>(right.size()), static_cast<Eigen::Index>(unknowns));
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  Eigen::LeastSquaresConjugateGradient<Eigen::SparseMatrix<double>> solver(matrix);
-  solver.setTolerance(tolerance);
-  return solver.solve(Eigen::Map<const Eigen::VectorXd>(right.data(), matrix.rows()));
 }
 
 /// Gives the particles neighbourhoods of their own, with the corrections.
@@ -227,7 +218,7 @@ void balance_clamps(const Fit<D>& fit) {
         corrections.push_back({line.at(layer), {line.at(first), line.at(first + 1), line.at(first + 2)}, y, line.normal});
       }
   }
-  if (!corrections.empty()) correct<D>(fit, corrections, solved(entries, right, corrections.size(), 1e-12));
+  if (!corrections.empty()) correct<D>(fit, corrections, least_squares(entries, right, corrections.size(), 1e-12));
 }
 
 template <int D>
@@ -273,7 +264,7 @@ void balance_askew_faces(const Fit<D>& fit, const Shape& shape, const std::vecto
     entries.emplace_back(static_cast<int>(right.size()), static_cast<int>(c), restraint);
     right.push_back(0);
   }
-  if (!corrections.empty()) correct<D>(fit, corrections, solved(entries, right, corrections.size(), 1e-6));
+  if (!corrections.empty()) correct<D>(fit, corrections, least_squares(entries, right, corrections.size(), 1e-6));
 }
 
 #define TERN_INSTANTIATE(D)                       \

@@ -1,8 +1,8 @@
 #include "structure/surface_weights.hpp"
 
-#include <Eigen/IterativeLinearSolvers>
-#include <Eigen/Sparse>
 #include <algorithm>
+
+#include "structure/least_squares.hpp"
 
 namespace tern::structure {
 namespace {
@@ -112,15 +112,10 @@ SurfaceWeights surface_weights(const Reference<D>& reference, const std::vector<
         for (int a = 0; a < D; ++a) entries.emplace_back(D * line[k][q + m] + a, unknowns, (m == 1 ? -2 : 1) * area[k][a]);
   }
   if (unknowns > 0) {
-    Eigen::SparseMatrix<double> matrix(D * static_cast<Eigen::Index>(reference.rows), unknowns);
-    matrix.setFromTriplets(entries.begin(), entries.end());
-    Eigen::VectorXd right(matrix.rows());
+    std::vector<double> right(D * reference.rows);
     for (int a = 0; a < D; ++a)
-      for (std::size_t j = 0; j < reference.rows; ++j)
-        right[D * static_cast<Eigen::Index>(j) + a] = reference.inverse_mass[j] > 0 ? left[a][j] : 0;
-    Eigen::LeastSquaresConjugateGradient<Eigen::SparseMatrix<double>> solver(matrix);
-    solver.setTolerance(1e-12);
-    const Eigen::VectorXd share = solver.solve(right);
+      for (std::size_t j = 0; j < reference.rows; ++j) right[D * j + a] = reference.inverse_mass[j] > 0 ? left[a][j] : 0;
+    const Eigen::VectorXd share = least_squares(entries, right, unknowns, 1e-12);
     int c = 0;
     for (std::size_t k = 0; k < row.size(); ++k)
       for (std::size_t q = 0; q + 2 < line[k].size(); ++q, ++c)

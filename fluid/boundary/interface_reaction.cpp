@@ -13,12 +13,6 @@
 #include "sph/wet_share.hpp"
 
 namespace tern::fluid {
-namespace {
-
-constexpr double least_seen = 1e-3;  ///< of the half space before a face; at the end of the kernel w~ has both signs
-
-}  // namespace
-
 template <int D>
 void find_interface_reaction(const Constants<D>& constants, const Ranks& ranks, const InterfaceParticles<D>& particles,
                              const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,

@@ -11,6 +11,9 @@
 
 namespace tern::fluid {
 
+/// Of the half space before a face: less of it fills nothing. At the end of the kernel w~ has both signs.
+inline constexpr double least_seen = 1e-3;
+
 /// Sets swept_share of the faces, reaction and carried_weight of the particles `at_structure`, and brings the made-up loads into
 /// linear_moment. `particles`: these, with their images. `position` [m] and `gravity` [m/s^2]: of all.
 template <int D>

@@ -9,6 +9,7 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "fluid/boundary/interface_reaction.hpp"
 #include "scene/geometry.hpp"
 #include "scene/scene_check.hpp"
 
@@ -224,18 +225,16 @@ std::vector<int> main_walls(const Boundary<D>& boundary, const EnclosedRegions& 
   return result;
 }
 
-constexpr double least_seen = 1e-3;  ///< of the half space before a patch
-
-/// Whether another wall is in front of the patch k, so that no fluid is.
+/// Whether another wall is in front of the patch k, so that no fluid is. `shapes`: of all walls, without their open faces.
 template <int D>
-bool is_covered(const Walls<D>& walls, double spacing, std::size_t k) {
+bool is_covered(const Walls<D>& walls, const std::vector<Shape>& shapes, double spacing, std::size_t k) {
   constexpr double before = 1e-3;  // spacings
   const Vector<D> x = walls.faces().position[k] + before * spacing * walls.faces().normal[k];
   const std::vector<Wall<D>>& all = walls.all();
   for (std::size_t w = 0; w < all.size(); ++w) {
     if (w == walls.wall_of(static_cast<int>(k))) continue;
     const Vector<D> at_rest = all[w].scene.motion ? all[w].place.reference(x) : x;
-    if ((signed_distance<D>(without_open_faces(all[w].scene), at_rest) < 0) != all[w].scene.container) return true;
+    if ((signed_distance<D>(shapes[w], at_rest) < 0) != all[w].scene.container) return true;
   }
   return false;
 }
@@ -243,16 +242,18 @@ bool is_covered(const Walls<D>& walls, double spacing, std::size_t k) {
 /// What a patch of a wall counts for where walls move, over the weights with which particles see it: one over the share of it that they
 /// fill.
 template <int D>
-std::vector<double> shares_of_walls(const Constants<D>& constants, const Boundary<D>& boundary, const EnclosedRegions& regions) {
+void find_shares_of_walls(const Constants<D>& constants, const Boundary<D>& boundary, const EnclosedRegions& regions,
+                          std::vector<double>& share) {
   const FaceRows& rows = boundary.wall_rows;
-  std::vector<double> share(boundary.walls.faces().size(), 0);
+  share.assign(boundary.walls.faces().size(), 0);
   for (std::size_t i = 0; i < regions.region.size(); ++i)
     for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry)
       share[rows.face[entry]] += 2 * constants.volume * rows.weight[entry] / boundary.walls.faces().area[rows.face[entry]];
   regions.ranks.sum(std::span(share));
+  std::vector<Shape> shapes;
+  for (const Wall<D>& wall : boundary.walls.all()) shapes.push_back(without_open_faces(wall.scene));
   for (std::size_t k = 0; k < share.size(); ++k)
-    share[k] = share[k] > least_seen && !is_covered(boundary.walls, constants.spacing, k) ? 1 / share[k] : 0;
-  return share;
+    share[k] = share[k] > least_seen && !is_covered(boundary.walls, shapes, constants.spacing, k) ? 1 / share[k] : 0;
 }
 
 /// How far the point of a wall that is now at x has come since the wall was at `before` [m].
@@ -296,7 +297,7 @@ void SweptVolume<D>::find(const Constants<D>& constants, double duration, bool f
   const double begin = seconds(state.time) + 0.5 * duration - motion.time;
   for (std::size_t w = 0; w < all.size(); ++w)
     if (all[w].scene.motion) before[w] = placement<D>(*all[w].scene.motion, begin);
-  const std::vector<double> share = boundary.walls.moving() ? shares_of_walls(constants, boundary, regions) : std::vector<double>();
+  if (first && boundary.walls.moving()) find_shares_of_walls(constants, boundary, regions, wall_share);
   const std::size_t count = regions.size.size();
   rate.assign(3 * count + 2, 0);  // and pushed_in, taken_away, way and area, for one sum over the ranks
   for (std::size_t i = 0; i < regions.region.size(); ++i) {
@@ -312,7 +313,7 @@ void SweptVolume<D>::find(const Constants<D>& constants, double duration, bool f
     if (boundary.walls.moving())
       for (int entry = wall_rows.begin[i]; entry < wall_rows.begin[i] + wall_rows.count[i]; ++entry) {
         const int k = wall_rows.face[entry];
-        const double weight = share[k] * wall_rows.weight[entry];
+        const double weight = wall_share[k] * wall_rows.weight[entry];
         const int w = static_cast<int>(boundary.walls.wall_of(k));
         by_walls += weight * (walls.velocity[k] - of_frame(walls.position[k])).dot(walls.normal[k]);
         pushed += weight * (moved(all[w], before[w], walls.position[k]) - frame_moved(walls.position[k])).dot(walls.normal[k]);
@@ -368,7 +369,7 @@ void SweptVolume<D>::watch_lag(const Constants<D>& constants, const Window& wind
   if (!regions.ranks.first()) return;
   log_warning(fmt::format(
       "Bodies around enclosed fluid lag behind the volume that it has to keep: by {:.3g} m^{} at t = {:.6g} s, where their faces have "
-      "swept {:.3g}. They answer its pressure faster than windows of {:.3g} s resolve, and loads and displacements are too small while "
+      "swept {:.3g}. They answer its pressure faster than windows of {:.3g} s resolve, and loads and displacements are off while "
       "something moves them. Make the windows shorter until the lag is small: a smaller fluid.numerics.gravity_courant, courant, or both.",
       lag, D, window.begin + window.duration, account.way, window.duration));
 }

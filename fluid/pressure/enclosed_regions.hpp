@@ -89,6 +89,8 @@ struct SweptVolume {
   std::vector<double> taken_away;
   double way = 0, area = 0;  ///< in the window, of all regions: what faces of bodies sweep to and fro [m^D], and their area
   FaceMotion<D> motion;      ///< scratch
+  /// Scratch, the same in all coupling iterations of a window: what a patch of a wall counts for, over the weights with which it is seen.
+  std::vector<double> wall_share;
 
   /// `first`: coupling iteration of the window. Later ones have other velocities at the same places.
   void find(const Constants<D>& constants, double duration, bool first, const Boundary<D>& boundary, const EnclosedRegions& regions,

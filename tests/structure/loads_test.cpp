@@ -92,11 +92,7 @@ TEST(Pressure, OnAFreeBodyCompressesItWithoutMovingIt) {
     StructureBody b = body("block", {-6, -half, 0}, {6, half, 0}, 1);
     b.mass_damping = 8;
     Case c = scene(2, {b});
-    LoadCase load;
-    load.kind = LoadCase::Kind::pressure;
-    load.body = "block";
-    load.value[0] = Expression(1000.0);
-    c.structure->loads.push_back(load);
+    add_load(c, LoadCase::Kind::pressure, "block", Expression(1000.0));
     Structure<2> structure(c);
     run(structure, 8);
     const Momentum momentum = structure.momentum();

@@ -28,13 +28,7 @@ double lengthening(int layers, double angle, bool clamped) {
   if (clamped) bar.clamps = {rectangle(-4, 0, 7)};
   Case scene = testing::scene(2, {bar});
   const auto pulled = [&](double bottom, double top, double by) {
-    LoadCase load;
-    load.kind = LoadCase::Kind::traction;
-    load.body = "bar";
-    load.region = rectangle(bottom, top, 7);
-    load.value[0] = Expression(-by * s);
-    load.value[1] = Expression(by * c);
-    scene.structure->loads.push_back(load);
+    add_load(scene, LoadCase::Kind::traction, "bar", Expression(-by * s), Expression(by * c)).region = rectangle(bottom, top, 7);
   };
   pulled(layers - 0.01, layers + 1, pull);
   if (!clamped) pulled(-1, 0.01, -pull);
@@ -74,11 +68,7 @@ TEST(CurvedBody, BendsAsACurvedBeam) {
     arc.clamps = {box({0, -1, 0}, {1, 0, 0})};
     Case c = scene(2, {arc});
     c.structure->numerics.integrator = Integrator::implicit_steps;
-    LoadCase load;
-    load.kind = LoadCase::Kind::body_force;
-    load.body = "arc";
-    load.value[0] = Expression(10.0);
-    c.structure->loads.push_back(load);
+    add_load(c, LoadCase::Kind::body_force, "arc", Expression(10.0));
     Structure<2> structure(c);
     const auto end = structure.material_point("arc", {0.0005, 0.1, 0});
     for (int n = 0; n < 200; ++n) structure.trial(structure.time(), to_ticks(5e-3));
