@@ -64,7 +64,9 @@ CommandLine parse_command_line(int argc, const char* const* argv, const std::str
   app.add_option("--set", overrides, "override a key of the case; may be repeated")->type_name("KEY=VALUE")->allow_extra_args(false);
   app.add_option("--preset", result.options.preset, "numerical settings as a group")->type_name("NAME");
   auto* end = app.add_option("--until", until, "end at this simulated time [s] instead of the case's end_time")->type_name("T");
-  app.add_option("--threads", result.threads, "threads of this process; results do not depend on it (default 1)")->type_name("N");
+  auto* threads =
+      app.add_option("--threads", result.threads, "threads of this process; results do not depend on it (default: what its work is worth)")
+          ->type_name("N");
   app.add_option("--deadline", result.deadline_s,
                  role == "coupler" ? "give a participant up that leaves a message out for S seconds (default 300)"
                                    : "give the coupler up that leaves a message out for 2 S seconds (default S = 300): it waits itself")
@@ -97,7 +99,7 @@ CommandLine parse_command_line(int argc, const char* const* argv, const std::str
       throw BadInput(fmt::format("--until {} is not a time between 0 and 1e6 s; give the simulated time at which to end.", until));
     result.until = until;
   }
-  if (result.threads < 1 || result.threads > most_threads)
+  if (threads->count() > 0 && (result.threads < 1 || result.threads > most_threads))
     throw BadInput(
         fmt::format("--threads {} is not between 1 and {}; give the number of cores for this process.", result.threads, most_threads));
   result.repeat = {std::get<0>(repeat), std::get<1>(repeat), std::get<2>(repeat)};

@@ -18,7 +18,7 @@ struct CommandLine {
   bool insecure = false;        ///< on a network without keys
   CaseOptions options;          ///< --set and --preset
   std::optional<double> until;  ///< end time instead of the case's [s]
-  int threads = 1;
+  int threads = 0;              ///< 0: as many as the work is worth (set_threads())
   double deadline_s = 300;      ///< a peer that leaves a message out for so long is given up
   bool force = false;           ///< replace the results of an earlier run in `out`
   bool allow_unstable = false;  ///< run a coupling that is predicted to be unstable
@@ -47,5 +47,9 @@ using Body = std::function<void(const CommandLine&, const Case&, RunReport&)>;
 /// cause.
 /// --until has replaced end_time in the Case that body receives. `body` should call report.set_time and report.update.
 int run_main(int argc, char** argv, const std::string& role, const Body& body);
+
+/// To be called by `body` when it knows how many `items` (particles, points of the surface) its loops go over: unless the command line
+/// says how many threads, takes as many as they are worth (base/threads.hpp). Results do not depend on it.
+void set_threads(const CommandLine& command, std::ptrdiff_t items, RunReport& report);
 
 }  // namespace tern

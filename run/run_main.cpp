@@ -11,6 +11,7 @@
 #include "base/interrupt.hpp"
 #include "base/log.hpp"
 #include "base/peer_stopped.hpp"
+#include "base/threads.hpp"
 #include "base/version.hpp"
 #include "run/command_line.hpp"
 
@@ -68,7 +69,7 @@ int end(const Cause& cause, bool has_launcher) {
 }
 
 int run_in_directory(const CommandLine& command, const Case& scene, const std::string& role, bool has_launcher, const Body& body) {
-  RunReport report(command.out, role, command.threads);
+  RunReport report(command.out, role, omp_get_max_threads());
   report.set_case(scene, command.options);
   int code = 0;
   try {
@@ -93,6 +94,13 @@ int run_in_directory(const CommandLine& command, const Case& scene, const std::s
 
 }  // namespace
 
+void set_threads(const CommandLine& command, std::ptrdiff_t items, RunReport& report) {
+  const int threads = command.threads > 0 ? command.threads : threads_worth(items, omp_get_max_threads());
+  omp_set_num_threads(threads);
+  report.set_threads(threads);
+  log_info(fmt::format("works with {} thread{}", threads, threads == 1 ? "" : "s"));
+}
+
 int run_main(int argc, char** argv, const std::string& role, const Body& body) {
   set_log_program("tern-" + role);
   install_interrupt_handler();
@@ -108,12 +116,13 @@ int run_main(int argc, char** argv, const std::string& role, const Body& body) {
     if (command.until) scene.end_time = *command.until;
     prepare_out_dir(command.out, role, command.force || command.resume);
     open_log(command.out, role);
-    omp_set_num_threads(command.threads);
+    // Until it is known what the work is worth; what there is to prepare may use all cores.
+    const int threads = command.threads > 0 ? command.threads : cores_at_hand();
+    omp_set_num_threads(threads);
 
     std::string arguments;
     for (int i = 0; i < argc; ++i) arguments.append(i ? " " : "").append(argv[i]);
-    log_info(fmt::format("{} {} ({}), case {} with hash {}, {} thread(s)", role, program_version, git_hash, scene.name, scene.hash,
-                         command.threads));
+    log_info(fmt::format("{} {} ({}), case {} with hash {}", role, program_version, git_hash, scene.name, scene.hash));
     log_info("started as: " + arguments);
     code = run_in_directory(command, scene, role, has_launcher, body);
   } catch (...) {

@@ -20,6 +20,9 @@ class RunReport {
   /// `role` is "fluid", "structure" or "coupler". Writes nothing yet.
   RunReport(std::string out_dir, std::string role, int threads);
 
+  /// Threads of the process, if they are not those of the constructor.
+  void set_threads(int threads) { threads_ = threads; }
+
   /// Records name, hash, settings and end time of the case and the overrides that led to them.
   void set_case(const Case& scene, const CaseOptions& options);
 

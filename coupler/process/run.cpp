@@ -138,6 +138,7 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
   const SurfaceProperties properties = proto::from_wire(hello.at(wire::STRUCTURE).surface());
   check_accounts(scene, hello.at(wire::FLUID).account(), hello.at(wire::STRUCTURE).account());
   check_bodies(scene, properties);
+  set_threads(command, static_cast<std::ptrdiff_t>(properties.body.size()), report);
   refuse_predicted_instability<D>(command, scene, properties, report);
   Coupler<D> coupler = make_coupler<D>(scene, properties);
   const CheckpointStore checkpoints(command.out, "coupler", scene);

@@ -8,6 +8,7 @@
 #include "base/timing.hpp"
 #include "fluid/process/participant.hpp"
 #include "fluid/process/ranks.hpp"
+#include "run/command_line.hpp"
 #include "run/solo_run.hpp"
 
 namespace {
@@ -52,9 +53,16 @@ struct Alone {
   StepControl control{};
 };
 
+/// Of this process that threads of its own are worth: of many ranks each has one thread unless it is told otherwise.
+template <int D>
+std::ptrdiff_t own_particles(const fluid::Leader<D>& leader, const Ranks& ranks) {
+  return ranks.count() == 1 ? static_cast<std::ptrdiff_t>(leader.fluid().particles()) : 0;
+}
+
 template <int D>
 void run_without_structure(const CommandLine& command, const Case& scene, const Ranks& ranks, RunReport& report) {
   Alone<D> alone(command, scene, ranks, report);
+  set_threads(command, own_particles(alone.leader, ranks), report);
   run_alone(command, scene, report, fluid::FluidSide<D>(scene, alone.leader), gauge_columns(scene, GaugeOwner::fluid),
             fluid_energy_columns(), alone);
 }
@@ -64,6 +72,7 @@ void run(const CommandLine& command, const Case& scene, const Ranks& ranks, RunR
   if (command.alone()) return run_without_structure<D>(command, scene, ranks, report);
   proto::take_part(command, wire::FLUID, [&](proto::ParticipantChannel& channel) {
     fluid::Leader<D> leader(scene, ranks);
+    set_threads(command, own_particles(leader, ranks), report);
     fluid::Participant<D> participant(command, scene, report, channel, leader);
     proto::take_part_as_fluid<D>(channel, participant);
   });

@@ -115,7 +115,7 @@ int follow(int argc, char** argv, const Ranks& ranks) {
   try {
     const CommandLine command = parse_command_line(argc, argv, "fluid");
     const Case scene = read_case(command.case_path, command.options);
-    omp_set_num_threads(command.threads);
+    omp_set_num_threads(std::max(command.threads, 1));
     scene.dimension == 2 ? obey<2>(scene, ranks) : obey<3>(scene, ranks);
     return 0;
   } catch (...) {

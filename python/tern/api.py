@@ -24,7 +24,7 @@ def run(case, set=None, out=None, *, preset=None, until=None, threads=None, dead
     out        directory of the results (default runs/<case>; an earlier run is kept: -2, -3, ...); `force` replaces what is in it
     preset     "draft", "standard", "reference" or "paper"
     until      end time [s] instead of the case's own
-    threads    of each process (default 1; the results have the same bits for any number)
+    threads    of each process (default: as many as its work is worth; the results have the same bits for any number)
     deadline   give a process up that leaves a message out for so long [s] (default 300)
     quiet      False: say where the results go and how far the run is
     fluid, structure   a command in place of tern-fluid or tern-structure (docs/PARTICIPANTS.md)

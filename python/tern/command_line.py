@@ -93,7 +93,7 @@ def _thread_count(text):
 def _run_options(parser):
     parser.add_argument("--until", metavar="T", type=_positive_number, help="end time [s] instead of the case's own")
     parser.add_argument("--threads", metavar="N", type=_thread_count,
-                        help="threads of each process (default 1; the results have the same bits for any number)")
+                        help="threads of each process (default: what its work is worth; the results have the same bits for any number)")
     parser.add_argument("--deadline", metavar="S", type=_positive_number,
                         help="give a process up that leaves a message out for S seconds (default 300; more for a slow solver)")
     parser.add_argument("--quiet", action="store_true", help="say nothing unless something fails")

@@ -13,6 +13,9 @@ namespace {
 
 using namespace tern;
 
+/// Items that several threads would share: the loops of the structure have one.
+constexpr std::ptrdiff_t shared_out = 0;
+
 /// The structure as run_alone() steps it: without surface load, in windows of equal length between two instants of output.
 template <int D>
 struct Alone {
@@ -56,6 +59,7 @@ struct Alone {
 template <int D>
 void run_without_fluid(const CommandLine& command, const Case& scene, RunReport& report) {
   Alone<D> alone(scene, report);
+  set_threads(command, shared_out, report);
   run_alone(command, scene, report, structure::StructureSide<D>(scene, alone.structure), gauge_columns(scene, GaugeOwner::structure),
             structure_energy_columns(scene), alone);
 }
@@ -65,6 +69,7 @@ void run(const CommandLine& command, const Case& scene, RunReport& report) {
   if (command.alone()) return run_without_fluid<D>(command, scene, report);
   proto::take_part(command, wire::STRUCTURE, [&](proto::ParticipantChannel& channel) {
     structure::Structure<D> structure(scene);
+    set_threads(command, shared_out, report);
     structure::Participant<D> participant(command, scene, report, channel, structure);
     proto::take_part_as_structure<D>(channel, participant);
   });

@@ -86,6 +86,14 @@ class LauncherTest(unittest.TestCase):
         for word in ("--set", "end_time=2", "--until", "0.5", "--threads", "2"):
             self.assertIn(word, self.words("fluid"))
 
+    def test_threads_that_wait_leave_their_core_to_others_unless_the_user_says_how_long(self):
+        # Seen to fail: with os.environ in place of _patient(), and with _patient() always adding.
+        path = self.fake.path / "runs" / "pond" / "pid.fluid"
+        for said, spins in ({}, "1000"), ({"OMP_WAIT_POLICY": "active"}, None), ({"GOMP_SPINCOUNT": "7"}, "7"):
+            with unittest.mock.patch.dict(os.environ, said):
+                self.fake.run("--force", "--out", str(path.parent))
+            self.assertEqual(json.loads(path.read_text())["spins"], spins)
+
     def test_fluid_that_was_lost_is_said_at_the_end(self):
         # Seen to fail: without summary.warnings().
         code, _, errors = self.fake.run(fluid="lose 3 12 exit 0")

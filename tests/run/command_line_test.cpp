@@ -45,7 +45,7 @@ TEST(CommandLine, HasDefaultsForWhatIsNotSaid) {
   const CommandLine least = parse({"cases/tank", "--out", "runs/a"});
   EXPECT_TRUE(least.alone());
   EXPECT_FALSE(least.until.has_value());
-  EXPECT_EQ(least.threads, 1);
+  EXPECT_EQ(least.threads, 0);  // as many as the work is worth
   EXPECT_FALSE(least.force || least.allow_unstable || least.quiet);
   EXPECT_TRUE(least.answer.empty());
 }

@@ -48,7 +48,7 @@ def costs_file(directory):
     print("tern: measuring once what a step costs on this machine (some seconds)", file=sys.stderr, flush=True)
     with tempfile.TemporaryDirectory(prefix="tern-costs-") as folder:
         out = Path(folder) / "run"
-        process = subprocess.Popen([paths.command(), "run", SCENE, "--out", out, "--quiet"], stdin=subprocess.DEVNULL,
+        process = subprocess.Popen([paths.command(), "run", SCENE, "--out", out, "--quiet", "--threads", "1"], stdin=subprocess.DEVNULL,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=os.environ | {"TERN_BUILD": str(directory)})
         try:
             if process.wait(timeout=300) != 0:

@@ -22,6 +22,7 @@ GRACE_AFTER_SUCCESS_S = 60.0   # the others write their last frame
 GRACE_AFTER_INTERRUPT_S = 1.6  # Ctrl-C ends everything within 2 s
 GRACE_OF_COUPLER_S = 1.0       # of these: it completes a window, has a checkpoint made and ends the others
 GRACE_AFTER_TERMINATE_S = 2.0
+SPINS = 1000  # some 20 us: what a thread waits for the next loop before it sleeps. The compiler's 300 000 keep busy cores from others
 LONGEST_STOP_S = 9.0  # by SIGSTOP; connected peers notice after 5 s, but nobody misses a process that has not joined yet
 
 
@@ -84,6 +85,12 @@ class Interrupts:
         os.close(self.write_end)
 
 
+def _patient(environment):
+    """With how long threads wait for each other, unless the user has said it (GCC's libgomp)."""
+    said = {"GOMP_SPINCOUNT", "OMP_WAIT_POLICY"} & environment.keys()
+    return {**environment} if said else {**environment, "GOMP_SPINCOUNT": str(SPINS)}
+
+
 class Group:
     """All processes of a run, their private socket directory, and the guardian that cleans up should the launcher die."""
 
@@ -112,7 +119,7 @@ class Group:
     def start(self, role, command, program=None, environment=None, in_ranks=False):
         """Starts one executable; standard output and error are the launcher's. `program`: a foreign one, by its name. `in_ranks`: the
         command starts many processes (ranks.py)."""
-        environment = (environment or os.environ) | {"TERN_LAUNCHER": str(os.getpid())}  # with whom it ends (base/interrupt.hpp)
+        environment = _patient(environment or os.environ) | {"TERN_LAUNCHER": str(os.getpid())}  # with whom it ends (base/interrupt.hpp)
         handle = subprocess.Popen(command, stdin=subprocess.DEVNULL, process_group=0, env=environment,
                                   **({"stderr": subprocess.PIPE, "text": True, "errors": "replace"} if in_ranks else {}))
         self._tell(f"started {handle.pid}")

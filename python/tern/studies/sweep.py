@@ -89,7 +89,7 @@ class Sweep:
         out.parent.mkdir(parents=True, exist_ok=True)
         try:
             cause, directory = run.run(run.Request(str(self.path), [*self.base_options, *point.options], out=str(out), force=True,
-                                                   until=self.criterion.until, quiet=True, takes_back=False))
+                                                   until=self.criterion.until, threads=1, quiet=True, takes_back=False))
         except Error as error:
             row.status, row.exit_code, row.cause = STATUS.get(error.exit_code, "failed"), error.exit_code, str(error)
             return row
