@@ -68,8 +68,8 @@ struct State {
 
   std::vector<Vector<D>> wall_velocity;  ///< of each patch over the last window, if any wall moves [m/s]
   double wall_acceleration = 0;          ///< largest of a patch, along its normal [m/s^2]
-  std::vector<Vector<D>> face;           ///< A n of the structure's surface in the last window, if there is enclosed fluid [m^(D-1)]
-  std::vector<Vector<D>> face_position;  ///< of its points then [m]
+  std::vector<Vector<D>> face;           ///< A n of the structure's surface in the last window [m^(D-1)]
+  std::vector<Vector<D>> face_position;  ///< of its points then, on their way (FaceMotion::place) [m]
   double last_duration = 0;              ///< of the last window [s]
   bool has_pressure = false;             ///< there was a pressure solve
   double left_share = 0;                 ///< what the first solve of the last window left behind, of its source; 0: not known

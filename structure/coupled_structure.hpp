@@ -21,11 +21,13 @@ struct FollowedVelocity {
 /// Hulbert 2000) with the displacement of the structure as its increment. The motion at the end itself will not do: sub-steps resolve the
 /// oscillations of a body that is held by its stiffness, and at that instant it may move against the load. From its mean velocity it never
 /// does, so that the coupling is stable for every stiffness and mass (tests/coupler/interface_velocity_test.cpp). Second order in the
-/// window; of a motion too fast for the windows a fifth is left from one to the next.
+/// window; of a motion too fast for the windows a fifth is left from one to the next. `own` is by a third of a window ahead of `given`, so
+/// what it differs by is that of the last window and becomes that of this one with the `ratio` of this window's length to the last one's.
 template <class Velocity>
-FollowedVelocity<Velocity> followed_velocity(const Velocity& mean, const FollowedVelocity<Velocity>& at_begin) {
+FollowedVelocity<Velocity> followed_velocity(const Velocity& mean, FollowedVelocity<Velocity> at_begin, double ratio) {
   constexpr double left = 0.2;
   constexpr double alpha_m = (3 - left) / (2 + 2 * left), alpha_f = 1 / (1 + left), gamma = 0.5 + alpha_m - alpha_f;
+  at_begin.own = at_begin.given + ratio * (at_begin.own - at_begin.given);
   const Velocity own = (mean - (1 - gamma) * at_begin.own) / gamma;
   return {((1 - alpha_m) * at_begin.own + alpha_m * own - (1 - alpha_f) * at_begin.given) / alpha_f, own};
 }
@@ -36,6 +38,7 @@ struct CoupledState {
   CompleteState<D> structure;
   Surface<D> surface;
   std::vector<Vector<D>> own_velocity;
+  double last_duration = 0;  ///< of a window [s]; 0: there was none
 
   /// The list of the members: visit(name, member of each state) for every one.
   template <class Visit, class... States>
@@ -43,6 +46,7 @@ struct CoupledState {
     CompleteState<D>::for_each_field(visit, state.structure...);
     visit("surface", state.surface...);
     visit("own_velocity", state.own_velocity...);
+    visit("last_duration", state.last_duration...);
   }
 };
 
@@ -90,16 +94,18 @@ class CoupledStructure {
         own_velocity_[k] = followed.own;
       }
     at_begin_ = std::move(end);
+    last_duration_ = seconds(duration_);
   }
 
   /// Between two windows: everything from which another one goes on with the same bits.
-  CoupledState<D> state() const { return {structure_.state(), at_begin_, own_velocity_}; }
+  CoupledState<D> state() const { return {structure_.state(), at_begin_, own_velocity_, last_duration_}; }
   void set_state(const CoupledState<D>& given) {
     CoupledState<D> state;
     CoupledState<D>::for_each_field([](const char*, const auto& source, auto& target) { target = source; }, given, state);
     structure_.set_state(state.structure);
     at_begin_ = std::move(state.surface);
     own_velocity_ = std::move(state.own_velocity);
+    last_duration_ = state.last_duration;
   }
 
  private:
@@ -111,7 +117,8 @@ class CoupledStructure {
 
   FollowedVelocity<Vector<D>> at_end(std::size_t k, const std::vector<Vector<D>>& position) const {
     const Vector<D> mean = (position[k] - at_begin_.position[k]) / seconds(duration_);
-    return followed_velocity<Vector<D>>(mean, {at_begin_.velocity[k], own_velocity_[k]});
+    const double ratio = last_duration_ > 0 ? seconds(duration_) / last_duration_ : 1;
+    return followed_velocity<Vector<D>>(mean, {at_begin_.velocity[k], own_velocity_[k]}, ratio);
   }
 
   Structure<D>& structure_;
@@ -119,6 +126,7 @@ class CoupledStructure {
   Ticks begin_ = 0, duration_ = 0;
   Surface<D> at_begin_;                  ///< of the window; velocity: as the fluid was given it
   std::vector<Vector<D>> own_velocity_;  ///< FollowedVelocity::own of each point, at the begin of the window
+  double last_duration_ = 0;             ///< of the last window [s]; 0: there was none
 };
 
 }  // namespace tern::structure

@@ -54,7 +54,7 @@ void find_interface_reaction(const Constants<D>& constants, const Ranks& ranks, 
   for (std::size_t k = 0; k < faces.size(); ++k) {
     const double filled = sums.borne_share[k] * share[k], wet = wet_share(filled);
     share[k] = wet > 0 ? sums.borne_share[k] * wet / filled : 0;
-    sums.swept_share[k] = wet > 0 && seen[k] > least_seen ? wet / seen[k] : 0;
+    sums.swept_share[k] = wet > 0 && seen[k] > least_seen ? 1 / seen[k] : 0;
   }
 
   sums.reaction.resize(rows.begin.size());

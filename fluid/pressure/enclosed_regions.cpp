@@ -266,10 +266,11 @@ Vector<D> moved(const Wall<D>& wall, const Placement<D>& before, const Vector<D>
 
 template <int D>
 void FaceMotion<D>::find(double duration, const Faces<D>& surface, const State<D>& state) {
-  for (auto* values : {&displacement, &mean_normal, &turn}) values->resize(surface.size());
+  for (auto* values : {&place, &displacement, &mean_normal, &turn}) values->resize(surface.size());
   if (state.face.size() != surface.size()) {  // from the begin of this window
     time = 0.5 * duration;
     for (std::size_t k = 0; k < surface.size(); ++k) {
+      place[k] = surface.position[k];
       displacement[k] = time * surface.velocity[k];
       mean_normal[k] = surface.normal[k];
       turn[k].setZero();
@@ -279,9 +280,11 @@ void FaceMotion<D>::find(double duration, const Faces<D>& surface, const State<D
   time = 0.5 * (duration + state.last_duration);
   for (std::size_t k = 0; k < surface.size(); ++k) {
     const Vector<D> change = surface.normal[k] - state.face[k] / surface.area[k];
-    displacement[k] = surface.position[k] - state.face_position[k];
-    mean_normal[k] = surface.normal[k] - 0.5 * change;
     turn[k] = (0.5 * duration / time) * change;
+    // A path that keeps its speed along a normal that turns leaves the chord by this; a sway that windows do not resolve has no part in it.
+    place[k] = surface.position[k] + 0.25 * duration * surface.velocity[k].dot(turn[k]) * surface.normal[k];
+    displacement[k] = place[k] - state.face_position[k];
+    mean_normal[k] = surface.normal[k] - 0.5 * change;
   }
 }
 
@@ -323,7 +326,7 @@ void SweptVolume<D>::find(const Constants<D>& constants, double duration, bool f
       const double weight = boundary.sums.swept_share[k] * surface_rows.weight[entry];
       const Vector<D> frame_velocity = of_frame(surface.position[k]);
       by_surface += weight * (surface.velocity[k] - frame_velocity).dot(surface.normal[k] + motion.turn[k]);
-      const double swept = weight * (motion.displacement[k] - frame_moved(surface.position[k])).dot(motion.mean_normal[k]);
+      const double swept = weight * (motion.displacement[k] - frame_moved(motion.place[k])).dot(motion.mean_normal[k]);
       pushed += swept;
       way_of_surface += std::abs(swept);
       area_of_surface += weight;
@@ -344,12 +347,12 @@ void SweptVolume<D>::find(const Constants<D>& constants, double duration, bool f
 }
 
 template <int D>
-void SweptVolume<D>::remember(double duration, const Faces<D>& surface, const EnclosedRegions& regions, State<D>& state) const {
+void SweptVolume<D>::remember(double duration, const Faces<D>& surface, const EnclosedRegions& regions, State<D>& state) {
+  if (!regions.any()) motion.find(duration, surface, state);  // fluid may be enclosed from the next window on
   state.last_duration = duration;
-  const std::size_t points = regions.any() ? surface.size() : 0;
-  state.face_position = points > 0 ? surface.position : std::vector<Vector<D>>();
-  state.face.resize(points);
-  for (std::size_t k = 0; k < points; ++k) state.face[k] = surface.area[k] * surface.normal[k];
+  state.face_position = motion.place;
+  state.face.resize(surface.size());
+  for (std::size_t k = 0; k < surface.size(); ++k) state.face[k] = surface.area[k] * surface.normal[k];
   for (std::size_t i = 0; i < state.size(); ++i) {
     const int r = regions.any() ? regions.region[i] : -1;
     state.pushed_in[i] = r >= 0 ? pushed_in[r] / regions.size[r] : 0;

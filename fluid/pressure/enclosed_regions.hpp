@@ -68,7 +68,10 @@ inline double level_taken_away(double rate, double pushed_in, double before) { r
 /// their velocity has it.
 template <int D>
 struct FaceMotion {
-  double time = 0;                      ///< since then, to the middle of this window [s]
+  double time = 0;  ///< since then, to the middle of this window [s]
+  /// In the middle of the window, on their way [m]. The surface that fluid sees stands halfway between both ends of the window, on the
+  /// chord: that of a body that turns by theta within it is smaller by theta^2/8 of its radius.
+  std::vector<Vector<D>> place;
   std::vector<Vector<D>> displacement;  ///< in it [m]
   std::vector<Vector<D>> mean_normal;   ///< over it: mean of A n, over A
   std::vector<Vector<D>> turn;          ///< what n is more at the end of this window than in its middle, if it goes on so
@@ -96,7 +99,7 @@ struct SweptVolume {
   void find(const Constants<D>& constants, double duration, bool first, const Boundary<D>& boundary, const EnclosedRegions& regions,
             const State<D>& state);
   /// Into the state, for the window to come.
-  void remember(double duration, const Faces<D>& surface, const EnclosedRegions& regions, State<D>& state) const;
+  void remember(double duration, const Faces<D>& surface, const EnclosedRegions& regions, State<D>& state);
   /// Warns once where what has been pushed in is no longer small beside what bodies have swept: windows are too long for them.
   void watch_lag(const Constants<D>& constants, const Window& window, const EnclosedRegions& regions, State<D>& state) const;
 };

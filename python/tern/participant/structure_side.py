@@ -67,13 +67,15 @@ def cut_box(low, high, spacing, clamps=()):
     return tuple(numpy.array(column) for column in zip(*rows))
 
 
-def followed_velocity(mean, given, own):
+def followed_velocity(mean, given, own, ratio):
     """Velocity of the surface for the fluid at the end of a window, and the one of which the mean over the next window is made, from the
-    mean in this window and those two at its begin: the generalised-alpha method. A vibration that the window does not resolve may end it
-    moving against the load; its mean velocity never does, so that the coupling is stable for every stiffness and mass
+    mean in this window, those two at its begin, and the ratio of its length to that of the last one: the generalised-alpha method. A
+    vibration that the window does not resolve may end it moving against the load; its mean velocity never does, so that the coupling is
+    stable for every stiffness and mass
     (structure/coupled_structure.hpp, docs/THEORY.md section 3)."""
     alpha_m, alpha_f = (3 - LEFT) / (2 + 2 * LEFT), 1 / (1 + LEFT)
     gamma = 0.5 + alpha_m - alpha_f
+    own = given + ratio * (own - given)
     new = (mean - (1 - gamma) * own) / gamma
     return ((1 - alpha_m) * own + alpha_m * new - (1 - alpha_f) * given) / alpha_f, new
 
@@ -86,19 +88,21 @@ class _Coupled:
         self._begin, self._state = solver.surface(), solver.state
         self._shape = numpy.shape(self._begin.position)
         self._check(self._begin)
-        self._own_velocity = self._begin.velocity
+        self._own_velocity, self._last_s = self._begin.velocity, 0.0  # length of the last window; 0: there was none
         self.load = numpy.zeros_like(self._begin.position)
         self.interface_work = 0.0
 
     def save(self):
         begin = {f"begin.{name}": getattr(self._begin, name) for name in _SURFACE}
         own = {f"solver.{name}": values for name, values in self.solver.save().items()}
-        return begin | own | {"own_velocity": self._own_velocity, "load": self.load, "interface_work": self.interface_work}
+        return begin | own | {"own_velocity": self._own_velocity, "last_s": self._last_s, "load": self.load,
+                              "interface_work": self.interface_work}
 
     def restore(self, saved):
         self.solver.restore({name.removeprefix("solver."): values for name, values in saved.items() if name.startswith("solver.")})
         self._begin, self._state = Surface(*(saved[f"begin.{name}"] for name in _SURFACE)), self.solver.state
-        self._own_velocity, self.load, self.interface_work = saved["own_velocity"], saved["load"], float(saved["interface_work"])
+        self._own_velocity, self._last_s = saved["own_velocity"], float(saved["last_s"])
+        self.load, self.interface_work = saved["load"], float(saved["interface_work"])
 
     def predict(self, begin_s, duration_s):
         """Halfway to the state under the load of the last window, with the velocity at its end. Explicit: the present surface moved
@@ -122,7 +126,7 @@ class _Coupled:
         self.interface_work += float((load * (end.position - self._begin.position)).sum())
         if not self._explicit:
             end.velocity, self._own_velocity = self._followed(end)
-        self._begin, self._state, self.load = end, self.solver.state, load
+        self._begin, self._state, self.load, self._last_s = end, self.solver.state, load, self._window[1]
 
     def _advance(self, load):
         self.solver.state = self._state
@@ -141,7 +145,8 @@ class _Coupled:
 
     def _followed(self, end):
         mean = (end.position - self._begin.position) / self._window[1]
-        return followed_velocity(mean, self._begin.velocity, self._own_velocity)
+        ratio = self._window[1] / self._last_s if self._last_s > 0 else 1.0
+        return followed_velocity(mean, self._begin.velocity, self._own_velocity, ratio)
 
 
 def _say_long_faces(run, surface):
