@@ -68,6 +68,7 @@ struct State {
 
   std::vector<Vector<D>> wall_velocity;  ///< of each patch over the last window, if any wall moves [m/s]
   double wall_acceleration = 0;          ///< largest of a patch, along its normal [m/s^2]
+  double body_speed = 0;                 ///< largest of the structure's surface where it was wet in the last window [m/s]
   std::vector<Vector<D>> face;           ///< A n of the structure's surface in the last window [m^(D-1)]
   std::vector<Vector<D>> face_position;  ///< of its points then, on their way (FaceMotion::place) [m]
   double last_duration = 0;              ///< of the last window [s]
@@ -101,6 +102,7 @@ struct State {
     visit("particle_class", all.particle_class...);
     visit("wall_velocity", all.wall_velocity...);
     visit("wall_acceleration", all.wall_acceleration...);
+    visit("body_speed", all.body_speed...);
     visit("face", all.face...);
     visit("face_position", all.face_position...);
     visit("last_duration", all.last_duration...);

@@ -230,6 +230,9 @@ void Fluid<D>::end_window(const InterfaceForce<D>& force) {
   system_.swept.watch_lag(constants, window_, system_.beside_bodies, state_);
   settle_wall_contacts(constants, window_.duration, boundary_, prediction_.position, prediction_.velocity, state_.stopped);
   domain_.forget_ghosts(state_);
+  state_.body_speed = 0;
+  for (std::size_t k = 0; k < boundary_.surface.size(); ++k)
+    if (boundary_.surface_rows.wet[k] > 0) state_.body_speed = std::max(state_.body_speed, boundary_.surface.velocity[k].norm());
   check_speed(domain_.ranks(), window_, prediction_, boundary_.surface.velocity, state_);
   check_volume(window_, boundary_.surface.size() == 0 ? 0 : filling().volume_drift().known(), state_);
   state_.potential -= work_of_gravity(constants.mass, window_.duration, state_, prediction_);
