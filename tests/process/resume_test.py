@@ -75,6 +75,13 @@ class ResumeTest(RealRunTest):
                 self.tern("resume", parts, "--quiet", "--until", end)
                 self.assertEqual(differences(whole, parts), [])
 
+    # Seen to fail: without the look at the status (the run was joined, did no step, and said "done ... 0 steps").
+    def test_a_run_that_is_done_says_how_to_go_beyond_its_end(self):
+        self.run_case(CASES / "dam_break_front", self.path / "out", "--until", 0.01)
+        before = {path: path.stat().st_mtime_ns for path in (self.path / "out").iterdir()}
+        self.assertIn("has reached its end, t = 0.01 s; --until T goes on beyond it", self.tern("resume", self.path / "out"))
+        self.assertEqual({path: path.stat().st_mtime_ns for path in (self.path / "out").iterdir()}, before)
+
     # Seen to fail: with frames removed from the file in place (h5py does not give back their room).
     def test_frames_in_python_go_back_byte_for_byte(self):
         from tern.participant.frames import FrameWriter
