@@ -353,9 +353,9 @@ def _resume(arguments):
         raise Error(BAD_INPUT, f"{arguments.run} holds no run: there is no run.json in it; name the results directory of one.")
     out = Path(arguments.run).resolve()
     request = run.resumed(out, arguments)
-    contents, _ = resumption.newest(out)
-    if contents.get("status") == "done" and arguments.until is None and not _sets(arguments):
-        run.tell(f"tern: {summary.shown(out)} has reached its end, t = {contents['time_s']:.6g} s; --until T goes on beyond it.")
+    contents, checkpoint = resumption.newest(out)
+    if contents.get("status") == "done" and checkpoint and arguments.until is None and not _sets(arguments):
+        run.tell(f"tern: {summary.shown(out)} has reached its end, t = {checkpoint['time_s']:.6g} s; --until T goes on beyond it.")
         return DONE
     request.case_options = request.case_options + _sets(arguments)
     request.retries = arguments.retries
