@@ -104,20 +104,12 @@ bool FacesFrom::any_between(const Vector<D>& at, double support, float side, Hol
   return false;
 }
 
-/// Within the support. Faces in one plane with x make no corner.
-template <int D>
-bool CornerView<D>::is_turned(const Vector<D>& x, int k) const {
-  const Vector<D> d = structure_.position[k] - x;
-  return d.dot(structure_.normal[k]) > 1e-6 * kernel_.support() && d.squaredNorm() < kernel_.support() * kernel_.support();
-}
-
 template <int D>
 template <class Turned>
 void CornerView<D>::find(const Vector<D>& x, Turned&& behind_plate) {
   back_facing_.clear();
   turned_.clear();  // the far faces of plates
-  finder_.for_each_turned_around(x, [&](int k) {
-    if (!is_turned(x, k)) return;
+  finder_.for_each_turned_around(structure_, x, [&](int k) {
     if (behind_plate(k))
       turned_.push_back(k);
     else if (covered_.empty() || !covered_[k])
@@ -152,23 +144,27 @@ void CornerView<D>::remove_beyond_plates(const Vector<D>& x, std::vector<int>& f
 template <int D>
 void CornerView<D>::find_behind(const Vector<D>& normal, const Vector<D>& x) {
   back_facing_.clear();
-  const auto is_back_facing = [&](int k) { return is_turned(x, k) && passes_corner<D>(normal, structure_.normal[k]); };
-  if (!finder_.any_turned_around(x, normal, plate_cosine, is_back_facing)) return;  // as beside a plate, away from its edges
+  const auto is_back_facing = [&](int k) { return passes_corner<D>(normal, structure_.normal[k]); };
+  if (!finder_.any_turned_around(structure_, x, normal, plate_cosine, is_back_facing)) return;  // as beside a plate, away from its edges
   find(x, [&](int k) { return !passes_corner<D>(normal, structure_.normal[k]); });
 }
 
 template <int D>
-void CornerView<D>::look(const Vector<D>& x, const int* seen, int seen_count) {
+void CornerView<D>::look(const Vector<D>& x, const int* seen, int seen_count, double spread) {
   // Most particles see one sheet, flat or bent: what makes a plate with all of it lies behind it. `turn`: by which the product of a normal
   // with that of one face of the sheet may differ from that with another's.
   const Vector<D>& normal = structure_.normal[seen[0]];
+  const auto product = [&](int k) { return structure_.normal[k].dot(normal); };
+  const auto any_back_facing = [&](double turn) {
+    const auto may_be = [&](int k) { return product(k) > plate_cosine - turn; };
+    return finder_.any_turned_around(structure_, x, normal, plate_cosine - turn, may_be);
+  };
+  back_facing_.clear();
+  if (spread < 2 && !any_back_facing(spread)) return;  // as beside a plate, away from its edges
   double turn2 = 0;
   for (int m = 1; m < seen_count; ++m) turn2 = std::max(turn2, (structure_.normal[seen[m]] - normal).squaredNorm());
   const double turn = std::sqrt(turn2);
-  const auto product = [&](int k) { return structure_.normal[k].dot(normal); };
-  back_facing_.clear();
-  const auto may_be_back_facing = [&](int k) { return is_turned(x, k) && product(k) > plate_cosine - turn; };
-  if (!finder_.any_turned_around(x, normal, plate_cosine - turn, may_be_back_facing)) return;  // as beside a plate, away from its edges
+  if (!any_back_facing(turn)) return;
   bool near_is_set = false;
   find(x, [&](int k) {
     const double cosine = product(k);

@@ -122,12 +122,12 @@ void InterfacePairs<D>::look(const InterfaceParticles<D>& particles) {
     CornerView<D> corners(faces_, finder_, covered_, kernel_, found.corners);
     for (std::ptrdiff_t i = first; i < last; ++i) {
       const std::size_t before = found.seen.size();
-      finder_.see(faces_, particles.position[i], found.seen);
+      const double spread = finder_.see(faces_, particles.position[i], found.seen);
       const int count = static_cast<int>(found.seen.size() - before);
       found.seen_count.push_back(count);
       found.back_facing_count.push_back(0);
       if (count == 0) continue;
-      corners.look(particles.position[i], found.seen.data() + before, count);
+      corners.look(particles.position[i], found.seen.data() + before, count, spread);
       found.back_facing.insert(found.back_facing.end(), corners.back_facing().begin(), corners.back_facing().end());
       found.back_facing_count.back() = static_cast<int>(corners.back_facing().size());
     }

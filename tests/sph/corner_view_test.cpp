@@ -86,9 +86,9 @@ void compare(int particles) {
     Vector<D> x;
     for (int c = 0; c < D; ++c) x[c] = middle[c] + (share(random) - 0.5) * support;
     std::vector<int> seen;
-    finder.see(faces, x, seen);
+    const double spread = finder.see(faces, x, seen);
     if (seen.empty()) continue;
-    corners.look(x, seen.data(), static_cast<int>(seen.size()));
+    corners.look(x, seen.data(), static_cast<int>(seen.size()), spread);
     std::vector<int> found = corners.back_facing();
     std::sort(found.begin(), found.end());
     const bool flat =
