@@ -109,13 +109,16 @@ template <class Turned>
 void CornerView<D>::find(const Vector<D>& x, Turned&& behind_plate) {
   back_facing_.clear();
   turned_.clear();  // the far faces of plates
-  finder_.for_each_turned_around(structure_, x, [&](int k) {
-    if (behind_plate(k))
-      turned_.push_back(k);
-    else if (covered_.empty() || !covered_[k])
-      back_facing_.push_back(k);
-  });
+  finder_.for_each_turned_around(structure_, x, [&](int k) { sort_turned(k, behind_plate(k)); });
   remove_beyond_plates(x, back_facing_);
+}
+
+template <int D>
+void CornerView<D>::sort_turned(int k, bool behind_plate) {
+  if (behind_plate)
+    turned_.push_back(k);
+  else if (covered_.empty() || !covered_[k])
+    back_facing_.push_back(k);
 }
 
 /// What lies beyond a plate bounds nothing. Seen from there, x is behind the far face of the plate.
@@ -144,8 +147,18 @@ void CornerView<D>::remove_beyond_plates(const Vector<D>& x, std::vector<int>& f
 template <int D>
 void CornerView<D>::find_behind(const Vector<D>& normal, const Vector<D>& x) {
   back_facing_.clear();
-  const auto is_back_facing = [&](int k) { return passes_corner<D>(normal, structure_.normal[k]); };
-  if (!finder_.any_turned_around(structure_, x, normal, plate_cosine, is_back_facing)) return;  // as beside a plate, away from its edges
+  turned_.clear();
+  finder_.any_turned_around(structure_, x, normal, plate_cosine, [&](int k) {
+    sort_turned(k, !passes_corner<D>(normal, structure_.normal[k]));
+    return false;
+  });
+  if (back_facing_.empty()) return;  // as beside a plate, away from its edges
+  // As remove_beyond_plates(), of the far faces of a plate all together.
+  const auto beyond = finder_.turned_beyond(x, normal, plate_cosine);
+  double highest = -1e300;
+  for (int k : back_facing_) highest = std::max(highest, (x - structure_.position[k]).dot(normal));
+  const bool is_deeper = highest - beyond.least_depth + 2 * kernel_.support() * beyond.spread < -rounding * kernel_.support();
+  if (turned_.empty() && is_deeper) return;
   find(x, [&](int k) { return !passes_corner<D>(normal, structure_.normal[k]); });
 }
 
@@ -184,9 +197,10 @@ template <int D>
 double CornerView<D>::borne_share(int k) {
   const Vector<D>&x = structure_.position[k], &normal = structure_.normal[k];
   seen_.clear();
-  if (finder_.any_facing(x)) finder_.see(structure_, x, seen_);
+  const double spread = finder_.any_facing(x) ? finder_.see(structure_, x, seen_) : 0;
+  const auto of_sheet = [&](int face, double more) { return structure_.normal[face].dot(normal) > sheet_cosine + more; };
   const bool one_sheet =
-      std::all_of(seen_.begin(), seen_.end(), [&](int face) { return structure_.normal[face].dot(normal) > sheet_cosine; });
+      seen_.empty() || of_sheet(seen_[0], spread) || std::all_of(seen_.begin(), seen_.end(), [&](int face) { return of_sheet(face, 0); });
   if (one_sheet) {  // what is a plate to the face is one to what it sees
     find_behind(normal, x);
   } else {  // beyond a plate is also what lies behind one that the face sees

@@ -74,6 +74,7 @@ class CornerView {
  private:
   template <class Turned>
   void find(const Vector<D>& x, Turned&& behind_plate);
+  void sort_turned(int k, bool behind_plate);
   void remove_beyond_plates(const Vector<D>& x, std::vector<int>& faces);
   void find_behind(const Vector<D>& normal, const Vector<D>& x);
 

@@ -12,9 +12,6 @@ double least_depth(double area) {
   return 0.1 * (D == 2 ? area : std::sqrt(area));
 }
 
-/// In place of a coordinate of a patch that there is none of [m].
-constexpr float far_off = 1e18F;
-
 }  // namespace
 
 /// Where a group of the cell `cell` that begins at `begin`, in the order of the cells, ends. The two sides of a plate are in different

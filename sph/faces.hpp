@@ -96,10 +96,7 @@ class FaceFinder {
   /// Calls visit(k) for all faces that may be within the support of x, in whatever direction they look.
   template <class Visit>
   void for_each_around(const Vector<D>& x, Visit&& visit) const {
-    if (contents_.order.empty()) return;
-    for (int c = 0; c < D; ++c)
-      if (x[c] < min_[c] || x[c] > max_[c]) return;
-    grid_.for_rows_around(x, [&](int low, int high) {
+    for_cells_around(x, [&](int low, int high) {
       for (int m = contents_.start[low]; m < contents_.start[high + 1]; ++m) visit(contents_.order[m]);
     });
   }
@@ -108,10 +105,12 @@ class FaceFinder {
   template <class Visit>
   void for_each_near(const Vector<D>& x, double reach, Visit&& visit) const {
     const float limit2 = near_limit2<D>(reach, (max_ - min_).maxCoeff());
-    std::array<int, candidates + near_lanes> near;
-    for_ranges_around(x, [&](int begin, int end, const std::array<float, D>& from) {
-      const int found = keep_near<D>(coordinate_, begin, end, -1, from, {}, limit2, 0, near.data());
-      for (int m = 0; m < found; ++m) visit(patch_[near[m]]);
+    std::array<float, D> from;
+    for (int c = 0; c < D; ++c) from[c] = static_cast<float>(x[c] - min_[c]);
+    for_cells_around(x, [&](int low, int high) {
+      for (int m = first_group_[low] * near_lanes; m < first_group_[high + 1] * near_lanes; m += near_lanes)
+        for (unsigned bits = near_bits<D>(coordinate_, m, from, {}, limit2); bits != 0; bits &= bits - 1)
+          visit(patch_[m + std::countr_zero(bits)]);
     });
   }
 
@@ -130,7 +129,7 @@ class FaceFinder {
   template <class Visit>
   void for_each_turned_around(const Faces<D>& faces, const Vector<D>& x, Visit&& visit) const {
     const auto all = [](int) { return ~0U; };
-    any_group_around(x, behind_, 1, -slack_, all, [&](int group, const std::array<float, D>&) {
+    any_group_around(x, behind_, 1, static_cast<float>(least_turned * support_), all, [&](int group, const std::array<float, D>&) {
       for (unsigned bits = turned_bits(faces, group, x); bits != 0; bits &= bits - 1)
         visit(patch_[group * near_lanes + std::countr_zero(bits)]);
       return false;
@@ -145,11 +144,46 @@ class FaceFinder {
     for (int c = 0; c < D; ++c) along[c] = static_cast<float>(direction[c]);
     const float above = static_cast<float>(least);
     const auto turned_so = [&](int first) { return direction_bits<D>(mean_normal_, lean_, first, along, above); };
-    return any_group_around(x, behind_, 1, -slack_, turned_so, [&](int group, const std::array<float, D>&) {
-      for (unsigned bits = turned_bits(faces, group, x); bits != 0; bits &= bits - 1)
-        if (holds(patch_[group * near_lanes + std::countr_zero(bits)])) return true;
+    return any_group_around(x, behind_, 1, static_cast<float>(least_turned * support_), turned_so,
+                            [&](int group, const std::array<float, D>&) {
+                              for (unsigned bits = turned_bits(faces, group, x); bits != 0; bits &= bits - 1)
+                                if (holds(patch_[group * near_lanes + std::countr_zero(bits)])) return true;
+                              return false;
+                            });
+  }
+
+  /// Of the others, those that stand in groups without any that is asked: bounds of how far they lie beyond x against `direction` [m], and
+  /// by how much their normals differ from -`direction` [-].
+  struct Beyond {
+    double least_depth, spread;
+  };
+  Beyond turned_beyond(const Vector<D>& x, const Vector<D>& direction, double least) const {
+    std::array<float, D> along;
+    for (int c = 0; c < D; ++c) along[c] = static_cast<float>(direction[c]);
+    const float above = static_cast<float>(least);
+    const auto turned_else = [&](int first) { return ~direction_bits<D>(mean_normal_, lean_, first, along, above); };
+    std::array<float, near_lanes> depths, differences2;
+    depths.fill(far_off);
+    differences2.fill(0);
+    any_group_around(x, behind_, 1, static_cast<float>(least_turned * support_), turned_else, [&](int group, const std::array<float, D>&) {
+      const std::array<float, D> from = from_middle(group, x);
+      const std::uint32_t bits = turned_patches(group, from).may;
+#pragma omp simd
+      for (std::uint32_t lane = 0; lane < near_lanes; ++lane) {
+        const std::size_t m = static_cast<std::size_t>(group) * near_lanes + lane;
+        float depth = 0, difference2 = 0;
+        for (int c = 0; c < D; ++c) {
+          depth -= (offset_[c][m] - from[c]) * along[c];
+          difference2 += (normal_[c][m] + along[c]) * (normal_[c][m] + along[c]);
+        }
+        const bool is = bits >> lane & 1;
+        depths[lane] = std::min(depths[lane], is ? depth : far_off);
+        differences2[lane] = std::max(differences2[lane], is ? difference2 : 0);
+      }
       return false;
     });
+    return {double(*std::min_element(depths.begin(), depths.end())) - 1e-6 * support_,
+            (1 + 1e-6) * std::sqrt(double(*std::max_element(differences2.begin(), differences2.end()))) + 1e-6};
   }
 
   /// Whether any face surely faces x: by more than single precision leaves open, so none that lies in one plane with x.
@@ -164,18 +198,25 @@ class FaceFinder {
 
  private:
   static constexpr int candidates = 256;        ///< tested at a time
+  static constexpr float far_off = 1e18F;       ///< in place of a coordinate of a patch that there is none of [m]
   static constexpr double least_turned = 1e-6;  ///< height behind a face from which it is turned away, over the support
 
   PatchBits facing_bits(int group, const std::array<float, D>& from) const {
     return patch_bits<D>(coordinate_, normal_, group * near_lanes, from, near2_, limit2_, -1, 0, slack_);
   }
-  /// Counted from the middle of the group, coordinates have the digits that tell what is turned from what is in one plane with x: single
-  /// precision is off by less than 6e-7 of the support.
-  unsigned turned_bits(const Faces<D>& faces, int group, const Vector<D>& x) const {
+  /// x from the middle of a group. Coordinates counted from there have the digits that tell what is turned from what is in one plane with
+  /// x: single precision is off by less than 6e-7 of the support.
+  std::array<float, D> from_middle(int group, const Vector<D>& x) const {
     std::array<float, D> from;
     for (int c = 0; c < D; ++c) from[c] = static_cast<float>(x[c] - min_[c] - middle_[c][group]);
+    return from;
+  }
+  PatchBits turned_patches(int group, const std::array<float, D>& from) const {
     const float least = static_cast<float>(least_turned * support_), slack = static_cast<float>(6e-7 * support_);
-    const PatchBits turned = patch_bits<D>(offset_, normal_, group * near_lanes, from, near2_, limit2_, 1, least, slack);
+    return patch_bits<D>(offset_, normal_, group * near_lanes, from, near2_, limit2_, 1, least, slack);
+  }
+  unsigned turned_bits(const Faces<D>& faces, int group, const Vector<D>& x) const {
+    const PatchBits turned = turned_patches(group, from_middle(group, x));
     unsigned bits = turned.may;
     for (unsigned open = bits & ~turned.sure; open != 0; open &= open - 1) {
       const int k = patch_[group * near_lanes + std::countr_zero(open)];
@@ -185,24 +226,13 @@ class FaceFinder {
     return bits;
   }
 
-  /// Calls visit(first cell, last cell, x from the corner of the box) for the rows of cells that have all patches within the support of x.
+  /// Calls visit(first cell, last cell) for the rows of cells that have all patches within the support of x.
   template <class Visit>
   void for_cells_around(const Vector<D>& x, Visit&& visit) const {
     if (contents_.order.empty()) return;
     for (int c = 0; c < D; ++c)
       if (x[c] < min_[c] || x[c] > max_[c]) return;
-    std::array<float, D> from;
-    for (int c = 0; c < D; ++c) from[c] = static_cast<float>(x[c] - min_[c]);
-    grid_.for_rows_around(x, [&](int low, int high) { visit(low, high, from); });
-  }
-
-  /// Calls visit(begin, end, x from the corner of the box) for ranges of places, of at most `candidates`.
-  template <class Visit>
-  void for_ranges_around(const Vector<D>& x, Visit&& visit) const {
-    for_cells_around(x, [&](int low, int high, const std::array<float, D>& from) {
-      for (int begin = first_group_[low] * near_lanes, end = first_group_[high + 1] * near_lanes; begin < end; begin += candidates)
-        visit(begin, std::min(begin + candidates, end), from);
-    });
+    grid_.for_rows_around(x, visit);
   }
 
   /// Calls visit(groups, how many of them, x from the corner of the box) for the groups, at most `candidates`, that may have a patch within
@@ -212,15 +242,18 @@ class FaceFinder {
   void for_groups_around(const Vector<D>& x, const std::vector<float>& more, float side, float least, Chosen&& chosen,
                          Visit&& visit) const {
     std::array<int, candidates + near_lanes> groups;
-    std::array<float, D> at{};
+    std::array<float, D> at{}, rest{};
+    for (int c = 0; c < D; ++c) {
+      at[c] = static_cast<float>(x[c] - min_[c]);
+      rest[c] = static_cast<float>(x[c] - min_[c] - at[c]);
+    }
     int found = 0;
-    for_cells_around(x, [&](int low, int high, const std::array<float, D>& from) {
-      at = from;
+    for_cells_around(x, [&](int low, int high) {
       for (int first = first_group_[low], end = first_group_[high + 1]; first < end; first += near_lanes) {
-        const unsigned bits = group_bits<D>(middle_, mean_normal_, first, from, reach2_, more, side, least) & chosen(first);
+        const unsigned bits = group_bits<D>(middle_, mean_normal_, first, at, rest, reach2_, more, side, least) & chosen(first);
         found = append_places(bits_before(bits, first, end), first, found, groups.data());
         if (found <= candidates - near_lanes) continue;
-        visit(groups.data(), found, from);
+        visit(groups.data(), found, at);
         found = 0;
       }
     });

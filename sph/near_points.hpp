@@ -113,15 +113,15 @@ PatchBits patch_bits(const std::array<std::vector<float>, D>& coordinate, const 
 
 /// Of `near_lanes` groups of patches, the bits of those that may have a patch that is near and turned as asked (patch_bits()). By group:
 /// `middle`, `normal`: of its patches; `reach2`: square of the distance of the middle beyond which no patch is near; `more`: by how much
-/// the product of a near patch may exceed that of middle and normal.
+/// the product of a near patch may exceed that of middle and normal. `rest`: what x is beyond single precision.
 template <int D>
 unsigned group_bits(const std::array<std::vector<float>, D>& middle, const std::array<std::vector<float>, D>& normal, int first,
-                    const std::array<float, D>& x, const std::vector<float>& reach2, const std::vector<float>& more, float side,
-                    float least) {
+                    const std::array<float, D>& x, const std::array<float, D>& rest, const std::vector<float>& reach2,
+                    const std::vector<float>& more, float side, float least) {
 #ifdef __AVX2__
   __m256 distance2 = _mm256_setzero_ps(), product = _mm256_setzero_ps();
   for (int c = 0; c < D; ++c) {
-    const __m256 d = _mm256_sub_ps(_mm256_loadu_ps(middle[c].data() + first), _mm256_set1_ps(x[c]));
+    const __m256 d = _mm256_sub_ps(_mm256_sub_ps(_mm256_loadu_ps(middle[c].data() + first), _mm256_set1_ps(x[c])), _mm256_set1_ps(rest[c]));
     distance2 = _mm256_fmadd_ps(d, d, distance2);
     product = _mm256_fmadd_ps(d, _mm256_loadu_ps(normal[c].data() + first), product);
   }
@@ -134,7 +134,7 @@ unsigned group_bits(const std::array<std::vector<float>, D>& middle, const std::
   for (int g = 0; g < near_lanes; ++g) {
     float distance2 = 0, product = 0;
     for (int c = 0; c < D; ++c) {
-      const float d = middle[c][first + g] - x[c];
+      const float d = middle[c][first + g] - x[c] - rest[c];
       distance2 += d * d;
       product += d * normal[c][first + g];
     }
