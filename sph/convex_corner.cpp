@@ -24,30 +24,31 @@ template <int D>
 double behind_cones(const Faces<D>& structure, const FaceKernel<D>& kernel, const Vector<D>& x, const std::vector<int>& faces,
                     double side) {
   constexpr std::size_t together = 32;
-  std::array<std::array<double, together>, D> way, facing;
-  std::array<double, together> area, behind;
+  std::array<std::array<float, together>, D> way, facing;
+  std::array<float, together> area, behind;
   double sum = 0;
   for (std::size_t first = 0; first < faces.size(); first += together) {
     const std::size_t here = std::min(together, faces.size() - first);
     for (std::size_t m = 0; m < here; ++m) {
       const int k = faces[first + m];
       for (int c = 0; c < D; ++c) {
-        way[c][m] = structure.position[k][c] - x[c];
-        facing[c][m] = side * structure.normal[k][c];
+        way[c][m] = static_cast<float>(structure.position[k][c] - x[c]);
+        facing[c][m] = static_cast<float>(side * structure.normal[k][c]);
       }
-      area[m] = structure.area[k];
+      area[m] = static_cast<float>(structure.area[k]);
     }
+    const ConeKernel& cone = kernel.cones();
 #pragma omp simd
     for (std::size_t m = 0; m < here; ++m) {
-      double d[D], n[D], distance2 = 0, height = 0;
+      float d[D], n[D], distance2 = 0, height = 0;
       for (int c = 0; c < D; ++c) {
         d[c] = way[c][m], n[c] = facing[c][m];
         distance2 += d[c] * d[c], height -= d[c] * n[c];
       }
-      const double r = std::sqrt(distance2);
-      behind[m] = subtended_angle<D>(d, n, area[m]) * kernel.surface_weight_beyond(r) - area[m] * (height / r) * kernel.midpoint_rest(r);
+      const float r = std::sqrt(distance2);
+      behind[m] = cone(r, subtended_angle<D>(d, n, area[m]), area[m], height / r);
     }
-    for (std::size_t m = 0; m < here; ++m) sum += behind[m];
+    for (std::size_t m = 0; m < here; ++m) sum += double(behind[m]);
   }
   return sum;
 }

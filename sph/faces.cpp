@@ -102,28 +102,32 @@ void FaceFinder<D>::bound_group(const Faces<D>& faces, int group) {
 }
 
 /// A patch may hide another from some place only where it stands before the other's plane and has it behind its own by its depth, and
-/// where both are within the support of the place. So on a plate, or on a surface that turns evenly, none does.
+/// where it reaches the way from there to the other, which is shorter than the support. So on a plate, or on a surface that turns evenly,
+/// none does.
 template <int D>
 void FaceFinder<D>::find_hideable(const Faces<D>& faces) {
   hideable_.assign(patch_.size() / near_lanes, 0);
   const double extent = (max_ - min_).maxCoeff();
   const float rounding = static_cast<float>(1e-5 * support_ + std::sqrt(double(D)) * 0x3p-23 * extent);
   float least = far_off;
+  double largest_reach2 = 0;
   for (std::size_t m = 0; m < patch_.size(); ++m) {
     const int k = patch_[m];
     hides_from_[m] = k >= 0 && faces.two_sided[k] ? static_cast<float>(least_depth<D>(faces.area[k])) - rounding : far_off;
     least = std::min(least, hides_from_[m]);
+    if (k >= 0 && faces.two_sided[k]) largest_reach2 = std::max(largest_reach2, patch_reach2<D>(faces.area[k]));
   }
   if (least == far_off) return;  // none has two sides, as before walls
+  const float across = static_cast<float>(support_ + std::min(support_, std::sqrt(largest_reach2))) + rounding;
   parallel_for(static_cast<std::ptrdiff_t>(hideable_.size()), static_cast<std::ptrdiff_t>(patch_.size()), [&](std::ptrdiff_t group) {
-    hideable_[group] = hideable_in(static_cast<int>(group), faces.position[patch_[group * near_lanes]], least, rounding);
+    hideable_[group] = hideable_in(static_cast<int>(group), faces.position[patch_[group * near_lanes]], across, least, rounding);
   });
 }
 
-/// Bits of the patches of a group, of which one lies at `place`. `least`: of hides_from_.
+/// Bits of the patches of a group, of which one lies at `place`. `across`: how far from them those are that are asked [m]; `least`: of
+/// hides_from_.
 template <int D>
-std::uint8_t FaceFinder<D>::hideable_in(int group, const Vector<D>& place, float least, float rounding) const {
-  const float across = static_cast<float>(2 * (1 + 1e-5) * support_) + rounding;
+std::uint8_t FaceFinder<D>::hideable_in(int group, const Vector<D>& place, float across, float least, float rounding) const {
   unsigned found = 0;
   grid_.template for_rows_around<2>(place, [&](int low, int high) {
     for (int first = first_group_[low], end = first_group_[high + 1]; first < end; first += near_lanes) {

@@ -82,7 +82,8 @@ double InterfacePairs<D>::weight(double volume, double area, double borne_share,
   return -2 * volume * area * (borne_share * kernel_.surface_weight(distance));
 }
 
-/// Pairs of a particle with these points. `standing`: appends those of them that stand over their patch (stands_over()); `filled`: takes from the sum of every point what the pair weighs. Null: nobody asks.
+/// Pairs of a particle with these points. `standing`: appends those of them that stand over their patch (stands_over()); `filled`: takes
+/// from the sum of every point what the pair weighs. Null: nobody asks.
 template <int D>
 void InterfacePairs<D>::weigh(const InterfaceParticles<D>& particles, int particle, const int* points, std::ptrdiff_t count, Kept* pairs,
                               UninitialisedVector<Kept>* standing, double* filled) const {
