@@ -62,13 +62,19 @@ void settle_contacts(const Setup<D>& setup, const InterfacePressure<D>& pressure
   if (iterates) window.contact.force.assign(window.load.force.size(), Vector<D>::Zero());
   if (setup.contact_distance == 0) return;
   LumpMotion<D> answered(window.answer.lumps, window.answer.mass, window.duration);  // to what exceeds the assumed load
-  if (iterates)
-    for (std::size_t k = 0; k < surface.position.size(); ++k) answered.push(k, window.load.force[k] - window.assumed_load.force[k]);
+  const auto answered_speed = [&](std::size_t k) { return answered.velocity(k).dot(surface.normal[k]); };
+  std::vector<double>& speed = window.answered_speed;  // before the first contact
+  speed.assign(surface.position.size(), 0);
+  if (iterates) {
+    for (std::size_t k = 0; k < speed.size(); ++k) answered.push(k, window.load.force[k] - window.assumed_load.force[k]);
+    parallel_for(static_cast<std::ptrdiff_t>(speed.size()),
+                 [&](std::ptrdiff_t k) { speed[k] = answered_speed(static_cast<std::size_t>(k)); });
+  }
   // What a pair approaches with more than it may [m/s].
   struct Approach {
     double approach, permitted, expected;
   };
-  const auto approach_of = [&](const InterfacePair<D>& pair) {
+  const auto approach_of = [&](const InterfacePair<D>& pair, double answered_with) {
     const int i = pair.particle, k = pair.point;
     const Vector<D>& n = surface.normal[k];
     const Vector<D> velocity = pressure.velocity[i] + (window.duration / particles.mass[i]) * on_particles[i];
@@ -77,13 +83,14 @@ void settle_contacts(const Setup<D>& setup, const InterfacePressure<D>& pressure
     const double approach = (surface.velocity[k] - velocity).dot(n) - permitted;
     // Where windows are repeated the face gives way as the pressure equation has it, to what exceeds the assumed load. When both sides
     // agree nothing does, and the particle has the velocity of the face, be that held by its stiffness or free.
-    return Approach{approach, permitted, iterates ? approach + answered.velocity(k).dot(n) : approach};
+    return Approach{approach, permitted, iterates ? approach + answered_with : approach};
   };
   // Contacts are settled one after the other, for each changes what the next ones find. Up to the first one nothing has changed.
-  const auto first = window.pairs.first_standing([&](const InterfacePair<D>& pair) { return approach_of(pair).expected > 0; });
+  const auto first =
+      window.pairs.first_standing([&](const InterfacePair<D>& pair) { return approach_of(pair, speed[pair.point]).expected > 0; });
   window.pairs.for_each_standing(first, [&](const InterfacePair<D>& pair) {
     const int k = pair.point;
-    const auto [approach, permitted, expected] = approach_of(pair);
+    const auto [approach, permitted, expected] = approach_of(pair, iterates ? answered_speed(k) : 0);
     if (expected <= 0) return;
     // Where the coupling is explicit the face gives way as the mass does that lies behind the particle.
     const double behind =

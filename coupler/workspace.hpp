@@ -31,6 +31,7 @@ struct Workspace {
   PointSums point_sums;                    ///< kept, so that a window allocates nothing
   std::vector<Vector<D>> image_force;      ///< of the pressure of every pair of an image
   InterfaceForce<D> particle_force;        ///< of pressure and contacts on the interface particles
+  std::vector<double> answered_speed;      ///< of every point along its normal, by the answer to what exceeds the assumed load [m/s]
   SurfaceLoad<D> answered_load;            ///< what the fluid answers an assumed load with
   SurfaceLoad<D> load;                     ///< everything that the fluid answers the present iteration with
   SurfaceLoad<D> contact;                  ///< the contacts in it; only where windows are repeated

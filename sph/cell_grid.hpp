@@ -56,13 +56,15 @@ class CellGrid {
     return index;
   }
 
-  /// Calls visit(first_cell, last_cell) for each row of cells around x: all cells within one width of it, x running.
-  template <class Visit>
+  /// Calls visit(first_cell, last_cell) for each row of cells around x: all cells within so many widths of it, x running.
+  template <int widths = 1, class Visit>
   void for_rows_around(const Vector<D>& x, Visit&& visit) const {
     const auto cell = coordinates(x);
-    const int low = std::max(cell[0] - 1, 0), high = std::min(cell[0] + 1, size_[0] - 1);
-    for (int k = D == 3 ? std::max(cell[D - 1] - 1, 0) : 0; k <= (D == 3 ? std::min(cell[D - 1] + 1, size_[D - 1] - 1) : 0); ++k)
-      for (int j = std::max(cell[1] - 1, 0); j <= std::min(cell[1] + 1, size_[1] - 1); ++j) {
+    const auto first = [&](int c) { return std::max(cell[c] - widths, 0); };
+    const auto last = [&](int c) { return std::min(cell[c] + widths, size_[c] - 1); };
+    const int low = first(0), high = last(0);
+    for (int k = D == 3 ? first(D - 1) : 0; k <= (D == 3 ? last(D - 1) : 0); ++k)
+      for (int j = first(1); j <= last(1); ++j) {
         const int row = (D == 3 ? k * size_[1] + j : j) * size_[0];
         visit(row + low, row + high);
       }

@@ -24,30 +24,31 @@ template <int D>
 double behind_cones(const Faces<D>& structure, const FaceKernel<D>& kernel, const Vector<D>& x, const std::vector<int>& faces,
                     double side) {
   constexpr std::size_t together = 32;
-  std::array<std::array<double, together>, D> way, facing;
-  std::array<double, together> area, behind;
+  std::array<std::array<float, together>, D> way, facing;
+  std::array<float, together> area, behind;
   double sum = 0;
   for (std::size_t first = 0; first < faces.size(); first += together) {
     const std::size_t here = std::min(together, faces.size() - first);
     for (std::size_t m = 0; m < here; ++m) {
       const int k = faces[first + m];
       for (int c = 0; c < D; ++c) {
-        way[c][m] = structure.position[k][c] - x[c];
-        facing[c][m] = side * structure.normal[k][c];
+        way[c][m] = static_cast<float>(structure.position[k][c] - x[c]);
+        facing[c][m] = static_cast<float>(side * structure.normal[k][c]);
       }
-      area[m] = structure.area[k];
+      area[m] = static_cast<float>(structure.area[k]);
     }
+    const ConeKernel& cone = kernel.cones();
 #pragma omp simd
     for (std::size_t m = 0; m < here; ++m) {
-      double d[D], n[D], distance2 = 0, height = 0;
+      float d[D], n[D], distance2 = 0, height = 0;
       for (int c = 0; c < D; ++c) {
         d[c] = way[c][m], n[c] = facing[c][m];
         distance2 += d[c] * d[c], height -= d[c] * n[c];
       }
-      const double r = std::sqrt(distance2);
-      behind[m] = subtended_angle<D>(d, n, area[m]) * kernel.surface_weight_beyond(r) - area[m] * (height / r) * kernel.midpoint_rest(r);
+      const float r = std::sqrt(distance2);
+      behind[m] = cone(r, subtended_angle<D>(d, n, area[m]), area[m], height / r);
     }
-    for (std::size_t m = 0; m < here; ++m) sum += behind[m];
+    for (std::size_t m = 0; m < here; ++m) sum += double(behind[m]);
   }
   return sum;
 }
@@ -104,26 +105,21 @@ bool FacesFrom::any_between(const Vector<D>& at, double support, float side, Hol
   return false;
 }
 
-/// Within the support. Faces in one plane with x make no corner.
-template <int D>
-bool CornerView<D>::is_turned(const Vector<D>& x, int k) const {
-  const Vector<D> d = structure_.position[k] - x;
-  return d.dot(structure_.normal[k]) > 1e-6 * kernel_.support() && d.squaredNorm() < kernel_.support() * kernel_.support();
-}
-
 template <int D>
 template <class Turned>
 void CornerView<D>::find(const Vector<D>& x, Turned&& behind_plate) {
   back_facing_.clear();
   turned_.clear();  // the far faces of plates
-  finder_.for_each_turned_around(x, [&](int k) {
-    if (!is_turned(x, k)) return;
-    if (behind_plate(k))
-      turned_.push_back(k);
-    else if (covered_.empty() || !covered_[k])
-      back_facing_.push_back(k);
-  });
+  finder_.for_each_turned_around(structure_, x, [&](int k) { sort_turned(k, behind_plate(k)); });
   remove_beyond_plates(x, back_facing_);
+}
+
+template <int D>
+void CornerView<D>::sort_turned(int k, bool behind_plate) {
+  if (behind_plate)
+    turned_.push_back(k);
+  else if (covered_.empty() || !covered_[k])
+    back_facing_.push_back(k);
 }
 
 /// What lies beyond a plate bounds nothing. Seen from there, x is behind the far face of the plate.
@@ -152,23 +148,37 @@ void CornerView<D>::remove_beyond_plates(const Vector<D>& x, std::vector<int>& f
 template <int D>
 void CornerView<D>::find_behind(const Vector<D>& normal, const Vector<D>& x) {
   back_facing_.clear();
-  const auto is_back_facing = [&](int k) { return is_turned(x, k) && passes_corner<D>(normal, structure_.normal[k]); };
-  if (!finder_.any_turned_around(x, normal, plate_cosine, is_back_facing)) return;  // as beside a plate, away from its edges
+  turned_.clear();
+  finder_.any_turned_around(structure_, x, normal, plate_cosine, [&](int k) {
+    sort_turned(k, !passes_corner<D>(normal, structure_.normal[k]));
+    return false;
+  });
+  if (back_facing_.empty()) return;  // as beside a plate, away from its edges
+  // As remove_beyond_plates(), of the far faces of a plate all together.
+  const auto beyond = finder_.turned_beyond(x, normal, plate_cosine);
+  double highest = -1e300;
+  for (int k : back_facing_) highest = std::max(highest, (x - structure_.position[k]).dot(normal));
+  const bool is_deeper = highest - beyond.least_depth + 2 * kernel_.support() * beyond.spread < -rounding * kernel_.support();
+  if (turned_.empty() && is_deeper) return;
   find(x, [&](int k) { return !passes_corner<D>(normal, structure_.normal[k]); });
 }
 
 template <int D>
-void CornerView<D>::look(const Vector<D>& x, const int* seen, int seen_count) {
+void CornerView<D>::look(const Vector<D>& x, const int* seen, int seen_count, double spread) {
   // Most particles see one sheet, flat or bent: what makes a plate with all of it lies behind it. `turn`: by which the product of a normal
   // with that of one face of the sheet may differ from that with another's.
   const Vector<D>& normal = structure_.normal[seen[0]];
+  const auto product = [&](int k) { return structure_.normal[k].dot(normal); };
+  const auto any_back_facing = [&](double turn) {
+    const auto may_be = [&](int k) { return product(k) > plate_cosine - turn; };
+    return finder_.any_turned_around(structure_, x, normal, plate_cosine - turn, may_be);
+  };
+  back_facing_.clear();
+  if (spread < 2 && !any_back_facing(spread)) return;  // as beside a plate, away from its edges
   double turn2 = 0;
   for (int m = 1; m < seen_count; ++m) turn2 = std::max(turn2, (structure_.normal[seen[m]] - normal).squaredNorm());
   const double turn = std::sqrt(turn2);
-  const auto product = [&](int k) { return structure_.normal[k].dot(normal); };
-  back_facing_.clear();
-  const auto may_be_back_facing = [&](int k) { return is_turned(x, k) && product(k) > plate_cosine - turn; };
-  if (!finder_.any_turned_around(x, normal, plate_cosine - turn, may_be_back_facing)) return;  // as beside a plate, away from its edges
+  if (!any_back_facing(turn)) return;
   bool near_is_set = false;
   find(x, [&](int k) {
     const double cosine = product(k);
@@ -188,9 +198,10 @@ template <int D>
 double CornerView<D>::borne_share(int k) {
   const Vector<D>&x = structure_.position[k], &normal = structure_.normal[k];
   seen_.clear();
-  if (finder_.any_facing(x)) finder_.see(structure_, x, seen_);
+  const double spread = finder_.any_facing(x) ? finder_.see(structure_, x, seen_) : 0;
+  const auto of_sheet = [&](int face, double more) { return structure_.normal[face].dot(normal) > sheet_cosine + more; };
   const bool one_sheet =
-      std::all_of(seen_.begin(), seen_.end(), [&](int face) { return structure_.normal[face].dot(normal) > sheet_cosine; });
+      seen_.empty() || of_sheet(seen_[0], spread) || std::all_of(seen_.begin(), seen_.end(), [&](int face) { return of_sheet(face, 0); });
   if (one_sheet) {  // what is a plate to the face is one to what it sees
     find_behind(normal, x);
   } else {  // beyond a plate is also what lies behind one that the face sees

@@ -63,8 +63,8 @@ class CornerView {
         near_(scratch.near) {}
 
   /// Sets back_facing() for a particle at x: faces within the support that are turned away from it and bound what hides behind those it
-  /// sees, at least one.
-  void look(const Vector<D>& x, const int* seen, int seen_count);
+  /// sees, at least one. `spread`: of the normals of these, as FaceFinder::see() has it; 2: it is not known.
+  void look(const Vector<D>& x, const int* seen, int seen_count, double spread = 2);
   const std::vector<int>& back_facing() const { return back_facing_; }
 
   /// Share of the pressures before face k that is its load, 1 away from corners. A face has a half space before it, but beside
@@ -74,8 +74,8 @@ class CornerView {
  private:
   template <class Turned>
   void find(const Vector<D>& x, Turned&& behind_plate);
+  void sort_turned(int k, bool behind_plate);
   void remove_beyond_plates(const Vector<D>& x, std::vector<int>& faces);
-  bool is_turned(const Vector<D>& x, int k) const;
   void find_behind(const Vector<D>& normal, const Vector<D>& x);
 
   const Faces<D>& structure_;

@@ -106,6 +106,14 @@ FaceKernel<D>::FaceKernel(const Kernel<D>& kernel, double spacing)
       beyond_[k] += w(s) * evaluate(surface_, s) * shell;
     }
   }
+  cones_ = {static_cast<float>(1 / kernel.smoothing_length()),
+            static_cast<float>(kernel.value(0)),
+            static_cast<float>(kernel.gradient_weight(0)),
+            static_cast<float>(table_scale_),
+            static_cast<float>(support_),
+            static_cast<float>(-spacing * spacing / 24),
+            {static_cast<float>(surface_[0]), static_cast<float>(surface_[1]), static_cast<float>(surface_[2])},
+            std::vector<float>(beyond_.begin(), beyond_.end())};
   if constexpr (D == 3) {
     plane_.assign(table_size + 1, {});
     double surface1 = 0, density1 = 0, density2 = 0, moment_inverse = 0, moment1 = 0, moment2 = 0;  // by the power of s

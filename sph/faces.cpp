@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/LU>
-
 namespace tern {
 namespace {
 
@@ -16,101 +14,200 @@ double least_depth(double area) {
 
 }  // namespace
 
+/// Where a group of the cell `cell` that begins at `begin`, in the order of the cells, ends. The two sides of a plate are in different
+/// groups, unless they come by turns.
 template <int D>
-void FaceFinder<D>::see(const Faces<D>& faces, const Vector<D>& x, std::vector<int>& seen) const {
-  if (faces.size() == 0) return;
+int FaceFinder<D>::group_end(const Faces<D>& faces, std::ptrdiff_t cell, int begin) const {
+  const int most = std::min(begin + near_lanes, contents_.start[cell + 1]);
+  const Vector<D>& normal = faces.normal[contents_.order[begin]];
+  const auto is_alike = [&](int m) { return normal.dot(faces.normal[contents_.order[m]]) > 0; };
+  int end = begin + 1;
+  while (end < most && is_alike(end)) ++end;
+  const bool goes_on = begin > contents_.start[cell] && is_alike(begin - 1);
+  return goes_on || end - begin >= near_lanes / 2 ? end : most;
+}
+
+template <int D>
+void FaceFinder<D>::set_groups(const Faces<D>& faces) {
+  const int cells = grid_.count();
+  const auto for_cells = [&](const auto& work) {
+    parallel_for(static_cast<std::ptrdiff_t>(cells), static_cast<std::ptrdiff_t>(faces.size()), work);
+  };
+  first_group_.assign(static_cast<std::size_t>(cells) + 1, 0);
+  for_cells([&](std::ptrdiff_t cell) {
+    for (int begin = contents_.start[cell]; begin < contents_.start[cell + 1]; begin = group_end(faces, cell, begin))
+      ++first_group_[cell + 1];
+  });
+  for (int cell = 0; cell < cells; ++cell) first_group_[cell + 1] += first_group_[cell];
+  const std::size_t groups = static_cast<std::size_t>(first_group_[cells]), places = groups * near_lanes;
+  patch_.resize(places);
+  hides_from_.resize(places);
+  for (auto* by_axis : {&coordinate_, &offset_, &normal_})
+    for (auto& of : *by_axis) of.resize(places);
+  for (auto* by_axis : {&middle_, &mean_normal_})
+    for (auto& of : *by_axis) of.resize(groups + near_lanes);
+  for (auto* of : {&radius_, &reach2_, &lean_, &thickness_, &before_, &behind_}) of->resize(groups + near_lanes);
+  for_cells([&](std::ptrdiff_t cell) {
+    int begin = contents_.start[cell];
+    for (int group = first_group_[cell]; group < first_group_[cell + 1]; ++group) {
+      const int end = group_end(faces, cell, begin), first = group * near_lanes;
+      for (int lane = 0; lane < near_lanes; ++lane) patch_[first + lane] = begin + lane < end ? contents_.order[begin + lane] : -1;
+      bound_group(faces, group);
+      begin = end;
+    }
+  });
+  find_hideable(faces);
+}
+
+/// Sets what lies at the places of a group, and its bounds. What single precision makes of middle and normal and of those of a patch
+/// differs from what they are by less than the margins.
+template <int D>
+void FaceFinder<D>::bound_group(const Faces<D>& faces, int group) {
+  const int begin = group * near_lanes;
+  int end = begin;
+  Vector<D> low = Vector<D>::Constant(1e300), high = -low, middle, normal, sum = Vector<D>::Zero();
+  for (; end < begin + near_lanes && patch_[end] >= 0; ++end) {
+    const Vector<D> at = faces.position[patch_[end]] - min_;
+    low = low.cwiseMin(at);
+    high = high.cwiseMax(at);
+    sum += faces.normal[patch_[end]];
+  }
+  for (int c = 0; c < D; ++c) {
+    middle[c] = middle_[c][group] = static_cast<float>(0.5 * (low[c] + high[c]));
+    normal[c] = mean_normal_[c][group] = static_cast<float>(sum[c] / (end - begin));
+  }
+  for (int m = begin; m < begin + near_lanes; ++m)
+    for (int c = 0; c < D; ++c) {
+      const bool is = m < end;
+      coordinate_[c][m] = is ? static_cast<float>(faces.position[patch_[m]][c] - min_[c]) : far_off;
+      offset_[c][m] = is ? static_cast<float>(faces.position[patch_[m]][c] - min_[c] - middle[c]) : far_off;
+      normal_[c][m] = is ? static_cast<float>(faces.normal[patch_[m]][c]) : 0;
+    }
+  double radius2 = 0, lean2 = 0, lowest = 1e300, highest = -1e300;
+  for (int m = begin; m < end; ++m) {
+    const Vector<D> offset = faces.position[patch_[m]] - min_ - middle;
+    const double height = offset.dot(normal);
+    radius2 = std::max(radius2, offset.squaredNorm());
+    lean2 = std::max(lean2, (faces.normal[patch_[m]] - normal).squaredNorm());
+    lowest = std::min(lowest, height), highest = std::max(highest, height);
+  }
+  const double limit = std::sqrt(limit2_), radius = std::sqrt(radius2), lean = std::sqrt(lean2);
+  const double reach = (1 + 1e-6) * (limit + radius), margin = 0x3p-23 * (2 * limit + radius);
+  radius_[group] = static_cast<float>((1 + 1e-6) * radius);
+  reach2_[group] = static_cast<float>((1 + 1e-6) * reach * reach);
+  lean_[group] = static_cast<float>((1 + 1e-6) * lean + 1e-6);
+  thickness_[group] = static_cast<float>((1 + 1e-6) * std::max(-lowest, highest));
+  before_[group] = static_cast<float>(limit * lean - lowest + margin);
+  behind_[group] = static_cast<float>(limit * lean + highest + margin);
+}
+
+/// A patch may hide another from some place only where it stands before the other's plane and has it behind its own by its depth, and
+/// where it reaches the way from there to the other, which is shorter than the support. So on a plate, or on a surface that turns evenly,
+/// none does.
+template <int D>
+void FaceFinder<D>::find_hideable(const Faces<D>& faces) {
+  hideable_.assign(patch_.size() / near_lanes, 0);
+  const double extent = (max_ - min_).maxCoeff();
+  const float rounding = static_cast<float>(1e-5 * support_ + std::sqrt(double(D)) * 0x3p-23 * extent);
+  float least = far_off;
+  double largest_reach2 = 0;
+  for (std::size_t m = 0; m < patch_.size(); ++m) {
+    const int k = patch_[m];
+    hides_from_[m] = k >= 0 && faces.two_sided[k] ? static_cast<float>(least_depth<D>(faces.area[k])) - rounding : far_off;
+    least = std::min(least, hides_from_[m]);
+    if (k >= 0 && faces.two_sided[k]) largest_reach2 = std::max(largest_reach2, patch_reach2<D>(faces.area[k]));
+  }
+  if (least == far_off) return;  // none has two sides, as before walls
+  const float across = static_cast<float>(support_ + std::min(support_, std::sqrt(largest_reach2))) + rounding;
+  parallel_for(static_cast<std::ptrdiff_t>(hideable_.size()), static_cast<std::ptrdiff_t>(patch_.size()), [&](std::ptrdiff_t group) {
+    hideable_[group] = hideable_in(static_cast<int>(group), faces.position[patch_[group * near_lanes]], across, least, rounding);
+  });
+}
+
+/// Bits of the patches of a group, of which one lies at `place`. `across`: how far from them those are that are asked [m]; `least`: of
+/// hides_from_.
+template <int D>
+std::uint8_t FaceFinder<D>::hideable_in(int group, const Vector<D>& place, float across, float least, float rounding) const {
+  unsigned found = 0;
+  grid_.template for_rows_around<2>(place, [&](int low, int high) {
+    for (int first = first_group_[low], end = first_group_[high + 1]; first < end; first += near_lanes) {
+      // Of what a patch of each of these groups and one of this have at most: the first one's height above the second one's plane, and
+      // the second one's depth below the first one's.
+      std::array<std::int32_t, near_lanes> may;
+      for (int g = 0; g < near_lanes; ++g) {
+        float before = 0, above = 0, distance2 = 0, apart2 = 0, opposite2 = 0;
+        for (int c = 0; c < D; ++c) {
+          const float way = middle_[c][first + g] - middle_[c][group];
+          const float other = mean_normal_[c][first + g], own = mean_normal_[c][group];
+          before += way * own, above += way * other, distance2 += way * way;
+          apart2 += (other - own) * (other - own), opposite2 += (other + own) * (other + own);
+        }
+        const float turn = std::sqrt(std::min(apart2, opposite2)), thickness = thickness_[first + g] + thickness_[group];
+        const float reach = across + radius_[first + g] + radius_[group];
+        before += thickness + radius_[first + g] * turn + across * lean_[group];
+        above += thickness + radius_[group] * turn + across * lean_[first + g];
+        may[g] = (before > -rounding) & (above > least) & (distance2 < reach * reach);
+      }
+      for (int g = 0; g < near_lanes && first + g < end; ++g)
+        if (may[g]) found |= hidden_by_any(group, first + g, across * across, rounding);
+    }
+  });
+  return static_cast<std::uint8_t>(found);
+}
+
+/// Bits of the patches of a group that one of `other` may hide from some place.
+template <int D>
+unsigned FaceFinder<D>::hidden_by_any(int group, int other, float across2, float rounding) const {
+  unsigned found = 0;
+  for (int lane = 0; lane < near_lanes; ++lane) {
+    const int m = group * near_lanes + lane;
+    std::int32_t any = 0;
+    for (int o = other * near_lanes; o < (other + 1) * near_lanes; ++o) {
+      float before = 0, above = 0, distance2 = 0;
+      for (int c = 0; c < D; ++c) {
+        const float way = coordinate_[c][o] - coordinate_[c][m];
+        before += way * normal_[c][m], above += way * normal_[c][o], distance2 += way * way;
+      }
+      any += (before > -rounding) & (above > hides_from_[o]) & (distance2 < across2);
+    }
+    found |= static_cast<unsigned>(any != 0) << lane;
+  }
+  return found;
+}
+
+template <int D>
+double FaceFinder<D>::see(const Faces<D>& faces, const Vector<D>& x, std::vector<int>& seen) const {
+  if (faces.size() == 0) return 0;
   const auto first = seen.size();
-  std::array<int, candidates + near_lanes> near;
-  for_ranges_around(x, [&](int begin, int end, const std::array<float, D>& from) {
+  unsigned hideable = 0;
+  float apart2 = 0, lean = 0;  // of the normals from the mean of one of the groups: of the other means, and of each from its own
+  int one = -1;
+  std::array<int, candidates * near_lanes + near_lanes> near;
+  const auto all = [](int) { return ~0U; };
+  for_groups_around(x, before_, -1, -slack_, all, [&](const int* groups, int count, const std::array<float, D>& from) {
+    if (one < 0) one = groups[0];
     int found = 0;
-    for (int m = begin; m < end; m += near_lanes) {
-      const PatchBits facing = patch_bits<D>(coordinate_, normal_, m, from, near2_, limit2_, -1, slack_);
-      unsigned bits = bits_before(facing.may, m, end);
+    for (int g = 0; g < count; ++g) {
+      const int group = groups[g], m = group * near_lanes;
+      const PatchBits facing = facing_bits(group, from);
+      unsigned bits = facing.may;
       for (unsigned open = bits & ~facing.sure; open != 0; open &= open - 1) {
-        const int k = contents_.order[m + std::countr_zero(open)];
+        const int k = patch_[m + std::countr_zero(open)];
         const Vector<D> d = faces.position[k] - x;
         if (d.squaredNorm() >= support_ * support_ || d.dot(faces.normal[k]) >= 0) bits &= ~(open & -open);
       }
-      found = append_places(bits, m, found, near.data());
+      found = append_values(bits, patch_.data(), m, found, near.data());
+      hideable |= bits & hideable_[group];
+      float difference2 = 0;
+      for (int c = 0; c < D; ++c)
+        difference2 += (mean_normal_[c][group] - mean_normal_[c][one]) * (mean_normal_[c][group] - mean_normal_[c][one]);
+      apart2 = std::max(apart2, bits != 0 ? difference2 : 0);
+      lean = std::max(lean, bits != 0 ? lean_[group] : 0);
     }
-    const std::size_t before = seen.size();
-    seen.resize(before + static_cast<std::size_t>(found));
-    for (int m = 0; m < found; ++m) seen[before + static_cast<std::size_t>(m)] = contents_.order[near[m]];
+    seen.insert(seen.end(), near.begin(), near.begin() + found);
   });
-  if (first < seen.size() && any_may_hide(faces, x, seen, first)) remove_hidden(faces, x, seen, first);
-}
-
-/// Whether one of the patches that x sees may hide another, by a bound. One that hides, o, stands before the plane of the other, k, and has
-/// it behind its own plane by its depth (below): (p_o - p_k).(n_o + n_k) is above the depth. On a surface whose normals turn evenly that
-/// is 0. Let n be the mean normal, t and z the ways from x along and across its plane, and m = n_k - (n_k.n) n = M + H t + r with a
-/// symmetric H and a rest r. Then it is at most
-///   max f - min f + 2 max|t| max|r| + 2 (max z - min z) max(1 - n_k.n),   f_k = 2 z_k + t_k.m_k + t_k.M .
-template <int D>
-bool FaceFinder<D>::any_may_hide(const Faces<D>& faces, const Vector<D>& x, const std::vector<int>& seen, std::size_t first) const {
-  const std::size_t count = seen.size() - first;
-  if (count > candidates) return true;
-  double area = 1e300;
-  for (auto m = first; m < seen.size(); ++m)
-    if (faces.two_sided[seen[m]]) area = std::min(area, faces.area[seen[m]]);
-  if (area == 1e300) return false;  // no patch hides another where none has two sides, as before walls
-  using Lanes = std::array<double, candidates>;
-  std::array<Lanes, D> along, turn;  // t and m
-  Lanes across;                      // z
-  Vector<D> n = Vector<D>::Zero();
-  for (std::size_t i = 0; i < count; ++i) {
-    const int k = seen[first + i];
-    const Vector<D>&place = faces.position[k], &normal = faces.normal[k];
-    for (int c = 0; c < D; ++c) along[c][i] = place[c] - x[c], turn[c][i] = normal[c];
-    n += normal;
-  }
-  if (n.norm() < 0.5 * static_cast<double>(count)) return true;
-  n.normalize();
-  const double limit = 0.999 * least_depth<D>(area);
-
-  double low = 1e300, high = -1e300, lean = 0;
-#pragma omp simd reduction(min : low) reduction(max : high, lean)
-  for (std::size_t i = 0; i < count; ++i) {
-    double z = 0, a = 0;
-    for (int c = 0; c < D; ++c) z += along[c][i] * n[c], a += turn[c][i] * n[c];
-    for (int c = 0; c < D; ++c) along[c][i] -= z * n[c], turn[c][i] -= a * n[c];
-    across[i] = z;
-    low = std::min(low, z), high = std::max(high, z), lean = std::max(lean, 1 - a);
-  }
-  if (2 * (high - low) + 4 * support_ * std::sqrt(2 * lean) < limit) return false;  // as on a plane: |m| is below sqrt(2 (1 - n_k.n))
-
-  Vector<D> sum_t = Vector<D>::Zero(), sum_m = Vector<D>::Zero();
-  Eigen::Matrix<double, D, D> sum_tt, sum_mt;
-  for (int c = 0; c < D; ++c) {
-    for (std::size_t i = 0; i < count; ++i) sum_t[c] += along[c][i], sum_m[c] += turn[c][i];
-    for (int e = 0; e < D; ++e) {
-      double tt = 0, mt = 0;
-#pragma omp simd reduction(+ : tt, mt)
-      for (std::size_t i = 0; i < count; ++i) tt += along[c][i] * along[e][i], mt += turn[c][i] * along[e][i];
-      sum_tt(c, e) = tt, sum_mt(c, e) = mt;
-    }
-  }
-  const double number = static_cast<double>(count);
-  sum_tt -= sum_t * sum_t.transpose() / number;
-  sum_mt -= sum_m * sum_t.transpose() / number;
-  // H leads from the plane of n into it; across it anything that lets the sum be inverted will do.
-  sum_tt += (sum_tt.trace() + support_ * support_) * n * n.transpose();
-  sum_tt.diagonal().array() += 1e-6 * support_ * support_;
-  const Eigen::Matrix<double, D, D> slope = sum_mt * sum_tt.inverse(), bend = 0.5 * (slope + slope.transpose());
-  const Vector<D> mean = (sum_m - bend * sum_t) / number;
-
-  double least = 1e300, most = -1e300, reach2 = 0, rest2 = 0;
-#pragma omp simd reduction(min : least) reduction(max : most, reach2, rest2)
-  for (std::size_t i = 0; i < count; ++i) {
-    double f = 2 * across[i], t2 = 0, r2 = 0;
-    for (int c = 0; c < D; ++c) {
-      double rest = turn[c][i] - mean[c];
-      for (int e = 0; e < D; ++e) rest -= bend(c, e) * along[e][i];
-      f += along[c][i] * (turn[c][i] + mean[c]);
-      t2 += along[c][i] * along[c][i], r2 += rest * rest;
-    }
-    least = std::min(least, f), most = std::max(most, f), reach2 = std::max(reach2, t2), rest2 = std::max(rest2, r2);
-  }
-  return most - least + 2 * std::sqrt(reach2 * rest2) + 2 * (high - low) * lean >= limit;
+  if (hideable != 0) remove_hidden(faces, x, seen, first);
+  return 2 * (1 + 1e-6) * (std::sqrt(double(apart2)) + double(lean));
 }
 
 template <int D>

@@ -90,26 +90,13 @@ class FaceFinder {
     near2_ = surely_near_limit2<D>(support, (max_ - min_).maxCoeff());
     // A product of a normal with a way is off by what the coordinates are off, and by as much of the support as digits of the normal are.
     slack_ = static_cast<float>(1e-6 * support + std::sqrt(double(D)) * 0x3p-24 * (max_ - min_).maxCoeff());
-    for (int c = 0; c < D; ++c) {
-      coordinate_[c].resize(faces.size() + near_lanes);
-      normal_[c].resize(faces.size() + near_lanes);
-    }
-    parallel_for(static_cast<std::ptrdiff_t>(faces.size()), [&](std::ptrdiff_t m) {
-      const int k = contents_.order[m];
-      for (int c = 0; c < D; ++c) {
-        coordinate_[c][m] = static_cast<float>(faces.position[k][c] - min_[c]);
-        normal_[c][m] = static_cast<float>(faces.normal[k][c]);
-      }
-    });
+    set_groups(faces);
   }
 
   /// Calls visit(k) for all faces that may be within the support of x, in whatever direction they look.
   template <class Visit>
   void for_each_around(const Vector<D>& x, Visit&& visit) const {
-    if (contents_.order.empty()) return;
-    for (int c = 0; c < D; ++c)
-      if (x[c] < min_[c] || x[c] > max_[c]) return;
-    grid_.for_rows_around(x, [&](int low, int high) {
+    for_cells_around(x, [&](int low, int high) {
       for (int m = contents_.start[low]; m < contents_.start[high + 1]; ++m) visit(contents_.order[m]);
     });
   }
@@ -118,10 +105,12 @@ class FaceFinder {
   template <class Visit>
   void for_each_near(const Vector<D>& x, double reach, Visit&& visit) const {
     const float limit2 = near_limit2<D>(reach, (max_ - min_).maxCoeff());
-    std::array<int, candidates + near_lanes> near;
-    for_ranges_around(x, [&](int begin, int end, const std::array<float, D>& from) {
-      const int found = keep_near<D>(coordinate_, begin, end, -1, from, {}, limit2, 0, near.data());
-      for (int m = 0; m < found; ++m) visit(contents_.order[near[m]]);
+    std::array<float, D> from;
+    for (int c = 0; c < D; ++c) from[c] = static_cast<float>(x[c] - min_[c]);
+    for_cells_around(x, [&](int low, int high) {
+      for (int m = first_group_[low] * near_lanes; m < first_group_[high + 1] * near_lanes; m += near_lanes)
+        for (unsigned bits = near_bits<D>(coordinate_, m, from, {}, limit2); bits != 0; bits &= bits - 1)
+          visit(patch_[m + std::countr_zero(bits)]);
     });
   }
 
@@ -136,79 +125,179 @@ class FaceFinder {
     return found;
   }
 
-  /// Calls visit(k) for all faces within the support of x that may be turned away from it.
+  /// Calls visit(k) for all faces within the support of x that are turned away from it: by more than faces of one plane with x.
   template <class Visit>
-  void for_each_turned_around(const Vector<D>& x, Visit&& visit) const {
-    std::array<int, candidates + near_lanes> near;
-    for_ranges_around(x, [&](int begin, int end, const std::array<float, D>& from) {
-      int found = 0;
-      for (int m = begin; m < end; m += near_lanes) found = append_places(bits_before(turned_bits(m, from), m, end), m, found, near.data());
-      for (int m = 0; m < found; ++m) visit(contents_.order[near[m]]);
+  void for_each_turned_around(const Faces<D>& faces, const Vector<D>& x, Visit&& visit) const {
+    const auto all = [](int) { return ~0U; };
+    any_group_around(x, behind_, 1, static_cast<float>(least_turned * support_), all, [&](int group, const std::array<float, D>&) {
+      for (unsigned bits = turned_bits(faces, group, x); bits != 0; bits &= bits - 1)
+        visit(patch_[group * near_lanes + std::countr_zero(bits)]);
+      return false;
     });
   }
 
-  /// Whether holds(k) is true for any of them whose normal has a product above `least` with `direction`, a unit vector.
+  /// Whether holds(k) is true for any of them. It may be asked of those alone whose normal has a product above `least` with `direction`, a
+  /// unit vector.
   template <class Holds>
-  bool any_turned_around(const Vector<D>& x, const Vector<D>& direction, double least, Holds&& holds) const {
+  bool any_turned_around(const Faces<D>& faces, const Vector<D>& x, const Vector<D>& direction, double least, Holds&& holds) const {
     std::array<float, D> along;
     for (int c = 0; c < D; ++c) along[c] = static_cast<float>(direction[c]);
-    bool found = false;
-    for_ranges_around(x, [&](int begin, int end, const std::array<float, D>& from) {
-      for (int m = begin; m < end && !found; m += near_lanes) {
-        const unsigned turned = turned_bits(m, from);
-        if (turned == 0) continue;
-        unsigned bits = bits_before(turned & direction_bits<D>(normal_, m, along, static_cast<float>(least - 1e-6)), m, end);
-        for (; bits != 0 && !found; bits &= bits - 1) found = holds(contents_.order[m + std::countr_zero(bits)]);
+    const float above = static_cast<float>(least);
+    const auto turned_so = [&](int first) { return direction_bits<D>(mean_normal_, lean_, first, along, above); };
+    return any_group_around(x, behind_, 1, static_cast<float>(least_turned * support_), turned_so,
+                            [&](int group, const std::array<float, D>&) {
+                              for (unsigned bits = turned_bits(faces, group, x); bits != 0; bits &= bits - 1)
+                                if (holds(patch_[group * near_lanes + std::countr_zero(bits)])) return true;
+                              return false;
+                            });
+  }
+
+  /// Of the others, those that stand in groups without any that is asked: bounds of how far they lie beyond x against `direction` [m], and
+  /// by how much their normals differ from -`direction` [-].
+  struct Beyond {
+    double least_depth, spread;
+  };
+  Beyond turned_beyond(const Vector<D>& x, const Vector<D>& direction, double least) const {
+    std::array<float, D> along;
+    for (int c = 0; c < D; ++c) along[c] = static_cast<float>(direction[c]);
+    const float above = static_cast<float>(least);
+    const auto turned_else = [&](int first) { return ~direction_bits<D>(mean_normal_, lean_, first, along, above); };
+    std::array<float, near_lanes> depths, differences2;
+    depths.fill(far_off);
+    differences2.fill(0);
+    any_group_around(x, behind_, 1, static_cast<float>(least_turned * support_), turned_else, [&](int group, const std::array<float, D>&) {
+      const std::array<float, D> from = from_middle(group, x);
+      const std::uint32_t bits = turned_patches(group, from).may;
+#pragma omp simd
+      for (std::uint32_t lane = 0; lane < near_lanes; ++lane) {
+        const std::size_t m = static_cast<std::size_t>(group) * near_lanes + lane;
+        float depth = 0, difference2 = 0;
+        for (int c = 0; c < D; ++c) {
+          depth -= (offset_[c][m] - from[c]) * along[c];
+          difference2 += (normal_[c][m] + along[c]) * (normal_[c][m] + along[c]);
+        }
+        const bool is = bits >> lane & 1;
+        depths[lane] = std::min(depths[lane], is ? depth : far_off);
+        differences2[lane] = std::max(differences2[lane], is ? difference2 : 0);
       }
+      return false;
     });
-    return found;
+    return {double(*std::min_element(depths.begin(), depths.end())) - 1e-6 * support_,
+            (1 + 1e-6) * std::sqrt(double(*std::max_element(differences2.begin(), differences2.end()))) + 1e-6};
   }
 
   /// Whether any face surely faces x: by more than single precision leaves open, so none that lies in one plane with x.
   bool any_facing(const Vector<D>& x) const {
-    bool found = false;
-    for_ranges_around(x, [&](int begin, int end, const std::array<float, D>& from) {
-      for (int m = begin; m < end && !found; m += near_lanes)
-        found = bits_before(patch_bits<D>(coordinate_, normal_, m, from, near2_, limit2_, -1, slack_).sure, m, end) != 0;
-    });
-    return found;
+    const auto all = [](int) { return ~0U; };
+    return any_group_around(x, before_, -1, static_cast<float>(1e-6 * support_), all,
+                            [&](int group, const std::array<float, D>& from) { return facing_bits(group, from).sure != 0; });
   }
 
-  /// Appends to `seen` the faces that x sees.
-  void see(const Faces<D>& faces, const Vector<D>& x, std::vector<int>& seen) const;
+  /// Appends to `seen` the faces that x sees. Returns a bound: the most by which the normals of two of them differ [-].
+  double see(const Faces<D>& faces, const Vector<D>& x, std::vector<int>& seen) const;
 
  private:
-  static constexpr int candidates = 256;  ///< tested at a time
+  static constexpr int candidates = 256;        ///< tested at a time
+  static constexpr float far_off = 1e18F;       ///< in place of a coordinate of a patch that there is none of [m]
+  static constexpr double least_turned = 1e-6;  ///< height behind a face from which it is turned away, over the support
 
-  unsigned turned_bits(int first, const std::array<float, D>& from) const {
-    return patch_bits<D>(coordinate_, normal_, first, from, near2_, limit2_, 1, slack_).may;
+  PatchBits facing_bits(int group, const std::array<float, D>& from) const {
+    return patch_bits<D>(coordinate_, normal_, group * near_lanes, from, near2_, limit2_, -1, 0, slack_);
+  }
+  /// x from the middle of a group. Coordinates counted from there have the digits that tell what is turned from what is in one plane with
+  /// x: single precision is off by less than 6e-7 of the support.
+  std::array<float, D> from_middle(int group, const Vector<D>& x) const {
+    std::array<float, D> from;
+    for (int c = 0; c < D; ++c) from[c] = static_cast<float>(x[c] - min_[c] - middle_[c][group]);
+    return from;
+  }
+  PatchBits turned_patches(int group, const std::array<float, D>& from) const {
+    const float least = static_cast<float>(least_turned * support_), slack = static_cast<float>(6e-7 * support_);
+    return patch_bits<D>(offset_, normal_, group * near_lanes, from, near2_, limit2_, 1, least, slack);
+  }
+  unsigned turned_bits(const Faces<D>& faces, int group, const Vector<D>& x) const {
+    const PatchBits turned = turned_patches(group, from_middle(group, x));
+    unsigned bits = turned.may;
+    for (unsigned open = bits & ~turned.sure; open != 0; open &= open - 1) {
+      const int k = patch_[group * near_lanes + std::countr_zero(open)];
+      const Vector<D> d = faces.position[k] - x;
+      if (d.squaredNorm() >= support_ * support_ || d.dot(faces.normal[k]) <= least_turned * support_) bits &= ~(open & -open);
+    }
+    return bits;
   }
 
-  /// Calls visit(begin, end, x from the corner of the box) for ranges of the patches in the order of the cells, of at most `candidates`,
-  /// which have all that are within the support of x.
+  /// Calls visit(first cell, last cell) for the rows of cells that have all patches within the support of x.
   template <class Visit>
-  void for_ranges_around(const Vector<D>& x, Visit&& visit) const {
+  void for_cells_around(const Vector<D>& x, Visit&& visit) const {
     if (contents_.order.empty()) return;
     for (int c = 0; c < D; ++c)
       if (x[c] < min_[c] || x[c] > max_[c]) return;
-    std::array<float, D> from;
-    for (int c = 0; c < D; ++c) from[c] = static_cast<float>(x[c] - min_[c]);
-    grid_.for_rows_around(x, [&](int low, int high) {
-      for (int begin = contents_.start[low], end = contents_.start[high + 1]; begin < end; begin += candidates)
-        visit(begin, std::min(begin + candidates, end), from);
-    });
+    grid_.for_rows_around(x, visit);
   }
 
-  bool any_may_hide(const Faces<D>& faces, const Vector<D>& x, const std::vector<int>& seen, std::size_t first) const;
+  /// Calls visit(groups, how many of them, x from the corner of the box) for the groups, at most `candidates`, that may have a patch within
+  /// the support of x whose product, `side` times its normal and the way to it, is above `least`. `more`: before_ of `side` -1, behind_ of
+  /// 1; chosen(first): bits of those of `near_lanes` groups that are asked for.
+  template <class Chosen, class Visit>
+  void for_groups_around(const Vector<D>& x, const std::vector<float>& more, float side, float least, Chosen&& chosen,
+                         Visit&& visit) const {
+    std::array<int, candidates + near_lanes> groups;
+    std::array<float, D> at{}, rest{};
+    for (int c = 0; c < D; ++c) {
+      at[c] = static_cast<float>(x[c] - min_[c]);
+      rest[c] = static_cast<float>(x[c] - min_[c] - at[c]);
+    }
+    int found = 0;
+    for_cells_around(x, [&](int low, int high) {
+      for (int first = first_group_[low], end = first_group_[high + 1]; first < end; first += near_lanes) {
+        const unsigned bits = group_bits<D>(middle_, mean_normal_, first, at, rest, reach2_, more, side, least) & chosen(first);
+        found = append_places(bits_before(bits, first, end), first, found, groups.data());
+        if (found <= candidates - near_lanes) continue;
+        visit(groups.data(), found, at);
+        found = 0;
+      }
+    });
+    if (found > 0) visit(groups.data(), found, at);
+  }
+  /// Whether holds(group, x from the corner of the box) is true for any of them.
+  template <class Chosen, class Holds>
+  bool any_group_around(const Vector<D>& x, const std::vector<float>& more, float side, float least, Chosen&& chosen, Holds&& holds) const {
+    bool held = false;
+    for_groups_around(x, more, side, least, chosen, [&](const int* groups, int found, const std::array<float, D>& from) {
+      for (int g = 0; g < found && !held; ++g) held = holds(groups[g], from);
+    });
+    return held;
+  }
+
+  void set_groups(const Faces<D>& faces);
+  int group_end(const Faces<D>& faces, std::ptrdiff_t cell, int begin) const;
+  void bound_group(const Faces<D>& faces, int group);
+  void find_hideable(const Faces<D>& faces);
+  std::uint8_t hideable_in(int group, const Vector<D>& place, float across, float least, float rounding) const;
+  unsigned hidden_by_any(int group, int other, float across2, float rounding) const;
   void remove_hidden(const Faces<D>& faces, const Vector<D>& x, std::vector<int>& seen, std::size_t first) const;
 
   CellGrid<D> grid_;
   CellContents contents_;
   Vector<D> min_ = Vector<D>::Zero(), max_ = Vector<D>::Zero();
   double support_ = 0;
-  std::array<std::vector<float>, D> coordinate_;  ///< of the patches in the order of the cells, from min_, by axis
-  std::array<std::vector<float>, D> normal_;      ///< the same
   float near2_ = 0, limit2_ = 0, slack_ = 0;
+
+  // Patches in the order of the cells, in groups of one cell. A group has `near_lanes` places; what it has no patch for lies far off.
+  std::vector<int> first_group_;                  ///< per cell, then the number of them all
+  std::vector<int> patch_;                        ///< by place; -1: none
+  std::array<std::vector<float>, D> coordinate_;  ///< by place and axis, from min_ [m]
+  std::array<std::vector<float>, D> offset_;      ///< the same, from the middle of the group [m]
+  std::array<std::vector<float>, D> normal_;      ///< the same [-]
+  std::vector<float> hides_from_;                 ///< by place: depth below the patch from which it may hide another [m]
+  // By group; `near_lanes` more may be read.
+  std::array<std::vector<float>, D> middle_, mean_normal_;  ///< of its patches: of the box around them, from min_ [m]; [-]
+  std::vector<float> radius_;                               ///< of the ball about the middle that has them [m]
+  std::vector<float> reach2_;                               ///< square of the distance of the middle from where on none is near [m^2]
+  std::vector<float> lean_;                                 ///< by which their normals differ from the mean at most [-]
+  std::vector<float> thickness_;                            ///< their distance from the plane of middle and normal, at most [m]
+  std::vector<float> before_, behind_;  ///< by how much the products of near patches that face x, or are turned away, exceed the mean's [m]
+  std::vector<std::uint8_t> hideable_;  ///< bits of patches that one with two sides may hide from some place
 };
 
 }  // namespace tern

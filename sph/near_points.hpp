@@ -75,12 +75,12 @@ struct PatchBits {
   unsigned may = 0, sure = 0;
 };
 
-/// Bit m: patch first + m is nearer to x than the square root of `limit2`, and the product of its normal with the way to it is above
-/// `least`. `side` 1: the product, of patches that are turned away from x; -1: its negative, of those that look at x.
-/// Of `near2` and `limit2`, and of -`slack` and `slack` for the product, the one of each leaves what rounding leaves open to `may`.
+/// Bit m: patch first + m is nearer to x than the square root of `near2`, and the product of its normal with the way to it is above
+/// `least`. `side` 1: the product, of patches that are turned away from x; -1: its negative, of those that look at x. What `slack` of the
+/// product, and `limit2` in place of `near2`, leave open is left to `may`.
 template <int D>
 PatchBits patch_bits(const std::array<std::vector<float>, D>& coordinate, const std::array<std::vector<float>, D>& normal, int first,
-                     const std::array<float, D>& x, float near2, float limit2, float side, float slack) {
+                     const std::array<float, D>& x, float near2, float limit2, float side, float least, float slack) {
 #ifdef __AVX2__
   __m256 distance2 = _mm256_setzero_ps(), product = _mm256_setzero_ps();
   for (int c = 0; c < D; ++c) {
@@ -89,11 +89,11 @@ PatchBits patch_bits(const std::array<std::vector<float>, D>& coordinate, const 
     product = _mm256_fmadd_ps(d, _mm256_loadu_ps(normal[c].data() + first), product);
   }
   product = _mm256_mul_ps(product, _mm256_set1_ps(side));
-  const auto bits = [&](float limit, float least) {
+  const auto bits = [&](float limit, float above) {
     return static_cast<unsigned>(_mm256_movemask_ps(_mm256_and_ps(_mm256_cmp_ps(distance2, _mm256_set1_ps(limit), _CMP_LT_OQ),
-                                                                  _mm256_cmp_ps(product, _mm256_set1_ps(least), _CMP_GT_OQ))));
+                                                                  _mm256_cmp_ps(product, _mm256_set1_ps(above), _CMP_GT_OQ))));
   };
-  return {bits(limit2, -slack), bits(near2, slack)};
+  return {bits(limit2, least - slack), bits(near2, least + slack)};
 #else
   PatchBits bits;
   for (int m = 0; m < near_lanes; ++m) {
@@ -104,26 +104,61 @@ PatchBits patch_bits(const std::array<std::vector<float>, D>& coordinate, const 
       product += d * normal[c][first + m];
     }
     product *= side;
-    bits.may |= static_cast<unsigned>((distance2 < limit2) & (product > -slack)) << m;
-    bits.sure |= static_cast<unsigned>((distance2 < near2) & (product > slack)) << m;
+    bits.may |= static_cast<unsigned>((distance2 < limit2) & (product > least - slack)) << m;
+    bits.sure |= static_cast<unsigned>((distance2 < near2) & (product > least + slack)) << m;
   }
   return bits;
 #endif
 }
 
-/// Bit m: the normal of patch first + m has a product above `least` with `direction`.
+/// Of `near_lanes` groups of patches, the bits of those that may have a patch that is near and turned as asked (patch_bits()). By group:
+/// `middle`, `normal`: of its patches; `reach2`: square of the distance of the middle beyond which no patch is near; `more`: by how much
+/// the product of a near patch may exceed that of middle and normal. `rest`: what x is beyond single precision.
 template <int D>
-unsigned direction_bits(const std::array<std::vector<float>, D>& normal, int first, const std::array<float, D>& direction, float least) {
+unsigned group_bits(const std::array<std::vector<float>, D>& middle, const std::array<std::vector<float>, D>& normal, int first,
+                    const std::array<float, D>& x, const std::array<float, D>& rest, const std::vector<float>& reach2,
+                    const std::vector<float>& more, float side, float least) {
 #ifdef __AVX2__
-  __m256 product = _mm256_setzero_ps();
+  __m256 distance2 = _mm256_setzero_ps(), product = _mm256_setzero_ps();
+  for (int c = 0; c < D; ++c) {
+    const __m256 d = _mm256_sub_ps(_mm256_sub_ps(_mm256_loadu_ps(middle[c].data() + first), _mm256_set1_ps(x[c])), _mm256_set1_ps(rest[c]));
+    distance2 = _mm256_fmadd_ps(d, d, distance2);
+    product = _mm256_fmadd_ps(d, _mm256_loadu_ps(normal[c].data() + first), product);
+  }
+  product = _mm256_fmadd_ps(product, _mm256_set1_ps(side), _mm256_loadu_ps(more.data() + first));
+  return static_cast<unsigned>(
+      _mm256_movemask_ps(_mm256_and_ps(_mm256_cmp_ps(distance2, _mm256_loadu_ps(reach2.data() + first), _CMP_LT_OQ),
+                                       _mm256_cmp_ps(product, _mm256_set1_ps(least), _CMP_GT_OQ))));
+#else
+  unsigned bits = 0;
+  for (int g = 0; g < near_lanes; ++g) {
+    float distance2 = 0, product = 0;
+    for (int c = 0; c < D; ++c) {
+      const float d = middle[c][first + g] - x[c] - rest[c];
+      distance2 += d * d;
+      product += d * normal[c][first + g];
+    }
+    bits |= static_cast<unsigned>((distance2 < reach2[first + g]) & (product * side + more[first + g] > least)) << g;
+  }
+  return bits;
+#endif
+}
+
+/// Bit g: some patch of group first + g may have a normal whose product with `direction` is above `least`. `lean`: by how much its
+/// normals differ from the mean `normal`.
+template <int D>
+unsigned direction_bits(const std::array<std::vector<float>, D>& normal, const std::vector<float>& lean, int first,
+                        const std::array<float, D>& direction, float least) {
+#ifdef __AVX2__
+  __m256 product = _mm256_loadu_ps(lean.data() + first);
   for (int c = 0; c < D; ++c) product = _mm256_fmadd_ps(_mm256_set1_ps(direction[c]), _mm256_loadu_ps(normal[c].data() + first), product);
   return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(product, _mm256_set1_ps(least), _CMP_GT_OQ)));
 #else
   unsigned bits = 0;
-  for (int m = 0; m < near_lanes; ++m) {
-    float product = 0;
-    for (int c = 0; c < D; ++c) product += direction[c] * normal[c][first + m];
-    bits |= static_cast<unsigned>(product > least) << m;
+  for (int g = 0; g < near_lanes; ++g) {
+    float product = lean[first + g];
+    for (int c = 0; c < D; ++c) product += direction[c] * normal[c][first + g];
+    bits |= static_cast<unsigned>(product > least) << g;
   }
   return bits;
 #endif
@@ -143,6 +178,19 @@ inline int append_places(unsigned bits, int first, int found, int* near) {
   return found + std::popcount(bits);
 #else
   for (; bits != 0; bits &= bits - 1) near[found++] = first + std::countr_zero(bits);
+  return found;
+#endif
+}
+
+/// The same with value[first + m] in place of a place.
+inline int append_values(unsigned bits, const int* value, int first, int found, int* near) {
+#ifdef __AVX2__
+  const __m256i places = _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(set_bits[bits].data())));
+  const __m256i values = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(value + first));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(near + found), _mm256_permutevar8x32_epi32(values, places));
+  return found + std::popcount(bits);
+#else
+  for (; bits != 0; bits &= bits - 1) near[found++] = value[first + std::countr_zero(bits)];
   return found;
 #endif
 }

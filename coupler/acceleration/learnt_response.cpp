@@ -26,6 +26,10 @@ void LearntResponse<D>::prepare(const Setup<D>& setup, const SurfaceAtStart<D>& 
     depth[k] = of.section_mass[k] < held_mass ? of.section_mass[k] / setup.body_density[of.body[k]] : 0;
   for (const double width : widths) {
     lumps_.push_back(width == 0 ? lumps_of_points(of.body.size()) : lumps_of_width<D>(width * setup.spacing, start, of.body, depth));
+    const SurfaceLumps& lumps = lumps_.back();
+    std::vector<std::uint32_t>& body_of = body_of_.emplace_back(lumps.count, 0);
+    for (std::size_t s = 0; s < lumps.lump.size(); ++s)
+      if (lumps.share[s] > 0) body_of[lumps.lump[s]] = of.body[s / lumps.per_point];
     if (answer_.size() >= lumps_.size()) continue;  // known from a checkpoint
     answer_.emplace_back(lumps_.back().count, 0);
     square_.emplace_back(lumps_.back().count, 0);
@@ -118,52 +122,45 @@ void LearntResponse<D>::learn(const Setup<D>& setup, const Workspace<D>& window,
     if (window.share[k] > 0) changed_[setup.properties.body[k]] += surface.area[k] * changed[k] * changed[k];
   }
   const auto learn_width = [&](std::ptrdiff_t width) {
-    struct Lump {
-      double mass = 0, quickness = 0;
-      Vector<D> push = Vector<D>::Zero();  // the force, then the velocity by the guessed mass
-    };
+    // Side by side what is added up at a lump, so that it is one sum of many lanes: the force, then the velocity by the guessed mass; and
+    // last that mass, then the quickness.
+    using Lump = Eigen::Matrix<double, D + 1, 1>;
     const SurfaceLumps& lumps = lumps_[width];
     const std::size_t per_point = lumps.per_point;
-    std::vector<Lump> of(lumps.count);
-    std::vector<std::uint32_t> body_of(lumps.count, 0);
+    std::vector<Lump> of(lumps.count, Lump::Zero());
     for (std::size_t k = 0; k < points; ++k) {
-      const double mass = window.responding_mass[k] * surface.area[k];
-      const Vector<D> force = window.answered_load.force[k] - window.assumed_load.force[k];
-      for (std::size_t s = k * per_point; s < (k + 1) * per_point; ++s) {
-        Lump& lump = of[lumps.lump[s]];
-        lump.mass += lumps.share[s] * mass;
-        lump.push += lumps.share[s] * force;
-        if (lumps.share[s] > 0) body_of[lumps.lump[s]] = setup.properties.body[k];
-      }
+      Lump own;
+      own << window.answered_load.force[k] - window.assumed_load.force[k], window.responding_mass[k] * surface.area[k];
+      for (std::size_t s = k * per_point; s < (k + 1) * per_point; ++s) of[lumps.lump[s]] += lumps.share[s] * own;
     }
     for (std::size_t a = 0; a < lumps.count; ++a) {
-      of[a].push *= window.duration / of[a].mass;
-      of[a].quickness = quickness(width, a);
+      of[a].template head<D>() *= window.duration / of[a][D];
+      of[a][D] = quickness(width, a);
     }
     const std::size_t bodies = setup.body_density.size();
-    std::vector<double> answer(lumps.count, 0), square(lumps.count, 0), error(bodies, 0), sum(bodies, 0), number(bodies, 0);
+    std::vector<Eigen::Vector2d> made(lumps.count, Eigen::Vector2d::Zero());
+    std::vector<double> error(bodies, 0), sum(bodies, 0), number(bodies, 0);
     for (std::size_t k = 0; k < points; ++k) {
       if (window.share[k] == 0) continue;  // dry
       double by_guess = 0, foretold = 0;
       for (std::size_t s = k * per_point; s < (k + 1) * per_point; ++s) {
         const Lump& lump = of[lumps.lump[s]];
-        const double part = lumps.share[s] * lump.push.dot(surface.normal[k]);
+        const double part = lumps.share[s] * lump.template head<D>().dot(surface.normal[k]);
         by_guess += part;
-        foretold += lump.quickness * part;
+        foretold += lump[D] * part;
       }
       error[setup.properties.body[k]] += surface.area[k] * std::pow(foretold - changed[k], 2);
       const double of_answer = surface.area[k] * changed[k] * by_guess, of_square = surface.area[k] * by_guess * by_guess;
-      for (std::size_t s = k * per_point; s < (k + 1) * per_point; ++s) {
-        answer[lumps.lump[s]] += lumps.share[s] * of_answer;
-        square[lumps.lump[s]] += lumps.share[s] * of_square;
-      }
+      const Eigen::Vector2d both(of_answer, of_square);
+      for (std::size_t s = k * per_point; s < (k + 1) * per_point; ++s) made[lumps.lump[s]] += lumps.share[s] * both;
       sum[setup.properties.body[k]] += of_square;
     }
+    const std::vector<std::uint32_t>& body_of = body_of_[width];
     for (const std::uint32_t b : body_of) ++number[b];
     for (std::size_t a = 0; a < lumps.count; ++a) {
-      if (!(square[a] > least_change * sum[body_of[a]] / number[body_of[a]])) continue;
-      answer_[width][a] = kept * answer_[width][a] + answer[a];
-      square_[width][a] = kept * square_[width][a] + square[a];
+      if (!(made[a][1] > least_change * sum[body_of[a]] / number[body_of[a]])) continue;
+      answer_[width][a] = kept * answer_[width][a] + made[a][0];
+      square_[width][a] = kept * square_[width][a] + made[a][1];
     }
     for (std::size_t b = 0; b < error.size(); ++b) error_[width][b] = kept * error_[width][b] + error[b];
   };

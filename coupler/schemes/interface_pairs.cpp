@@ -55,9 +55,9 @@ void InterfacePairs<D>::find(const InterfaceParticles<D>& particles, const Surfa
     for (std::ptrdiff_t i = first; i < last; ++i) {
       first_[i] = begin_[part] + seen;
       const int count = found.seen_count[i - first], count_past = found.back_facing_count[i - first];
-      weigh(particles, static_cast<int>(i), found.seen.data() + seen, count, pairs_.data() + first_[i], first_[i], &found.standing, filled);
-      weigh(particles, static_cast<int>(i), found.back_facing.data() + past, count_past, pairs_.data() + begin_past_[part] + past, 0,
-            nullptr, nullptr);
+      weigh(particles, static_cast<int>(i), found.seen.data() + seen, count, pairs_.data() + first_[i], &found.standing, filled);
+      weigh(particles, static_cast<int>(i), found.back_facing.data() + past, count_past, pairs_.data() + begin_past_[part] + past, nullptr,
+            nullptr);
       seen += static_cast<std::size_t>(count);
       past += count_past;
     }
@@ -82,11 +82,11 @@ double InterfacePairs<D>::weight(double volume, double area, double borne_share,
   return -2 * volume * area * (borne_share * kernel_.surface_weight(distance));
 }
 
-/// Pairs of a particle with these points. `standing`: appends of those the number from `first` on that stand over their patch
-/// (stands_over()); `filled`: takes from the sum of every point what the pair weighs. Null: nobody asks.
+/// Pairs of a particle with these points. `standing`: appends those of them that stand over their patch (stands_over()); `filled`: takes
+/// from the sum of every point what the pair weighs. Null: nobody asks.
 template <int D>
 void InterfacePairs<D>::weigh(const InterfaceParticles<D>& particles, int particle, const int* points, std::ptrdiff_t count, Kept* pairs,
-                              std::size_t first, std::vector<std::size_t>* standing, double* filled) const {
+                              UninitialisedVector<Kept>* standing, double* filled) const {
   constexpr std::ptrdiff_t together = 64;
   std::array<double, together> distance2, height, area, share, weights, beside;
   const Vector<D>& x = particles.position[particle];
@@ -106,8 +106,14 @@ void InterfacePairs<D>::weigh(const InterfaceParticles<D>& particles, int partic
     if (standing == nullptr) continue;
     for (std::ptrdiff_t m = 0; m < here; ++m) filled[points[done + m]] -= weights[m];  // b_ik . n_k
     for (std::ptrdiff_t m = 0; m < here; ++m) beside[m] = distance2[m] - height[m] * height[m] - patch_reach2<D>(area[m]);
-    for (std::ptrdiff_t m = 0; m < here; ++m)
-      if (beside[m] < 0) standing->push_back(first + static_cast<std::size_t>(done + m));
+    // Each is written, and the next one over it unless it is one.
+    std::size_t kept = standing->size();
+    standing->resize(kept + static_cast<std::size_t>(here));
+    for (std::ptrdiff_t m = 0; m < here; ++m) {
+      (*standing)[kept] = pairs[done + m];
+      kept += beside[m] < 0;
+    }
+    standing->resize(kept);
   }
 }
 
@@ -122,12 +128,12 @@ void InterfacePairs<D>::look(const InterfaceParticles<D>& particles) {
     CornerView<D> corners(faces_, finder_, covered_, kernel_, found.corners);
     for (std::ptrdiff_t i = first; i < last; ++i) {
       const std::size_t before = found.seen.size();
-      finder_.see(faces_, particles.position[i], found.seen);
+      const double spread = finder_.see(faces_, particles.position[i], found.seen);
       const int count = static_cast<int>(found.seen.size() - before);
       found.seen_count.push_back(count);
       found.back_facing_count.push_back(0);
       if (count == 0) continue;
-      corners.look(particles.position[i], found.seen.data() + before, count);
+      corners.look(particles.position[i], found.seen.data() + before, count, spread);
       found.back_facing.insert(found.back_facing.end(), corners.back_facing().begin(), corners.back_facing().end());
       found.back_facing_count.back() = static_cast<int>(corners.back_facing().size());
     }

@@ -119,15 +119,15 @@ class InterfacePairs {
   template <class Visit>
   void for_each_standing(StandingPair from, Visit&& visit) const {
     for (; from.part < found_.size(); from = {from.part + 1, 0})
-      for (; from.index < found_[from.part].standing.size(); ++from.index) visit(pairs()[found_[from.part].standing[from.index]]);
+      for (; from.index < found_[from.part].standing.size(); ++from.index) visit(made(found_[from.part].standing[from.index]));
   }
   /// The first of them for which holds(pair), asked by all threads, is true; the end where it is for none.
   template <class Holds>
   StandingPair first_standing(const Holds& holds) const {
     std::vector<std::size_t> first(found_.size());
     for_parts([&](int part, std::ptrdiff_t, std::ptrdiff_t) {
-      const std::vector<std::size_t>& standing = found_[part].standing;
-      first[part] = std::find_if(standing.begin(), standing.end(), [&](std::size_t m) { return holds(pairs()[m]); }) - standing.begin();
+      const auto& standing = found_[part].standing;
+      first[part] = std::find_if(standing.begin(), standing.end(), [&](const Kept& pair) { return holds(made(pair)); }) - standing.begin();
     });
     StandingPair from;
     while (from.part < first.size() && first[from.part] == found_[from.part].standing.size()) ++from.part;
@@ -151,20 +151,20 @@ class InterfacePairs {
  private:
   /// What is found in one part of the particles, of these one after the other.
   struct Found {
-    std::vector<int> seen, back_facing;              ///< points
-    std::vector<int> seen_count, back_facing_count;  ///< per particle
-    std::vector<std::size_t> standing;               ///< pairs that stand over their patch
+    std::vector<int> seen, back_facing;                         ///< points
+    std::vector<int> seen_count, back_facing_count;             ///< per particle
+    UninitialisedVector<typename PairRange<D>::Kept> standing;  ///< those of the pairs that stand over their patch
     CornerScratch corners;
   };
   using Kept = PairRange<D>::Kept;
 
-  PairRange<D> range(std::size_t first, std::size_t last) const {
-    return {pairs_.data() + first, pairs_.data() + last, {particle_.data(), place_.data(), points_.data()}};
-  }
+  PairRange<D> range(std::size_t first, std::size_t last) const { return {pairs_.data() + first, pairs_.data() + last, tables()}; }
+  PairRange<D>::Tables tables() const { return {particle_.data(), place_.data(), points_.data()}; }
+  InterfacePair<D> made(const Kept& pair) const { return PairRange<D>(&pair, &pair + 1, tables())[0]; }
   double weight(double volume, double area, double borne_share, double distance) const;
   void look(const InterfaceParticles<D>& particles);
-  void weigh(const InterfaceParticles<D>& particles, int particle, const int* points, std::ptrdiff_t count, Kept* pairs, std::size_t first,
-             std::vector<std::size_t>* standing, double* filled) const;
+  void weigh(const InterfaceParticles<D>& particles, int particle, const int* points, std::ptrdiff_t count, Kept* pairs,
+             UninitialisedVector<Kept>* standing, double* filled) const;
   void set_points();
   void sum_by_points();
 

@@ -99,9 +99,9 @@ std::vector<Vector<2>> incompleteness(const Scene& scene, bool back_facing) {
   for (std::size_t m = 0; m < scene.particles.id.size(); ++m) {
     const Vector<2>& x = scene.particles.position[m];
     std::vector<int> seen;
-    finder.see(faces, x, seen);
+    const double spread = finder.see(faces, x, seen);
     if (back_facing) {
-      corners.look(x, seen.data(), static_cast<int>(seen.size()));
+      corners.look(x, seen.data(), static_cast<int>(seen.size()), spread);
       seen.insert(seen.end(), corners.back_facing().begin(), corners.back_facing().end());
     }
     Vector<2> sum = scene.fluid.neighbours().kernel_gradient[row[scene.particles.id[m]]];

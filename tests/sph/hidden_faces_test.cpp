@@ -131,6 +131,7 @@ TEST(Faces, OfASheetInWavesAreSeenByDefinition) {
 }
 
 TEST(Faces, AParticleSeesWhatNoPatchHides2D) { compare<2>(200, 0.001, 0.02, 400, 40); }
+TEST(Faces, AParticleSeesWhatNoPatchHidesAmongThousands) { compare<2>(1500, 0.001, 0.8, 6, 700); }
 TEST(Faces, AParticleSeesWhatNoPatchHides3D) { compare<3>(40, 0.001, 0.012, 60, 300); }
 
 }  // namespace
