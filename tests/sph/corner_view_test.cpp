@@ -180,6 +180,44 @@ TEST(CornerView, MakesUpForWhatConcaveCornersTake) {
   EXPECT_LT(in_3d, 0.03);
 }
 
+/// Least share that a face below a plate bears which would see a wall above it, turned away, were it not for the plate.
+template <int D>
+double least_share_below_a_plate() {
+  const double size = 0.5 * dx;
+  Faces<D> faces;
+  const auto add = [&](double x0, double x1, double x2, const Vector<D>& n) {
+    Vector<D> x = Vector<D>::Zero();
+    x[0] = x0, x[1] = x1;
+    if constexpr (D == 3) x[2] = x2;
+    faces.position.push_back(x);
+    faces.normal.push_back(n);
+    faces.area.push_back(D == 2 ? size : size * size);
+    faces.two_sided.push_back(1);
+  };
+  const int across = D == 3 ? 20 : 1;
+  for (int j = 0; j < across; ++j) {
+    for (int i = 0; i < 40; ++i)
+      for (const double side : {-1.0, 1.0}) add(size * i, 0.1 * dx * side, size * j, side * Vector<D>::Unit(1));
+    for (int i = 0; i < 6; ++i) add(20 * size, 0.3 * dx + size * i, size * j, Vector<D>::Unit(0));
+  }
+  const FaceKernel<D> kernel(Kernel<D>(1.5 * dx), dx);
+  FaceFinder<D> finder;
+  finder.fill(faces, kernel.support());
+  const std::vector<std::uint8_t> none_covered;
+  CornerScratch scratch;
+  CornerView<D> corners(faces, finder, none_covered, kernel, scratch);
+  double least = 1;
+  for (int k = 0; k < static_cast<int>(faces.size()); ++k)
+    if (faces.normal[k][1] < 0) least = std::min(least, corners.borne_share(k));
+  return least;
+}
+
+// Seen to fail: (CornerView::find_behind) with what the first look finds taken as it is (0.85).
+TEST(CornerView, PassesOverWhatLiesBeyondAPlate) {
+  EXPECT_EQ(least_share_below_a_plate<2>(), 1);
+  EXPECT_EQ(least_share_below_a_plate<3>(), 1);
+}
+
 TEST(CornerView, FindsWhatTurnsAway2D) { compare<2>(2000); }
 TEST(CornerView, FindsWhatTurnsAway3D) { compare<3>(1000); }
 
