@@ -108,7 +108,7 @@ class PlacementCheck {
   LatticePoints<D> not_empty(LatticePoints<D> points, const Shape& shape, double spacing, const std::string& where) const {
     const Bounds<D> bounds = bounding_box<D>(shape);
     if (points.empty()) {
-      fail(where, fmt::format("the body holds no particle at the spacing {} m, its bounding box measures {}; use a smaller spacing "
+      fail(where, fmt::format("the body holds no particle at the spacing {:.4g} m, its bounding box measures {}; use a smaller spacing "
                               "or a larger shape.",
                               spacing, text(bounds.max - bounds.min)));
     }
@@ -356,7 +356,7 @@ class PlacementCheck {
       const double across = thin_section<D>(body) / body.spacing;
       constexpr double shown = 0.005;  // half of the last digit that the sentences show
       if (across < 2 - shown) {
-        fail(where_body(i), fmt::format("'{}' is {:.3g} particles across at the spacing {} m, but needs at least 2 (better 4); use a "
+        fail(where_body(i), fmt::format("'{}' is {:.3g} particles across at the spacing {:.4g} m, but needs at least 2 (better 4); use a "
                                         "spacing of at most {:.3g} m.",
                                         body.name, across, body.spacing, across * body.spacing / 2));
       }
