@@ -5,6 +5,8 @@
 
 #include "fluid/correction_matrix.hpp"
 
+#include <Eigen/Eigenvalues>
+
 #include "base/parallel.hpp"
 #include "fluid/eigenvalue.hpp"
 
@@ -12,6 +14,16 @@ namespace tern::fluid {
 namespace {
 
 constexpr double least_eigenvalue = 0.2;  ///< below, the inverse is not trusted
+
+/// Inverse of a symmetric matrix in the directions in which it is to be trusted, 0 in the others.
+template <int D>
+Matrix<D> trusted_inverse(const Matrix<D>& m) {
+  Eigen::SelfAdjointEigenSolver<Matrix<D>> solver;
+  solver.computeDirect(m);
+  Vector<D> inverse;
+  for (int c = 0; c < D; ++c) inverse[c] = solver.eigenvalues()[c] < least_eigenvalue ? 0 : 1 / solver.eigenvalues()[c];
+  return solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
+}
 
 }  // namespace
 
@@ -28,6 +40,7 @@ void correct_moments(const Neighbours<D>& neighbours, const Boundary<D>& boundar
     const bool has_gradient = eigenvalues_reach<D>(neighbours.moment[i], least_eigenvalue);
     particle_class[i].set(ParticleClass::corrected_gradient, has_gradient);
     correction.fluid[i] = has_gradient ? Matrix<D>(neighbours.moment[i].inverse()) : Matrix<D>::Zero();
+    if (!has_gradient && boundary.sees_face(i)) correction.fluid[i] = trusted_inverse<D>(neighbours.moment[i]);
     if (!boundary.sees_face(i)) {
       correction.matrix[i] = has_gradient ? correction.fluid[i] : Matrix<D>::Identity();
       return;

@@ -97,7 +97,7 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   if (boundary_.surface.size() == 0) return {};
   list_beside_structure(domain_, prediction_.position.size(), neighbours_, at_structure_, beside_structure_);
   find_interface_reaction(constants, domain_.ranks(), own, prediction_.position, prediction_.gravity, at_structure_, boundary_);
-  balance_weight(constants, neighbours_, state_.particle_class, prediction_.gravity, at_structure_, boundary_);
+  balance_weight(constants, neighbours_, correction_, state_.particle_class, prediction_.gravity, at_structure_, boundary_);
   if (domain_.alone()) {
     any_at_structure_ = !at_structure_.empty();
     return own;

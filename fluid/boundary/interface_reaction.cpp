@@ -83,12 +83,15 @@ void add_interface_reaction(const Constants<D>& constants, double duration, cons
 }
 
 template <int D>
-void balance_weight(const Constants<D>& constants, const Neighbours<D>& neighbours, const std::vector<ParticleClass>& particle_class,
-                    const std::vector<Vector<D>>& gravity, const std::vector<int>& at_structure, Boundary<D>& boundary) {
+void balance_weight(const Constants<D>& constants, const Neighbours<D>& neighbours, const Corrections<D>& correction,
+                    const std::vector<ParticleClass>& particle_class, const std::vector<Vector<D>>& gravity,
+                    const std::vector<int>& at_structure, Boundary<D>& boundary) {
   BoundarySums<D>& sums = boundary.sums;
   for (const int i : at_structure) {
     if (!particle_class[i].inside()) continue;
-    const Matrix<D> moment = neighbours.moment[i] + sums.moment[i] + sums.linear_moment[i];
+    Matrix<D> moment = neighbours.moment[i] + sums.moment[i] + sums.linear_moment[i];
+    if (!particle_class[i].has(ParticleClass::corrected_gradient))  // what T takes of the gradient: as in apply_pressure_gradient()
+      moment -= sums.tangential[i] * (Matrix<D>::Identity() - correction.fluid[i] * neighbours.moment[i]);
     sums.mirrored_hydrostatic[i] += constants.density * (gravity[i] - moment * gravity[i]);
   }
 }
@@ -98,7 +101,7 @@ void balance_weight(const Constants<D>& constants, const Neighbours<D>& neighbou
                                            const std::vector<Vector<D>>&, const std::vector<int>&, Boundary<D>&);                          \
   template void add_interface_reaction<D>(const Constants<D>&, double, const Boundary<D>&, const State<D>&, const std::vector<int>&,       \
                                           std::vector<Vector<D>>&);                                                                        \
-  template void balance_weight<D>(const Constants<D>&, const Neighbours<D>&, const std::vector<ParticleClass>&,                            \
+  template void balance_weight<D>(const Constants<D>&, const Neighbours<D>&, const Corrections<D>&, const std::vector<ParticleClass>&,     \
                                   const std::vector<Vector<D>>&, const std::vector<int>&, Boundary<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

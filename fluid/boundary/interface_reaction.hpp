@@ -2,6 +2,7 @@
 // What the interface gives back to particles under a uniform pressure, and what is missing of the weight of the fluid beside it.
 
 #include "fluid/boundary/boundary.hpp"
+#include "fluid/correction_matrix.hpp"
 #include "fluid/neighbours.hpp"
 #include "fluid/particle_class.hpp"
 #include "fluid/reference.hpp"
@@ -30,7 +31,8 @@ void add_interface_reaction(const Constants<D>& constants, double duration, cons
 /// Adds to what walls mirror for particles `at_structure` inside the fluid what the sums of fluid and faces lack of its weight: water at
 /// rest is at rest, whatever the particles' places. `gravity`: at each particle [m/s^2]. find_interface_reaction() comes first.
 template <int D>
-void balance_weight(const Constants<D>& constants, const Neighbours<D>& neighbours, const std::vector<ParticleClass>& particle_class,
-                    const std::vector<Vector<D>>& gravity, const std::vector<int>& at_structure, Boundary<D>& boundary);
+void balance_weight(const Constants<D>& constants, const Neighbours<D>& neighbours, const Corrections<D>& correction,
+                    const std::vector<ParticleClass>& particle_class, const std::vector<Vector<D>>& gravity,
+                    const std::vector<int>& at_structure, Boundary<D>& boundary);
 
 }  // namespace tern::fluid

@@ -24,9 +24,6 @@ constexpr double nearly_of_the_fluid = 0.2;  ///< excess of density with which a
 /// Swing that a body gains in a period with the scheme fsa, over the mass of a layer of fluid particles before its face in the mass behind
 /// that (measured: `piston` at 500 to 3500 kg/m^3, spacing and window halved), and what it loses anyway (docs/THEORY.md, Known limits).
 constexpr double gain_of_fsa = 1.3, loss = 0.015;
-/// Width of a channel of fluid along gravity, in spacings, below which its particles stand in single file and the pressure in it rises up
-/// to twice as fast as it should (measured: twice at one spacing, right at two).
-constexpr double narrowest_channel = 1.75;
 /// Poisson's ratio from which on a body is too stiff in bending (measured, cantilever four across: 3 % at 0.499, 13 % at 0.4999).
 constexpr double nearly_incompressible = 0.495;
 constexpr int instants = 200;  ///< of the run at which motions are compared
@@ -51,7 +48,6 @@ class Plausible {
       look_at_modulus(bodies()[i], settings_.at("structure").at("body").items[i]);
       look_at_poisson_ratio(bodies()[i], settings_.at("structure").at("body").items[i]);
       look_at_contacts(i);
-      look_at_channels(i);
       look_at_weight_in_fluid(i);
       look_at_viscosity(i);
       look_at_clamps_in_walls(bodies()[i], where_body(i));
@@ -231,52 +227,6 @@ class Plausible {
          "'{}' is nearly incompressible, with a Poisson's ratio of {:g}: it bends too little (a cantilever of four particles across by 3 % "
          "at 0.499, 13 % at 0.4999, 40 % at 0.49999; half of that with eight), and explicit sub-steps are short. 0.49 is right to 1 %.",
          body.name, body.poisson_ratio);
-  }
-
-  /// Distance [m] from x to the nearest wall or body after this one, and its name.
-  std::pair<double, std::string> nearest_beside(const StructureBody& body, const Vector<D>& x) const {
-    std::pair<double, std::string> nearest{std::numeric_limits<double>::max(), ""};
-    for (const WallCase& wall : scene_.walls) {
-      const double distance = signed_distance<D>(without_open_faces(wall), x);
-      nearest = std::min(nearest, std::pair(wall.container ? -distance : distance, "the wall '" + wall.name + "'"));
-    }
-    for (const StructureBody& other : bodies())
-      if (&other > &body)
-        nearest = std::min(nearest, std::pair(signed_distance<D>(other.shape, x), "the elastic body '" + other.name + "'"));
-    return nearest;
-  }
-
-  // In a channel of one spacing particles stand in single file, and bear each other as no fluid does.
-  void look_at_channels(std::size_t i) {
-    if (!scene_.fluid || gravity_.norm() == 0) return;
-    const StructureBody& body = bodies()[i];
-    const double spacing = scene_.fluid->spacing;
-    const auto surface = sample_surface<D>(body.shape, patch_length(body.spacing, scene_.fluid));
-    std::vector<std::string> met;
-    for (std::size_t k = 0; k < surface.position.size(); ++k) {
-      const Vector<D>&x = surface.position[k], &n = surface.normal[k];
-      if (std::abs(n.dot(gravity_)) > 0.5 * gravity_.norm()) continue;
-      const Vector<D> before = x + 0.5 * spacing * n;
-      const auto is_before = [&](const FluidBody& fluid) { return contains<D>(fluid.shape, before); };
-      if (std::none_of(scene_.fluid->bodies.begin(), scene_.fluid->bodies.end(), is_before)) continue;
-      std::string other;
-      double way = 0.5 * spacing;
-      while (way < narrowest_channel * spacing) {  // as far as the nearest, again and again
-        const auto [distance, name] = nearest_beside(body, x + way * n);
-        if (distance < 1e-3 * spacing) {
-          other = name;
-          break;
-        }
-        way += distance;
-      }
-      if (other.empty() || std::find(met.begin(), met.end(), other) != met.end()) continue;
-      met.push_back(other);
-      warn(where_body(i),
-           "between the elastic body '{}' and {} is a channel of {:.2g} spacings of the fluid, at {}: its particles stand in single file, "
-           "and "
-           "the pressure in it rises up to twice as fast as it should. With fluid.spacing {:.2g} m there are two side by side.",
-           body.name, other, way / spacing, text(x), 0.5 * way);
-    }
   }
 
   // What gravity alone presses onto a wall or another body at the start enters it after a few steps, and ends the run.
