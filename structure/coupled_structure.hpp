@@ -21,8 +21,8 @@ struct FollowedVelocity {
 /// Hulbert 2000) with the displacement of the structure as its increment. The motion at the end itself will not do: sub-steps resolve the
 /// oscillations of a body that is held by its stiffness, and at that instant it may move against the load. From its mean velocity it never
 /// does, so that the coupling is stable for every stiffness and mass (tests/coupler/interface_velocity_test.cpp). Second order in the
-/// window; of a motion too fast for the windows a fifth is left from one to the next. `own` is by a third of a window ahead of `given`, so
-/// what it differs by is that of the last window and becomes that of this one with the `ratio` of this window's length to the last one's.
+/// window; of a motion too fast for the windows a fifth is left from one to the next. `own` is that of a third of a window before
+/// `given`. So what they differ by is that of the last window, and becomes that of this one with the `ratio` of this one's length to its.
 template <class Velocity>
 FollowedVelocity<Velocity> followed_velocity(const Velocity& mean, FollowedVelocity<Velocity> at_begin, double ratio) {
   constexpr double left = 0.2;
