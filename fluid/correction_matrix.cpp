@@ -40,7 +40,8 @@ void correct_moments(const Neighbours<D>& neighbours, const Boundary<D>& boundar
     const bool has_gradient = eigenvalues_reach<D>(neighbours.moment[i], least_eigenvalue);
     particle_class[i].set(ParticleClass::corrected_gradient, has_gradient);
     correction.fluid[i] = has_gradient ? Matrix<D>(neighbours.moment[i].inverse()) : Matrix<D>::Zero();
-    if (!has_gradient && boundary.sees_structure(i)) correction.fluid[i] = trusted_inverse<D>(neighbours.moment[i]);
+    if (!has_gradient && boundary.sees_structure(i) && particle_class[i].inside())
+      correction.fluid[i] = trusted_inverse<D>(neighbours.moment[i]);
     if (!boundary.sees_face(i)) {
       correction.matrix[i] = has_gradient ? correction.fluid[i] : Matrix<D>::Identity();
       return;

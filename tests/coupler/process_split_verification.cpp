@@ -31,6 +31,7 @@ struct LastFrame {
 
 /// Starts tern-coupler, tern-fluid and tern-structure on the case, waits for them; true if all ended with 0.
 bool run_three(const std::string& out, const std::vector<std::string>& options) {
+  setenv("GOMP_SPINCOUNT", "1000", 0);  // as ./tern does: waiting threads do not keep busy cores from those they wait for
   std::vector<pid_t> processes;
   for (const std::string role : {"coupler", "fluid", "structure"}) {
     std::vector<std::string> words{TERN_BUILD_DIR "/tern-" + role, case_path, "--out", out, "--endpoint",
