@@ -55,6 +55,17 @@ Faces<D> bodies(std::mt19937& random) {
   return faces;
 }
 
+/// All that looks past the corners of faces, none of which is covered.
+template <int D>
+struct View {
+  explicit View(const Faces<D>& faces) : corners(faces, finder, none_covered, kernel, scratch) { finder.fill(faces, kernel.support()); }
+  FaceKernel<D> kernel{Kernel<D>(1.5 * dx), dx};
+  FaceFinder<D> finder;
+  std::vector<std::uint8_t> none_covered;
+  CornerScratch scratch;
+  CornerView<D> corners;
+};
+
 /// Faces turned away from x that bound what hides behind those it sees; `behind_plate(k)`: what x sees has k on its far side.
 template <int D, class BehindPlate>
 std::vector<int> back_facing_by_definition(const Faces<D>& faces, double support, const Vector<D>& x, const BehindPlate& behind_plate) {
@@ -74,13 +85,9 @@ template <int D>
 void compare(int particles) {
   std::mt19937 random(3);
   const Faces<D> faces = bodies<D>(random);
-  const FaceKernel<D> kernel(Kernel<D>(1.5 * dx), dx);
+  View<D> view(faces);
+  auto& [kernel, finder, none_covered, scratch, corners] = view;
   const double support = kernel.support();
-  FaceFinder<D> finder;
-  finder.fill(faces, support);
-  const std::vector<std::uint8_t> none_covered;
-  CornerScratch scratch;
-  CornerView<D> corners(faces, finder, none_covered, kernel, scratch);
   std::uniform_real_distribution<double> share(0, 1);
   std::size_t with = 0, before_a_plane = 0;
   for (int p = 0; p < particles; ++p) {
@@ -147,15 +154,10 @@ double unfilled_in_a_corner() {
         faces.area.push_back(D == 2 ? size : size * size);
         faces.two_sided.push_back(1);
       }
-  const FaceKernel<D> kernel(Kernel<D>(1.5 * dx), dx);
-  FaceFinder<D> finder;
-  finder.fill(faces, kernel.support());
-  const std::vector<std::uint8_t> none_covered;
-  CornerScratch scratch;
-  CornerView<D> corners(faces, finder, none_covered, kernel, scratch);
+  View<D> view(faces);
   double worst = 0;
   for (int k = 0; k < static_cast<int>(faces.size()); ++k) {
-    if (faces.position[k].maxCoeff() > layers * dx - kernel.support()) continue;
+    if (faces.position[k].maxCoeff() > layers * dx - view.kernel.support()) continue;
     double filled = 0;
     for (int i = 0; i < layers; ++i)
       for (int j = 0; j < layers; ++j)
@@ -164,9 +166,9 @@ double unfilled_in_a_corner() {
           x[0] = (i + 0.5) * dx, x[1] = (j + 0.5) * dx;
           if constexpr (D == 3) x[2] = (l + 0.5) * dx;
           const double distance = (x - faces.position[k]).norm();
-          if (distance < kernel.support()) filled += 2 * std::pow(dx, D) * kernel.surface_weight(distance);
+          if (distance < view.kernel.support()) filled += 2 * std::pow(dx, D) * view.kernel.surface_weight(distance);
         }
-    worst = std::max(worst, std::abs(corners.borne_share(k) * filled - 1));
+    worst = std::max(worst, std::abs(view.corners.borne_share(k) * filled - 1));
   }
   return worst;
 }
@@ -200,15 +202,10 @@ double least_share_below_a_plate() {
       for (const double side : {-1.0, 1.0}) add(size * i, 0.1 * dx * side, size * j, side * Vector<D>::Unit(1));
     for (int i = 0; i < 6; ++i) add(20 * size, 0.3 * dx + size * i, size * j, Vector<D>::Unit(0));
   }
-  const FaceKernel<D> kernel(Kernel<D>(1.5 * dx), dx);
-  FaceFinder<D> finder;
-  finder.fill(faces, kernel.support());
-  const std::vector<std::uint8_t> none_covered;
-  CornerScratch scratch;
-  CornerView<D> corners(faces, finder, none_covered, kernel, scratch);
+  View<D> view(faces);
   double least = 1;
   for (int k = 0; k < static_cast<int>(faces.size()); ++k)
-    if (faces.normal[k][1] < 0) least = std::min(least, corners.borne_share(k));
+    if (faces.normal[k][1] < 0) least = std::min(least, view.corners.borne_share(k));
   return least;
 }
 
