@@ -74,20 +74,8 @@ Setting without_what_may_change(Setting settings) {
 
 }  // namespace
 
-static Case read_and_check(const std::string& name_or_path, const CaseOptions& options) {
-  const std::string file = find_case_file(name_or_path);
-  Setting document = read_toml_file(file);
-  document.where = file;
-  if (!options.preset.empty()) {
-    Setting preset;
-    preset.type = Setting::Type::text;
-    preset.text = options.preset;
-    preset.where = "--preset " + options.preset;
-    document.set("preset", std::move(preset));
-  }
-  // --set preset=... chooses the group as well; every other --set goes on top of it, in whichever order they are given.
-  for (const auto& [key, value] : options.overrides)
-    if (key == "preset") apply_override(document, key, value);
+// The case of a document whose preset, if it is draft, takes `coarser` times the spacings.
+static Case make_case(const std::string& file, Setting document, const CaseOptions& options, double coarser) {
   const fs::path folder = fs::path(file).parent_path();
   const std::vector<std::string> old_names = use_present_names(document);
   std::vector<std::string> notes;
@@ -100,7 +88,7 @@ static Case read_and_check(const std::string& name_or_path, const CaseOptions& o
     }
     return complete_settings(whole);
   };
-  const std::vector<std::string> changes = apply_preset(document, [&] { return particles_across(with_overrides(), folder); });
+  const std::vector<std::string> changes = apply_preset(document, coarser, [&] { return particles_across(with_overrides(), folder); });
   const Setting settings = with_overrides();
   Case scene = read_scene(settings, folder);
   scene.preset_changes = changes;
@@ -116,6 +104,32 @@ static Case read_and_check(const std::string& name_or_path, const CaseOptions& o
     for (const Setting& gauge : gauges->items) scene.gauge_hashes[gauge.at("name").text] = hash_of(to_json(gauge));
   check_scene(scene, settings);
   return scene;
+}
+
+static Case read_and_check(const std::string& name_or_path, const CaseOptions& options) {
+  const std::string file = find_case_file(name_or_path);
+  Setting document = read_toml_file(file);
+  document.where = file;
+  if (!options.preset.empty()) {
+    Setting preset;
+    preset.type = Setting::Type::text;
+    preset.text = options.preset;
+    preset.where = "--preset " + options.preset;
+    document.set("preset", std::move(preset));
+  }
+  // --set preset=... chooses the group as well; every other --set goes on top of it, in whichever order they are given.
+  for (const auto& [key, value] : options.overrides)
+    if (key == "preset") apply_override(document, key, value);
+  // A draft is as coarse as the case bears: a shell may need more particles, or a lattice of twice the spacing miss a shape.
+  if (is_draft(document)) {
+    for (const double coarser : {2.0, 1.75, 1.5, 1.25}) {
+      try {
+        return make_case(file, document, options, coarser);
+      } catch (const BadInput&) {  // what is wrong with any spacing is said below
+      }
+    }
+  }
+  return make_case(file, document, options, 1);
 }
 
 // A sentence quotes names and texts of the case, whatever they hold.

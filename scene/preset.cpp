@@ -16,16 +16,15 @@ using Options = std::vector<std::pair<std::string, std::string>>;
 constexpr double least_across = 4;
 
 struct Group {
-  double spacing_factor;
   Options fluid, fluid_alone, structure, coupling;  // options of a case that has this side, this one only, or both
 };
 
 // Longer windows of slow fluid save time for an error far below that of twice the spacing. A structure alone takes implicit steps where
 // they are cheaper, as one beside a fluid does by itself. Beside a structure the windows stay short while the fluid is slow: they
 // resolve its vibration. Not a looser pressure: it saves less than a tenth.
-const Group draft{2, {}, {{"fluid.numerics.gravity_courant", "0.2"}}, {{"structure.numerics.integrator", "\"auto\""}}, {}};
+const Group draft{{}, {{"fluid.numerics.gravity_courant", "0.2"}}, {{"structure.numerics.integrator", "\"auto\""}}, {}};
 // Neither shorter steps nor a tighter pressure remove error that half the spacing leaves; a window repeated until both sides agree does.
-const Group reference{0.5, {}, {}, {}, {{"coupling.tolerance", "1e-4"}}};
+const Group reference{{}, {}, {}, {{"coupling.tolerance", "1e-4"}}};
 const Options paper{{"coupling.algorithm", "\"explicit\""},
                     {"coupling.scheme", "\"riemann\""},
                     {"coupling.vem.coefficient", "5.0"},
@@ -64,7 +63,7 @@ class Preset {
   // What is not a number is left for the validation to refuse.
   void scale_spacing(Setting& table, const std::string& label, double factor) {
     Setting* spacing = table.find("spacing");
-    if (!is_number(spacing)) return;
+    if (!is_number(spacing) || factor == 1) return;
     const double before = spacing->number;
     spacing->type = Setting::Type::number;
     spacing->number = before * factor;
@@ -79,27 +78,33 @@ class Preset {
 
 }  // namespace
 
-std::vector<std::string> apply_preset(Setting& document, const std::function<std::vector<double>()>& particles_across) {
+bool is_draft(const Setting& document) {
+  const Setting* name = document.find("preset");
+  return name && name->type == Setting::Type::text && name->text == "draft";
+}
+
+std::vector<std::string> apply_preset(Setting& document, double coarser, const std::function<std::vector<double>()>& particles_across) {
   const Setting* name = document.find("preset");
   if (!name || name->type != Setting::Type::text) return {};
   Preset preset(document);
   Setting *fluid = document.find("fluid"), *structure = document.find("structure");
   if (name->text == "paper" && fluid && structure) preset.replace(paper);
   if (name->text != "draft" && name->text != "reference") return preset.changes;
-  const Group& group = name->text == "draft" ? draft : reference;
+  const Group& group = is_draft(document) ? draft : reference;
+  const double factor = is_draft(document) ? coarser : 0.5;
   Setting* bodies = structure ? structure->find("body") : nullptr;
   const std::vector<double> across = bodies ? particles_across() : std::vector<double>{};
   if (fluid) {
-    preset.scale_spacing(*fluid, "fluid", group.spacing_factor);
+    preset.scale_spacing(*fluid, "fluid", factor);
     preset.fill(group.fluid);
     if (!structure) preset.fill(group.fluid_alone);
   }
   if (structure) {
     for (std::size_t i = 0; i < across.size() && i < bodies->items.size(); ++i) {  // others come from --set
-      if (across[i] / group.spacing_factor < least_across - 1e-6 && group.spacing_factor > 1) continue;
+      if (across[i] / factor < least_across - 1e-6 && factor > 1) continue;
       Setting& body = bodies->items[i];
       const Setting* label = body.find("name");
-      preset.scale_spacing(body, "structure.body." + (label ? label->text : fmt::format("{}", i)), group.spacing_factor);
+      preset.scale_spacing(body, "structure.body." + (label ? label->text : fmt::format("{}", i)), factor);
     }
     preset.fill(group.structure);
   }

@@ -223,6 +223,13 @@ TEST_F(CaseFile, DraftAndReferenceScaleTheSpacingsAndKeepTheOptionsOfTheCase) {
   EXPECT_NE(draft.settings.find("\"spacing\":0.1"), std::string::npos) << draft.settings;
 }
 
+// Seen to fail: with twice the spacings alone ("it would be too soft").
+TEST_F(CaseFile, ADraftIsAsCoarseAsTheCaseBears) {
+  const Case ball = read_case(TERN_SOURCE_DIR "/cases/ball_drop", {}), draft = read_case(TERN_SOURCE_DIR "/cases/ball_drop", {{}, "draft"});
+  EXPECT_DOUBLE_EQ(draft.structure->bodies[0].spacing, 1.25 * ball.structure->bodies[0].spacing) << "a shell bends on a given length";
+  expect_refused(with("density = 1000", "density = -1000"), {"density"}, {{}, "draft"});
+}
+
 // Seen to fail with the hash taken of the file's text: a comment changed it, an override did not.
 TEST_F(CaseFile, HasAHashOfTheEffectiveSettings) {
   const std::string hash = read(small_case).hash;
