@@ -124,12 +124,12 @@ std::size_t Fluid<D>::spray_particles() const {
 
 template <int D>
 std::optional<double> Fluid<D>::pressure_at(const Vector<D>& x) const {
-  return Probe<D>(*this).pressure(x);
+  return Probe<D>(*this, Moment::middle).pressure(x);
 }
 
 template <int D>
 std::optional<double> Fluid<D>::elevation_at(const Vector<D>& x) const {
-  return Probe<D>(*this).elevation(x);
+  return Probe<D>(*this, Moment::end).elevation(x);
 }
 
 template class Fluid<2>;

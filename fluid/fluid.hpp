@@ -108,6 +108,7 @@ class Fluid {
   Evaluations evaluations() const { return domain_.alone() ? state_.evaluations : totals_.evaluations; }
 
   // What the state says of itself.
+  double window_length() const { return window_.duration; }  ///< of the last window of this process; 0 before it [s]
   /// Whether the state has a pressure: not before the first solve.
   bool has_pressure() const { return state_.has_pressure; }
   std::size_t particles() const { return domain_.alone() ? state_.size() : totals_.particles; }

@@ -7,15 +7,24 @@
 namespace tern::fluid {
 namespace {
 
-/// The fluid and the probe into it, which is made for the first gauge that needs it.
+/// The fluid and the probes into it, which are made for the first gauge that needs them.
 template <int D>
-struct Instruments {
+class Instruments {
+ public:
+  explicit Instruments(const Fluid<D>& of) : fluid(of) {}
+  /// For gauges of pressure and force.
+  const Probe<D>& in_middle() { return made(in_middle_, Moment::middle); }
+  /// For gauges of places and velocities.
+  const Probe<D>& at_end() { return made(at_end_, Moment::end); }
+
   const Fluid<D>& fluid;
-  std::optional<Probe<D>> made = {};
-  const Probe<D>& probe() {
-    if (!made) made.emplace(fluid);
-    return *made;
+
+ private:
+  const Probe<D>& made(std::optional<Probe<D>>& probe, Moment moment) {
+    if (!probe) probe.emplace(fluid, moment);
+    return *probe;
   }
+  std::optional<Probe<D>> in_middle_, at_end_;
 };
 
 /// How one kind of gauge is evaluated.
@@ -28,7 +37,7 @@ struct Evaluation {
 
 template <int D>
 void append_force(const GaugeCase& gauge, Instruments<D>& at, GaugeValues& values) {
-  const auto total = at.probe().force(at.fluid.walls().find(gauge.text("wall")), gauge.place<D>("at"));
+  const auto total = at.in_middle().force(at.fluid.walls().find(gauge.text("wall")), gauge.place<D>("at"));
   if (!total) return values.resize(values.size() + gauge_columns(gauge, D).size());
   values.insert(values.end(), total->force.data(), total->force.data() + D);
   values.insert(values.end(), total->moment.data() + (D == 2 ? 2 : 0), total->moment.data() + 3);
@@ -36,7 +45,7 @@ void append_force(const GaugeCase& gauge, Instruments<D>& at, GaugeValues& value
 
 template <int D>
 void append_sensor(const GaugeCase& gauge, Instruments<D>& at, GaugeValues& values) {
-  values.push_back(at.probe().sensor(at.fluid.walls().find(gauge.text("wall")), gauge.place<D>("at"), gauge.number("diameter")));
+  values.push_back(at.in_middle().sensor(at.fluid.walls().find(gauge.text("wall")), gauge.place<D>("at"), gauge.number("diameter")));
 }
 
 /// One entry per kind.
@@ -45,13 +54,13 @@ const std::vector<Evaluation<D>>& evaluations() {
   using G = const GaugeCase&;
   using I = Instruments<D>&;
   static const std::vector<Evaluation<D>> list = {
-      {"pressure", true, [](G gauge, I at, GaugeValues& values) { values.push_back(at.probe().pressure(gauge.place<D>("at"))); }},
-      {"elevation", false, [](G gauge, I at, GaugeValues& values) { values.push_back(at.probe().elevation(gauge.place<D>("at"))); }},
-      {"front", false, [](G, I at, GaugeValues& values) { values.push_back(at.probe().front()); }},
+      {"pressure", true, [](G gauge, I at, GaugeValues& values) { values.push_back(at.in_middle().pressure(gauge.place<D>("at"))); }},
+      {"elevation", false, [](G gauge, I at, GaugeValues& values) { values.push_back(at.at_end().elevation(gauge.place<D>("at"))); }},
+      {"front", false, [](G, I at, GaugeValues& values) { values.push_back(at.at_end().front()); }},
       {"force", false, append_force<D>},
       {"wall_pressure", false, append_sensor<D>},
       {"flux", false,
-       [](G gauge, I at, GaugeValues& values) { values.push_back(at.probe().flux(gauge.place<D>("from"), gauge.place<D>("to"))); }},
+       [](G gauge, I at, GaugeValues& values) { values.push_back(at.at_end().flux(gauge.place<D>("from"), gauge.place<D>("to"))); }},
   };
   return list;
 }
@@ -61,7 +70,7 @@ const std::vector<Evaluation<D>>& evaluations() {
 template <int D>
 GaugeValues gauge_values(const Fluid<D>& fluid, const Case& scene) {
   GaugeValues values;
-  Instruments<D> instruments{fluid};
+  Instruments<D> instruments(fluid);
   const auto& all = evaluations<D>();
   for (const GaugeCase& gauge : scene.gauges) {
     if (owner(gauge) != GaugeOwner::fluid) continue;

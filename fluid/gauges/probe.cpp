@@ -55,12 +55,18 @@ Section<D> section(const Vector<D>& from, const Vector<D>& to) {
 }  // namespace
 
 template <int D>
-Probe<D>::Probe(const Fluid<D>& fluid) : fluid_(fluid) {
-  const auto& position = fluid.state().position;
-  low_ = high_ = position[0];
-  for (const auto& x : position) low_ = low_.cwiseMin(x), high_ = high_.cwiseMax(x);
+Probe<D>::Probe(const Fluid<D>& fluid, Moment moment)
+    : fluid_(fluid), time_(seconds(fluid.state().time)), position_(moment == Moment::middle ? in_middle_ : fluid.state().position) {
+  if (moment == Moment::middle) {
+    const double half = 0.5 * fluid.window_length();
+    time_ -= half;
+    in_middle_ = fluid.state().position;
+    for (std::size_t i = 0; i < in_middle_.size(); ++i) in_middle_[i] -= half * fluid.state().velocity[i];
+  }
+  low_ = high_ = position_[0];
+  for (const auto& x : position_) low_ = low_.cwiseMin(x), high_ = high_.cwiseMax(x);
   grid_.reset(low_, high_, fluid.constants().kernel.support());
-  contents_.template fill<D>(grid_, position);
+  contents_.template fill<D>(grid_, position_);
 }
 
 /// Calls visit(i, d, w) for each particle within the support of x: the vector d from x to it, w = V w(|d|).
@@ -72,7 +78,7 @@ void Probe<D>::for_particles_around(const Vector<D>& x, Visit&& visit) const {
     grid_.for_rows_around(image, [&](int low, int high) {
       for (int entry = contents_.start[low]; entry < contents_.start[high + 1]; ++entry) {
         const int i = contents_.order[entry];
-        const Vector<D> d = fluid_.state().position[i] - image;
+        const Vector<D> d = position_[i] - image;
         const double r = d.norm();
         if (r < constants.kernel.support()) visit(i, d, constants.volume * constants.kernel.value(r));
       }
@@ -134,7 +140,7 @@ std::optional<double> Probe<D>::elevation(const Vector<D>& x) const {
   const double dx = fluid_.constants().spacing, support = fluid_.constants().kernel.support(), step = sampling * dx;
   const auto [axis, sense] = fluid_.reference().up;
   double low = 1e300, high = -1e300;  // heights, as of what follows
-  for (const Vector<D>& particle : fluid_.state().position) {
+  for (const Vector<D>& particle : position_) {
     Vector<D> d = fluid_.period().nearest(particle - x);
     d[axis] = 0;
     if (d.norm() > support) continue;
@@ -241,7 +247,7 @@ void Probe<D>::for_particles_before(const Vector<D>& x, const Vector<D>& normal,
 template <int D>
 std::optional<double> Probe<D>::wall_pressure(const Vector<D>& x, const Vector<D>& normal, double normal_acceleration) const {
   const Constants<D>& constants = fluid_.constants();
-  const Vector<D> acceleration = fluid_.gravity_at(seconds(fluid_.state().time), x) - normal_acceleration * normal;
+  const Vector<D> acceleration = fluid_.gravity_at(time_, x) - normal_acceleration * normal;
   double sum = 0, weight = 0;
   for_particles_before(x, normal, [&](int i, const Vector<D>& d, double w) {
     sum += w * (fluid_.state().pressure[i] - constants.density * acceleration.dot(d));
@@ -288,8 +294,8 @@ void Probe<D>::for_contacts(const Wall<D>& wall, bool spray, Visit&& visit) cons
     if (size == 0 || (!spray && state.particle_class[i].spray())) continue;
     int nearest = -1;
     double least = 0;
-    finder->for_each_around(state.position[i], [&, &faces = *faces](int k) {
-      const double distance = (state.position[i] - faces.position[k]).squaredNorm();
+    finder->for_each_around(position_[i], [&, &faces = *faces](int k) {
+      const double distance = (position_[i] - faces.position[k]).squaredNorm();
       if (faces.normal[k].dot(state.stopped[i]) > 0.5 * size && (nearest < 0 || distance < least)) nearest = k, least = distance;
     });
     if (nearest < 0) continue;
@@ -369,9 +375,9 @@ double Probe<D>::front() const {
   const State<D>& state = fluid_.state();
   const double reach = joined * fluid_.constants().spacing;
   double front = -1e300;
-  const auto add = [&](int i) { front = std::max(front, state.position[i][0] + 0.5 * fluid_.constants().spacing); };
+  const auto add = [&](int i) { front = std::max(front, position_[i][0] + 0.5 * fluid_.constants().spacing); };
   const auto for_joined = [&](int i, auto&& what) {
-    for_particles_around(state.position[i], [&](int j, const Vector<D>& d, double) {
+    for_particles_around(position_[i], [&](int j, const Vector<D>& d, double) {
       if (d.norm() <= reach) what(j);
     });
   };

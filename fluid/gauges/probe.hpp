@@ -3,6 +3,7 @@
 // neighbours, so it costs nothing in steps without a row to write.
 
 #include <optional>
+#include <vector>
 
 #include "fluid/fluid.hpp"
 
@@ -14,11 +15,19 @@ struct WallForce {
   Vector<3> moment = Vector<3>::Zero();  ///< [N m/m^(3-D)]; x and y are 0 in 2D
 };
 
+/// Where a probe finds the particles.
+enum class Moment {
+  end,    ///< where they are now
+  middle  ///< where they were in the middle of the last window: with their pressure, and with walls and bodies as faces() has them
+};
+
 template <int D>
 class Probe {
  public:
   /// Looks at the present state of `fluid`, which must outlive it.
-  explicit Probe(const Fluid<D>& fluid);
+  Probe(const Fluid<D>& fluid, Moment moment);
+  Probe(const Probe&) = delete;
+  Probe& operator=(const Probe&) = delete;
 
   /// Pressure at a point by a weighted linear fit; nothing where fewer than half a kernel of fluid is around [Pa].
   std::optional<double> pressure(const Vector<D>& x) const;
@@ -68,7 +77,10 @@ class Probe {
   bool covered(const Vector<D>& x) const;
 
   const Fluid<D>& fluid_;
-  Vector<D> low_, high_;  ///< corners of the box around all particles
+  double time_;                             ///< of its moment [s]
+  std::vector<Vector<D>> in_middle_;        ///< [m]; of Moment::middle alone
+  const std::vector<Vector<D>>& position_;  ///< of the particles [m]
+  Vector<D> low_, high_;                    ///< corners of the box around all particles
   CellGrid<D> grid_;
   CellContents contents_;
 };

@@ -83,7 +83,10 @@ void fill_keys_of_kind(GaugeCase& gauge, const Setting& table) {
 std::vector<TableDefinition> gauge_tables() {
   std::vector<Parameter> keys = parameters_of(gauge_rows());
   for (const Parameter& key : keys_of_kinds()) keys.push_back(key);
-  return {{"gauge", true, Presence::optional, "A quantity written to gauges.csv.", keys}};
+  return {
+      {"gauge", true, Presence::optional,
+       "A quantity written to gauges.csv. Its pressures and forces are those in the middle of the window that ends at the time of the row.",
+       keys}};
 }
 
 GaugeCase read_gauge(const Setting& table, const Case& scene) {

@@ -22,10 +22,10 @@ TEST(StillTank, CarriesTheWeightOfItsWater) {
   int samples = 0, steps = 0;
   run(fluid, 2.0, [&] {
     if (seconds(fluid.state().time) < 1 || ++steps % 10) return;
-    const Probe<2> probe(fluid);
+    const Probe<2> probe(fluid, Moment::middle);
     on_tank += probe.force(fluid.walls().find("tank"), Vector<2>::Zero()).value().force;
     on_side += probe.force(fluid.walls().find("side"), Vector<2>::Zero()).value().force;
-    level += probe.elevation(Vector<2>(0.5, 0)).value();
+    level += Probe<2>(fluid, Moment::end).elevation(Vector<2>(0.5, 0)).value();
     ++samples;
   });
   const double weight = density * gravity;
@@ -34,6 +34,40 @@ TEST(StillTank, CarriesTheWeightOfItsWater) {
   EXPECT_NEAR((on_tank[0] + on_side[0]) / samples / weight, 0, 0.002);
   EXPECT_NEAR(on_side[1] / samples / weight, 0, 0.002);
   EXPECT_NEAR(level / samples, 1, 0.1 * 0.025);
+}
+
+/// Mean force on a fence in a tank of still water, 0.3 m deep, which it reaches 0.2 m into; all move with `speed` [N/m].
+Vector<2> mean_force_on_fence(double speed) {
+  Case c = scene(2, 0.02, {box({0, 0, 0}, {1, 0.3, 0})}, {tank({0, 0, 0}, {1, 0.7, 0}), obstacle({0.48, -0.04, 0}, {0.52, 0.2, 0})});
+  c.walls[1].name = "fence";
+  Shape water;
+  water.kind = Shape::Kind::difference;
+  water.parts = {c.fluid->bodies[0].shape, c.walls[1].shape};
+  c.fluid->bodies[0].shape = water;
+  c.fluid->bodies[0].velocity = {Expression(speed), Expression(0.0), Expression(0.0)};
+  for (WallCase& wall : c.walls) {
+    wall.motion.emplace();
+    wall.motion->displacement = {Expression(fmt::format("{}*t", speed)), Expression(0.0), Expression(0.0)};
+  }
+  Fluid<2> fluid(c);
+  Vector<2> sum = Vector<2>::Zero();
+  int samples = 0;
+  run(fluid, 1, [&] {
+    if (seconds(fluid.state().time) < 0.5) return;
+    ++samples;
+    sum += Probe<2>(fluid, Moment::middle).force(fluid.walls().find("fence"), Vector<2>::Zero()).value().force;
+  });
+  return sum / samples;
+}
+
+// Water at rest, as seen by who moves with it, pushes a wall by as much to both sides. Seen to fail with the particles where they are at
+// the end of the window and the walls where they were in its middle: 14 N/m of 392 on each side.
+TEST(WallForce, InATankThatMovesEvenlyIsThatInOneAtRest) {
+  const double side = 0.5 * density * gravity * (0.3 * 0.3 - 0.1 * 0.1);
+  const Vector<2> rest = mean_force_on_fence(0), moving = mean_force_on_fence(3);
+  std::printf("[ force on the fence over that on one side: %.4f %.4f at rest, %.4f %.4f at 3 m/s ]\n", rest[0] / side, rest[1] / side,
+              moving[0] / side, moving[1] / side);
+  EXPECT_LT((moving - rest).norm(), 0.005 * side);
 }
 
 /// Momentum that a jet gives to a wall across it, by the force on the wall, over what it loses.
@@ -47,20 +81,21 @@ double momentum_given(double courant, double dx) {
   double impulse = 0;
   for (int n = 0; n < duration / dt; ++n) {
     step(fluid, dt);
-    impulse += dt * Probe<2>(fluid).force(fluid.walls().all()[0], Vector<2>::Zero()).value().force[0];
+    impulse += dt * Probe<2>(fluid, Moment::middle).force(fluid.walls().all()[0], Vector<2>::Zero()).value().force[0];
   }
   return impulse / (before - fluid.momentum()[0]);
 }
 
 // Where a flow is compressed towards a wall, its first layer stands at the distance of contact, and contact takes its approach away window
 // after window: the more, the shorter they are. What is left is an error of the gauge's pressure, of first order in the spacing. Seen to
-// fail: without what contact takes (0.94 and 0.54).
+// fail: without what contact takes (0.94 and 0.54); with particles where they are at the end of the window (1.043, and 1.022 at half the
+// spacing).
 TEST(Jet, GivesTheWallTheMomentumThatItLosesWhateverTheWindows) {
   const double given = momentum_given(0.4, 0.01), in_short_windows = momentum_given(0.05, 0.01), fine = momentum_given(0.4, 0.005);
   std::printf("[ courant 0.4: %.4f, 0.05: %.4f; half the spacing: %.4f ]\n", given, in_short_windows, fine);
-  EXPECT_NEAR(given, 1, 0.06);
-  EXPECT_NEAR(in_short_windows, given, 0.02);
-  EXPECT_NEAR(fine, 1, 0.03);
+  EXPECT_NEAR(given, 1, 0.03);
+  EXPECT_NEAR(in_short_windows, 1, 0.06);
+  EXPECT_NEAR(fine, 1, 0.015);
 }
 
 /// Largest | Int F dt - (M g t - P(t)) | over the collapse of a column `nx` particles wide and its impact on the end wall,
@@ -72,7 +107,7 @@ double lost_impulse(int nx) {
   double last = 0, difference = 0;
   run(fluid, 0.5, [&] {
     const double now = seconds(fluid.state().time);
-    impulse += (now - last) * Probe<2>(fluid).force(fluid.walls().find("tank"), Vector<2>::Zero()).value().force;
+    impulse += (now - last) * Probe<2>(fluid, Moment::middle).force(fluid.walls().find("tank"), Vector<2>::Zero()).value().force;
     last = now;
     const Vector<2> lost = mass * now * Vector<2>(0, -gravity) - fluid.momentum();
     difference = std::max(difference, (impulse - lost).norm() / unit);
@@ -82,7 +117,7 @@ double lost_impulse(int nx) {
 }
 
 // What the force on the tank adds up to is at all times the momentum that the water did not keep, to the order of the
-// blended pressure gradient, which is not antisymmetric. Measured: 0.021 at 20 columns, 0.010 at 40, that is 0.8 and 0.4 % of
+// blended pressure gradient, which is not antisymmetric. Measured: 0.019 at 20 columns, 0.009 at 40, that is 0.7 and 0.3 % of
 // the impulse. Seen to fail with the pressure of the particles alone, without its hydrostatic part, and without what contact takes (0.11).
 TEST(DamBreak, GivesTheTankTheMomentumThatTheWaterLoses) {
   const double coarse = lost_impulse(20), fine = lost_impulse(40);
@@ -107,7 +142,8 @@ TEST(RollingTank, KeepsItsWaterAndDoesItsWork) {
     const double now = seconds(fluid.state().time);
     drift = std::max(drift, std::abs(fluid.volume_drift().inside));
     if (now > 0.55) return;
-    work -= Probe<2>(fluid).force(fluid.walls().find("tank"), Vector<2>(0, -0.2)).value().moment[2] * (angle(now) - angle(last));
+    work -= Probe<2>(fluid, Moment::middle).force(fluid.walls().find("tank"), Vector<2>(0, -0.2)).value().moment[2] *
+            (angle(now) - angle(last));
     last = now;
     const Energies energies = fluid.energies();
     kinetic = std::max(kinetic, energies.kinetic);

@@ -77,7 +77,7 @@ TEST(WallForce, HasTheFrictionOfAViscousFluid) {
     for (std::size_t i = 0; i < state.size(); ++i) state.velocity[i] = Vector<2>(0.3 * state.position[i][1], 0);
     state.has_pressure = true;
     fluid.set_state(std::move(state));
-    const auto total = Probe<2>(fluid).force(fluid.walls().all()[0], Vector<2>(0, 0));
+    const auto total = Probe<2>(fluid, Moment::middle).force(fluid.walls().all()[0], Vector<2>(0, 0));
     EXPECT_NEAR(total->force[0], slip ? 0 : 5 * 0.3 * 0.6, 0.005);
   }
 }
@@ -105,7 +105,7 @@ void expect_no_friction_of_a_solid_rotation() {
   fluid.set_state(std::move(state));
   fluid.begin_window(0, to_ticks(1e-6));
   fluid.see_surface({});
-  const WallForce<D> total = Probe<D>(fluid).force(fluid.walls().find("drum"), Vector<D>::Zero()).value();
+  const WallForce<D> total = Probe<D>(fluid, Moment::middle).force(fluid.walls().find("drum"), Vector<D>::Zero()).value();
   const double unit = D == 2 ? 2 * std::numbers::pi * radius * radius * viscosity * rate
                              : 8 * std::numbers::pi / 3 * std::pow(radius, 3) * viscosity * rate;
   EXPECT_LT(total.moment.norm(), 1e-3 * unit) << total.moment.transpose();
@@ -139,7 +139,7 @@ TEST(Elevation, IsUndefinedWhereThereIsNoFluid) {
 TEST(WallForce, OfStillWaterIsItsWeightAndThePressureOnItsSides) {
   const double depth = 0.6, weight = density * gravity * depth * 1, side = 0.5 * density * gravity * depth * depth;
   Fluid<2> fluid = still_tank();
-  const Probe<2> probe(fluid);
+  const Probe<2> probe(fluid, Moment::middle);
   const Wall<2>& wall = fluid.walls().find("tank");
   const WallForce<2> total = probe.force(wall, Vector<2>(0.5, 0)).value();
   EXPECT_NEAR(total.force[1], -weight, 0.01 * weight);
@@ -154,7 +154,7 @@ TEST(WallForce, OfStillWaterIsItsWeightAndThePressureOnItsSides) {
   for (int k = 0; k < 3; ++k) c.walls[k].name = std::array{"floor", "left", "right"}[k];
   Fluid<2> parts(c);
   parts.set_state(fluid.state());
-  const Probe<2> other(parts);
+  const Probe<2> other(parts, Moment::middle);
   EXPECT_NEAR(other.force(parts.walls().find("floor"), Vector<2>::Zero()).value().force[1], -weight, 0.01 * weight);
   const WallForce<2> left = other.force(parts.walls().find("left"), Vector<2>::Zero()).value();
   EXPECT_NEAR(left.force[0], -side, 0.01 * side);
@@ -175,7 +175,7 @@ TEST(WallForce, OfASubmergedBlockIsItsBuoyancyIn3D) {
   state.has_pressure = true;
   fluid.set_state(std::move(state));
   const double buoyancy = density * gravity * 0.125;
-  const WallForce<3> total = Probe<3>(fluid).force(fluid.walls().find("obstacle"), Vector<3>(0.75, 0, 0)).value();
+  const WallForce<3> total = Probe<3>(fluid, Moment::middle).force(fluid.walls().find("obstacle"), Vector<3>(0.75, 0, 0)).value();
   EXPECT_NEAR(total.force[1], buoyancy, 0.01 * buoyancy);
   EXPECT_NEAR(total.moment[0], -0.75 * buoyancy, 0.01 * buoyancy);
   EXPECT_NEAR(total.moment[2], 0, 1e-6 * buoyancy);
@@ -191,7 +191,7 @@ TEST(WallForce, OfAUniformPressureIsThatOnTheWetPart) {
   state.pressure.assign(state.size(), 1000);
   state.has_pressure = true;
   fluid.set_state(std::move(state));
-  EXPECT_NEAR(Probe<2>(fluid).force(fluid.walls().find("side"), Vector<2>::Zero()).value().force[0], 600, 0.005 * 600);
+  EXPECT_NEAR(Probe<2>(fluid, Moment::middle).force(fluid.walls().find("side"), Vector<2>::Zero()).value().force[0], 600, 0.005 * 600);
 }
 
 // A body of the structure stands on the floor: the floor below it is dry, also where water stands beside, and that beside it is wet up to
@@ -215,8 +215,8 @@ TEST(WallForce, IsNoneBelowABodyOfTheStructure) {
   fluid.see_surface(block);
   const double p = density * gravity * depth, expected = p * (1 - (high - low));
   const Wall<2>& floor = fluid.walls().find("tank");
-  EXPECT_NEAR(Probe<2>(fluid).force(floor, Vector<2>::Zero()).value().force[1], -expected, 0.01 * expected);
-  const auto before = [&](double x) { return Probe<2>(fluid).sensor(floor, Vector<2>(x, 0), 0.1 * dx).value(); };
+  EXPECT_NEAR(Probe<2>(fluid, Moment::middle).force(floor, Vector<2>::Zero()).value().force[1], -expected, 0.01 * expected);
+  const auto before = [&](double x) { return Probe<2>(fluid, Moment::middle).sensor(floor, Vector<2>(x, 0), 0.1 * dx).value(); };
   EXPECT_NEAR(before(low - 0.25 * dx), p, 0.01 * p);
   EXPECT_EQ(before(low + 0.25 * dx), 0);
 
@@ -229,7 +229,7 @@ TEST(WallForce, IsNoneBelowABodyOfTheStructure) {
 // Seen to fail without the hydrostatic part of the mirrored pressure.
 TEST(WallPressure, OfStillWaterIsHydrostaticAndZeroWhereDry) {
   Fluid<2> fluid = still_tank();
-  const Probe<2> probe(fluid);
+  const Probe<2> probe(fluid, Moment::middle);
   const Wall<2>& wall = fluid.walls().find("tank");
   const double unit = density * gravity * 0.6;
   EXPECT_NEAR(probe.sensor(wall, Vector<2>(1, 0.3), 0.02).value(), 0.5 * unit, 0.005 * unit);
@@ -241,7 +241,7 @@ TEST(WallPressure, OfStillWaterIsHydrostaticAndZeroWhereDry) {
 // Before the first solve a dry sensor is 0, as in every other row, and a wet one has no value. Seen to fail with all of them empty then.
 TEST(WallPressure, BeforeTheFirstSolveIsKnownWhereTheWallIsDry) {
   Fluid<2> fluid(scene(2, 0.02, {box({0, 0, 0}, {1, 0.6, 0})}, {tank({0, 0, 0}, {1, 1, 0}), obstacle({1.2, 0, 0}, {1.3, 1, 0})}));
-  const Probe<2> probe(fluid);
+  const Probe<2> probe(fluid, Moment::middle);
   EXPECT_FALSE(probe.sensor(fluid.walls().find("tank"), Vector<2>(1, 0.3), 0.02));
   EXPECT_EQ(probe.sensor(fluid.walls().find("tank"), Vector<2>(1, 0.8), 0.02), 0);
   EXPECT_FALSE(probe.force(fluid.walls().find("tank"), Vector<2>::Zero()));
@@ -253,7 +253,7 @@ TEST(Front, IsTheTipOfTheThinnestSheetButNotOfADrop) {
   Fluid<2> fluid(scene(2, 0.02, {box({0, 0, 0}, {0.4, 0.4, 0}), box({0.4, 0, 0}, {0.6, 0.02, 0}), box({0.8, 0.2, 0}, {0.82, 0.22, 0})},
                        {tank({0, 0, 0}, {1, 1, 0})}));
   step(fluid, 1e-4);
-  EXPECT_NEAR(Probe<2>(fluid).front(), 0.6, 1e-3);
+  EXPECT_NEAR(Probe<2>(fluid, Moment::end).front(), 0.6, 1e-3);
 }
 
 // Closed form: speed times depth, in both senses; nothing through a line in the air. Seen to fail with the velocity not
@@ -262,7 +262,7 @@ TEST(Flux, ThroughALineIsSpeedTimesDepth) {
   Case c = scene(2, 0.02, {box({0, 0, 0}, {1, 0.6, 0})}, {tank({0, 0, 0}, {1, 1, 0})});
   c.fluid->bodies[0].velocity[0] = Expression(2.0);
   Fluid<2> fluid(c);
-  const Probe<2> probe(fluid);
+  const Probe<2> probe(fluid, Moment::end);
   EXPECT_NEAR(probe.flux(Vector<2>(0.5, 0), Vector<2>(0.5, 1)), 1.2, 0.01);
   EXPECT_NEAR(probe.flux(Vector<2>(0.5, 1), Vector<2>(0.5, 0)), -1.2, 0.01);
   EXPECT_NEAR(probe.flux(Vector<2>(0.5, 0.2), Vector<2>(0.5, 0.4)), 0.4, 1e-6);
@@ -275,7 +275,7 @@ TEST(Flux, ThroughARectangleIsSpeedTimesArea) {
   Case c = scene(3, 0.1, {box({0, 0, 0}, {1, 1, 1})}, {tank({0, 0, 0}, {1, 2, 1})});
   c.fluid->bodies[0].velocity[0] = Expression(2.0);
   Fluid<3> fluid(c);
-  EXPECT_NEAR(Probe<3>(fluid).flux(Vector<3>(0.5, 0, 0.2), Vector<3>(0.5, 1.5, 0.7)), 1.0, 0.03);
+  EXPECT_NEAR(Probe<3>(fluid, Moment::end).flux(Vector<3>(0.5, 0, 0.2), Vector<3>(0.5, 1.5, 0.7)), 1.0, 0.03);
 }
 
 // Values come in the order of the columns, and a sensor goes along with its wall. Seen to fail with the sensor left where it
