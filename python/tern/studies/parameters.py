@@ -31,7 +31,7 @@ PARAMETERS = (
     Parameter("spacing", "both", _SPACING, True, "", True),
     Parameter("fluid.spacing", "fluid", _SPACING, True, "m", True),
     Parameter("structure.body.spacing", "structure", _SPACING, True, "m", True),
-    Parameter("fluid.numerics.courant", "fluid", (1.5, 0.5), True, "", True),
+    Parameter("fluid.numerics.courant", "fluid", (1.25, 0.5), True, "", True),
     Parameter("fluid.numerics.gravity_courant", "fluid", (2.0, 0.5), True, "", True),
     Parameter("fluid.numerics.viscous_courant", "viscosity", (0.5, 0.25), True, "", True),
     Parameter("fluid.numerics.pressure_tolerance", "fluid", (1e-4, 1e-8, 1e-3, 1e-2), refines=True),
