@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/threads.hpp"
 #include "scene/estimate.hpp"
 #include "scene/mid_surface.hpp"
 #include "structure/material/registry.hpp"
@@ -91,6 +92,16 @@ std::string origin(const Costs& costs) {
                                 : "measured on this machine on " + costs.measured;
 }
 
+// By the clock: a share of the fluid's step has one thread, whatever there are (docs/SPEED.md, Threads).
+std::string wall_time_text(const Case& scene, const Estimate& e, int cores) {
+  constexpr double on_one_thread = 0.2;
+  const int threads = scene.fluid ? threads_worth(e.fluid_particles, cores) : 1;
+  const double wall = e.structure_cpu + e.coupler_cpu + e.fluid_cpu * (on_one_thread + (1 - on_one_thread) / threads);
+  const std::string waiting = scene.fluid && scene.structure ? "fluid and structure mostly wait for each other, so " : "";
+  if (threads == 1) return waiting + "wall time is about the same";
+  return fmt::format("{}wall time is about {} with {} threads of the fluid", waiting, duration(wall), threads);
+}
+
 // One line per change; nothing for a case as it stands.
 std::string preset_text(const Case& scene) {
   if (scene.preset_changes.empty()) return "";
@@ -101,7 +112,7 @@ std::string preset_text(const Case& scene) {
 
 }  // namespace
 
-std::string check_text(const Case& scene, const Costs& costs) {
+std::string check_text(const Case& scene, const Costs& costs, int cores) {
   const Estimate e = estimate(scene, costs);
   std::string text = fmt::format("{}: valid ({}D, hash {})\n", scene.name, scene.dimension, scene.hash);
   text += "particles\n";
@@ -126,10 +137,8 @@ std::string check_text(const Case& scene, const Costs& costs) {
     text += fmt::format(" (fluid {}, structure {}, coupler {})", duration(e.fluid_cpu), duration(e.structure_cpu), duration(e.coupler_cpu));
   }
   text += fmt::format(", {:.0f} MB\n", e.memory / 1e6);
-  text += fmt::format(
-      "  (from {:.2g} us per fluid particle and step and {:.0f} ns per structure particle and sub-step in 2D, {};\n"
-      "  fluid and structure mostly wait for each other, so wall time is about the same)\n",
-      costs.fluid * 1e6, costs.structure * 1e9, origin(costs));
+  text += fmt::format("  (from {:.2g} us per fluid particle and step and {:.0f} ns per structure particle and sub-step in 2D, {};\n  {})\n",
+                      costs.fluid * 1e6, costs.structure * 1e9, origin(costs), wall_time_text(scene, e, cores));
   for (const std::string& warning : scene.warnings) text += "warning: " + warning + "\n";
   return text;
 }

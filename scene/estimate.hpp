@@ -86,8 +86,8 @@ double largest_clamp_speed(const Case& scene);
 /// an output comes before. Forces and motions that change in time are constant over them, so there are fewer where there are such.
 double sub_steps_per_window(const Case& scene);
 
-/// Numbers of the estimate as lines of text.
-std::string check_text(const Case& scene, const Costs& costs = {});
+/// Numbers of the estimate as lines of text; the wall time is that of a machine of as many cores.
+std::string check_text(const Case& scene, const Costs& costs = {}, int cores = 1);
 /// The scene in plain words: what is modelled, what is not, what binds the step, what it costs.
 std::string explain_text(const Case& scene, const Costs& costs = {});
 

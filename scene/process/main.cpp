@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
+#include "base/threads.hpp"
 #include "base/version.hpp"
 #include "scene/estimate.hpp"
 #include "scene/gauges.hpp"
@@ -108,7 +109,7 @@ int run(int argc, char** argv) {
   }
   const Case scene = read_case(case_path, options);
   const Costs costs = costs_path.empty() ? Costs{} : read_costs(costs_path);
-  const std::string answer = *check     ? check_text(scene, costs)
+  const std::string answer = *check     ? check_text(scene, costs, cores_at_hand())
                              : *explain ? explain_text(scene, costs)
                              : *json    ? json_text(scene, costs)
                                         : scene_at_start(scene, most_points);

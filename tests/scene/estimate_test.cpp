@@ -216,6 +216,19 @@ TEST(Estimate, IsMadeFromTheStepLimits) {
   EXPECT_TRUE(estimate(case_of("hydrostatic_tank")).settled);
 }
 
+// Where a run takes several threads by itself its wall time is less: 0.6 with two, as measured on dam_break_3d. Seen to fail: with the CPU
+// time said of any number of cores.
+TEST(Estimate, OfTheWallTimeCountsTheThreadsThatARunTakes) {
+  const Case large = case_of("dam_break_3d"), small = case_of("dam_break_front");
+  Costs costs;
+  costs.fluid *= 100 / estimate(large).fluid_cpu;
+  const std::string text = check_text(large, costs, 2);
+  EXPECT_NE(text.find("100 s of CPU"), std::string::npos) << text;
+  EXPECT_NE(text.find("wall time is about 60 s with 2 threads of the fluid"), std::string::npos) << text;
+  EXPECT_EQ(check_text(large, {}, 1).find("threads"), std::string::npos);
+  EXPECT_EQ(check_text(small, {}, 2).find("threads"), std::string::npos) << "too few particles for a second one";
+}
+
 // A structure alone: a step is a window of at most 100 sub-steps (10 under a load) that ends with an output, as in the run; an
 // implicit one costs a window, not a sub-step. tensile_bar has 17 sub-steps between two rows of gauges, in two
 // windows; gray_cantilever 109, in two. Seen to fail: with sub-steps counted as steps.
