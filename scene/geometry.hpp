@@ -127,6 +127,26 @@ class LatticePoints {
     add({{n, 0, 0}, 1, n});
   }
 
+  /// The same points but for those that `left_out` marks, one entry for each in their order.
+  LatticePoints without(const std::vector<char>& left_out) const {
+    LatticePoints rest = *this;
+    rest.runs_.clear();
+    rest.size_ = 0;
+    std::size_t n = 0;
+    for (const Run& run : runs_)
+      for (long first = 0; first < run.count;) {
+        long end = first;
+        while (end < run.count && !left_out[n + static_cast<std::size_t>(end)]) ++end;
+        Run part = run;
+        part.index[0] += first;
+        part.count = end - first;
+        if (part.count > 0) rest.add(part);
+        first = end + 1;
+        if (first >= run.count) n += static_cast<std::size_t>(run.count);
+      }
+    return rest;
+  }
+
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
   Iterator begin() const { return {this, 0}; }

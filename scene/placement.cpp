@@ -121,7 +121,14 @@ class PlacementCheck {
           not_empty(fill_with_fluid<D>(fluid()[i].shape, scene_.fluid->spacing), fluid()[i].shape, scene_.fluid->spacing, where_fluid(i)));
     }
     for (std::size_t i = 0; i < structure().size(); ++i) {
-      structure_points_.push_back(not_empty(fill_body<D>(structure()[i]), structure()[i].shape, structure()[i].spacing, where_body(i)));
+      const StructureBody& body = structure()[i];
+      structure_points_.push_back(not_empty(fill_body<D>(body), body.shape, body.spacing, where_body(i)));
+      if (body.is_shell) continue;
+      if (const std::size_t lost = fill_lattice<D>(body.shape, body.spacing).size() - structure_points_.back().size(); lost > 0)
+        scene_.warnings.push_back(
+            fmt::format("{}: {} of {} particles of the elastic body '{}' would stand alone in its sharp corners, too few side by side for "
+                        "a strain, and are left out; a smaller spacing leaves out a smaller part.",
+                        where_body(i), lost, lost + structure_points_.back().size(), body.name));
     }
   }
 

@@ -351,7 +351,7 @@ Reference<D> build_reference(const StructureCase& structure) {
       continue;
     }
     has_solid = true;
-    const LatticePoints<D> inside = fill_lattice<D>(input.shape, input.spacing);
+    const LatticePoints<D> inside = fill_body<D>(input);
     const std::vector<Vector<D>> filled(inside.begin(), inside.end());
     if (filled.empty())
       throw BadInput(

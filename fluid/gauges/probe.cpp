@@ -8,6 +8,7 @@
 
 #include "fluid/boundary/wetness.hpp"
 #include "fluid/motion/viscosity.hpp"
+#include "scene/scene_check.hpp"
 #include "sph/symmetric_matrix.hpp"
 #include "sph/wet_share.hpp"
 
@@ -63,6 +64,7 @@ Probe<D>::Probe(const Fluid<D>& fluid, Moment moment)
     in_middle_ = fluid.state().position;
     for (std::size_t i = 0; i < in_middle_.size(); ++i) in_middle_[i] -= half * fluid.state().velocity[i];
   }
+  for (const Wall<D>& wall : fluid.walls().all()) shapes_.push_back(without_open_faces(wall.scene));
   low_ = high_ = position_[0];
   for (const auto& x : position_) low_ = low_.cwiseMin(x), high_ = high_.cwiseMax(x);
   grid_.reset(low_, high_, fluid.constants().kernel.support());
@@ -147,7 +149,8 @@ std::optional<double> Probe<D>::elevation(const Vector<D>& x) const {
     low = std::min(low, sense * particle[axis]), high = std::max(high, sense * particle[axis]);
   }
   std::optional<double> surface;
-  double above = 0, left_at = 0;  // left_at: where the walk down last came out of water
+  double above = 0, left_at = 0;   // left_at: where the walk down last came out of water
+  int dry = 0, dry_and_solid = 0;  // places since then
   bool inside = false;
   Vector<D> point = x;
   for (double height = high + dx; height > low - 0.5 * step; height -= step) {
@@ -156,11 +159,12 @@ std::optional<double> Probe<D>::elevation(const Vector<D>& x) const {
     if (inside != (here >= 0.5)) {
       const double crossing = height + step * (here - 0.5) / (here - above);
       if (inside)
-        left_at = crossing;
+        left_at = crossing, dry = dry_and_solid = 0;
       else
-        surface = surface ? *surface - (left_at - crossing) : crossing;
+        surface = surface ? *surface - (left_at - crossing) * (dry - dry_and_solid) / std::max(dry, 1) : crossing;
       inside = !inside;
     }
+    if (!inside && surface) ++dry, dry_and_solid += solid(point);
     above = here;
   }
   if (surface) *surface *= sense;
@@ -208,6 +212,14 @@ bool Probe<D>::covered(const Vector<D>& x) const {
   return nearest >= 0 && (x - faces->position[nearest]).dot(faces->normal[nearest]) < 0;
 }
 
+template <int D>
+bool Probe<D>::solid(const Vector<D>& x) const {
+  const auto& walls = fluid_.walls().all();
+  for (std::size_t w = 0; w < walls.size(); ++w)
+    if ((signed_distance<D>(shapes_[w], walls[w].place.reference(x)) < 0) != walls[w].scene.container) return true;
+  return covered(x);
+}
+
 /// Calls visit(i, d, w) as for_particles_around() for those of the fluid that the wall sees from its point x; nothing where a body or
 /// another wall stands there.
 template <int D>
@@ -224,9 +236,7 @@ void Probe<D>::for_particles_before(const Vector<D>& x, const Vector<D>& normal,
   });
   if (before.empty()) return;  // most walls are dry, and what follows takes longer
   const Vector<D> eye = x + off_wall * fluid_.constants().spacing * normal;
-  for (const Wall<D>& wall : fluid_.walls().all())  // another wall may stand on this one
-    if (!wall.scene.container && contains<D>(wall.scene.shape, wall.place.reference(eye))) return;
-  if (covered(eye)) return;
+  if (solid(eye)) return;  // another wall may stand on this one, or this one reach out of the container
   std::vector<std::pair<const Faces<D>*, int>> screens;
   for (const auto& [faces, finder] : fluid_.faces()) {
     std::vector<int> seen;
@@ -255,6 +265,25 @@ std::optional<double> Probe<D>::wall_pressure(const Vector<D>& x, const Vector<D
   });
   if (weight == 0) return std::nullopt;
   return sum / weight;
+}
+
+template <int D>
+std::pair<double, Vector<D>> Probe<D>::open_part(const Faces<D>& faces, std::size_t k) const {
+  constexpr int count = 4;  // along each side
+  const double side = D == 2 ? faces.area[k] : std::sqrt(faces.area[k]);
+  const auto along = tangents<D>(faces.normal[k]);
+  const Vector<D> eye = faces.position[k] + off_wall * fluid_.constants().spacing * faces.normal[k];
+  Vector<D> sum = Vector<D>::Zero();
+  int open = 0, all = 0;
+  for (int b = 0; b < (D == 2 ? 1 : count); ++b)
+    for (int a = 0; a < count; ++a) {
+      const Vector<D> off = side * (((a + 0.5) / count - 0.5) * along[0] + (D == 2 ? 0 : (b + 0.5) / count - 0.5) * along[1]);
+      ++all;
+      if (solid(eye + off)) continue;
+      ++open;
+      sum += off;
+    }
+  return {double(open) / all, faces.position[k] + sum / std::max(open, 1)};
 }
 
 // As in the sums of the fluid over the hidden side (wetness.cpp).
@@ -359,10 +388,11 @@ std::optional<WallForce<D>> Probe<D>::force(const Wall<D>& wall, const Vector<D>
   for_contacts(wall, true, add);
   for (std::size_t k = wall.first; k < wall.last; ++k) {
     if (faces.original[k] != static_cast<int>(k)) continue;  // an image of a patch already counted
-    const double wet = share_of_wall(faces.position[k], faces.normal[k]);
+    const auto [open, place] = open_part(faces, k);
+    const double wet = open == 0 ? 0 : open * share_of_wall(place, faces.normal[k]);
     if (wet == 0) continue;
     if (!fluid_.has_pressure()) return std::nullopt;
-    const double p = wall_pressure(faces.position[k], faces.normal[k], faces.normal_acceleration[k]).value();
+    const double p = wall_pressure(place, faces.normal[k], faces.normal_acceleration[k]).value();
     Vector<D> force = -p * faces.area[k] * faces.normal[k];
     if (fluid_.constants().viscosity > 0 && !fluid_.walls().slips(static_cast<int>(k))) force += friction(wall, faces, k);
     add(k, wet * force);

@@ -3,6 +3,7 @@
 // neighbours, so it costs nothing in steps without a row to write.
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "fluid/fluid.hpp"
@@ -36,8 +37,8 @@ class Probe {
   double filling(const Vector<D>& x) const;
 
   /// Coordinate of the free surface on the vertical through x, along the axis of gravity (Upward), as a wire gauge measures it: the top of
-  /// the lowest water, which ends where the filling passes 1/2, and on it the thickness of all water that flies above; nothing where there
-  /// is no fluid [m].
+  /// the lowest water, which ends where the filling passes 1/2, and on it the thickness of all water that flies above and of what is solid
+  /// between; nothing where there is no fluid [m].
   std::optional<double> elevation(const Vector<D>& x) const;
 
   /// Volume flow through the line (2D) or the rectangle across an axis (3D) between two points [m^D/s]. Positive to the
@@ -65,6 +66,8 @@ class Probe {
   double filling(const Vector<D>& x, double sum, const Vector<D>& centroid) const;
   /// Where the wall is wet; nothing where no particle is before it [Pa].
   std::optional<double> wall_pressure(const Vector<D>& x, const Vector<D>& normal, double normal_acceleration) const;
+  /// Share of the patch before which nothing solid stands, and the middle of that part.
+  std::pair<double, Vector<D>> open_part(const Faces<D>& faces, std::size_t k) const;
   /// Share of the wall around its point x that is wet, from 0 to 1.
   double share_of_wall(const Vector<D>& x, const Vector<D>& normal) const;
   /// Calls visit(k, f) with the force f on patch k of this wall of each particle that contact with walls has stopped in the last window.
@@ -75,11 +78,14 @@ class Probe {
   Vector<D> friction(const Wall<D>& wall, const Faces<D>& faces, std::size_t k) const;
   /// A body of the structure stands at x, as far as its faces near there tell.
   bool covered(const Vector<D>& x) const;
+  /// That, or an obstacle, or x is outside the container.
+  bool solid(const Vector<D>& x) const;
 
   const Fluid<D>& fluid_;
   double time_;                             ///< of its moment [s]
   std::vector<Vector<D>> in_middle_;        ///< [m]; of Moment::middle alone
   const std::vector<Vector<D>>& position_;  ///< of the particles [m]
+  std::vector<Shape> shapes_;               ///< of the walls, at the start; they go on without end where they are open
   Vector<D> low_, high_;                    ///< corners of the box around all particles
   CellGrid<D> grid_;
   CellContents contents_;

@@ -95,7 +95,8 @@ std::vector<GaugeDefinition> fluid_gauges() {
        .owner = GaugeOwner::fluid,
        .meaning =
            "elevation of the free surface at a place, as a wire gauge measures it: the y of the top of the lowest water, or where gravity "
-           "is along another axis its coordinate there, and the thickness of all water above [m]",
+           "is along another axis its coordinate there, and the thickness of all water above and of "
+           "bodies and walls between [m]",
        .keys = {{"at", Type::point, true, "the place, whose entry along gravity is not used"}},
        .columns = [](int) { return Columns{"eta_m"}; },
        .check = check_elevation},
