@@ -1,5 +1,5 @@
 // Presets. The spacing buys most error for its cost, so it belongs to them; what else is in a group earned its place in the
-// measured trade (docs/TRADE.md): draft takes what saves time for little error, reference what removes error.
+// measured trade (docs/TRADE.md): draft takes what saves time for little error, reference what removes error, which is half the spacing alone.
 
 #include "scene/preset.hpp"
 
@@ -15,16 +15,13 @@ using Options = std::vector<std::pair<std::string, std::string>>;
 // A body keeps at least this many particles across: a draft has the shape of its case.
 constexpr double least_across = 4;
 
-struct Group {
-  Options fluid, fluid_alone, structure, coupling;  // options of a case that has this side, this one only, or both
-};
-
-// Longer windows of slow fluid save time for an error far below that of twice the spacing. A structure alone takes implicit steps where
-// they are cheaper, as one beside a fluid does by itself. Beside a structure the windows stay short while the fluid is slow: they
-// resolve its vibration. Not a looser pressure: it saves less than a tenth.
-const Group draft{{}, {{"fluid.numerics.gravity_courant", "0.2"}}, {{"structure.numerics.integrator", "\"auto\""}}, {}};
-// Neither shorter steps nor a tighter pressure remove error that half the spacing leaves; a window repeated until both sides agree does.
-const Group reference{{}, {}, {}, {{"coupling.tolerance", "1e-4"}}};
+// Of a draft, for a fluid or a structure that is alone. Longer windows of slow fluid save time for an error far below that of twice the
+// spacing. A structure alone takes implicit steps where they are cheaper, as one beside a fluid does by itself. Beside a structure the
+// windows stay short while the fluid is slow: they resolve its vibration. Not a looser pressure: it saves less than a tenth. A reference
+// has no options: shorter steps, a tighter pressure, and windows repeated until the load does not change any more remove no error that
+// half the spacing leaves.
+const Options draft_of_fluid{{"fluid.numerics.gravity_courant", "0.2"}};
+const Options draft_of_structure{{"structure.numerics.integrator", "\"auto\""}};
 const Options paper{{"coupling.algorithm", "\"explicit\""},
                     {"coupling.scheme", "\"riemann\""},
                     {"coupling.vem.coefficient", "5.0"},
@@ -90,14 +87,13 @@ std::vector<std::string> apply_preset(Setting& document, double coarser, const s
   Setting *fluid = document.find("fluid"), *structure = document.find("structure");
   if (name->text == "paper" && fluid && structure) preset.replace(paper);
   if (name->text != "draft" && name->text != "reference") return preset.changes;
-  const Group& group = is_draft(document) ? draft : reference;
-  const double factor = is_draft(document) ? coarser : 0.5;
+  const bool draft = is_draft(document);
+  const double factor = draft ? coarser : 0.5;
   Setting* bodies = structure ? structure->find("body") : nullptr;
   const std::vector<double> across = bodies ? particles_across() : std::vector<double>{};
   if (fluid) {
     preset.scale_spacing(*fluid, "fluid", factor);
-    preset.fill(group.fluid);
-    if (!structure) preset.fill(group.fluid_alone);
+    if (draft && !structure) preset.fill(draft_of_fluid);
   }
   if (structure) {
     for (std::size_t i = 0; i < across.size() && i < bodies->items.size(); ++i) {  // others come from --set
@@ -106,9 +102,8 @@ std::vector<std::string> apply_preset(Setting& document, double coarser, const s
       const Setting* label = body.find("name");
       preset.scale_spacing(body, "structure.body." + (label ? label->text : fmt::format("{}", i)), factor);
     }
-    preset.fill(group.structure);
+    if (draft) preset.fill(draft_of_structure);
   }
-  if (fluid && structure) preset.fill(group.coupling);
   return preset.changes;
 }
 

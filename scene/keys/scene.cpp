@@ -30,11 +30,10 @@ const Rows<Case>& scene_rows() {
       {"preset", one_of(&Case::preset, {"draft", "standard", "reference", "paper"}), "", "\"standard\"", any,
        "Group of numerical options. standard: the case as it stands, with the defaults in this document. draft: twice the spacings (of "
        "an elastic body only where 4 particles remain across), or 1.75, 1.5 or 1.25 times where check refuses more, without a structure "
-       "fluid.numerics gravity_courant 0.2, structure.numerics integrator auto. reference: half the spacings, coupling.tolerance 1e-4. "
-       "Both leave numerical options alone that the case states; `tern check` prints what they make of it, docs/TRADE.md what that costs "
-       "and how far off it is. paper: the published interaction, in place of what the case says: coupling.algorithm explicit, scheme "
-       "riemann, vem with coefficient 5 and form seed. "
-       "It loses momentum, and is refused where the added mass makes it unstable, unless --allow-unstable is given."},
+       "fluid.numerics gravity_courant 0.2, structure.numerics integrator auto. reference: half the spacings. Both leave numerical options "
+       "alone that the case states; `tern check` prints what they make of it, docs/TRADE.md what that costs and how far off it is. paper: "
+       "the published interaction, in place of what the case says: coupling.algorithm explicit, scheme riemann, vem with coefficient 5 "
+       "and form seed. It loses momentum, and is refused where the added mass makes it unstable, unless --allow-unstable is given."},
   };
   // clang-format on
   return rows;

@@ -33,11 +33,8 @@ Every parameter is changed by itself around the case as it stands. Runs are done
 * CPU times are those of a shared machine with other work beside it. Each scene says how far two runs of the same
   differ; a speed-up of 0.8 to 1.2 may be noise. Steps and pressure iterations are free of that.
 
-These tables may have a parameter that cases do not have (`fluid.numerics.preconditioner`, `coupling.acceleration`): it was
-removed because of these figures. `coupling.algorithm` implicit is `coupling.tolerance` 1e-4 today; where they were measured the
-case as it stands took one untested pass. It had `fluid.numerics.courant` 0.3 and solved every pressure to 1e-6; the presets draft had
-0.4, as cases have by default today. The rows of a scene may come from several versions, which are named. Between them the
-error of the case as it stands differs by at most 0.06 %.
+The rows of a scene may come from several versions, which are named. Between them the case as it stands has the same results, but for
+gauges of pressure and force, which no row of an older version here has.
 """
 
 
