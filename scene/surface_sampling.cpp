@@ -43,13 +43,23 @@ class Sampler {
   /// `cuts`: of the faces of a ring or a line, over the length of its middle line, from 0 to 1; empty: each face evenly.
   Sampler(const Shape& shape, double spacing, std::vector<double> cuts = {})
       : shape_(shape), spacing_(spacing), bounds_(bounding_box<D>(shape)), cuts_(std::move(cuts)) {
-    collect(shape, 1.0, leaves_);
-    for (current_ = 0; current_ < leaves_.size(); ++current_) sample(*leaves_[current_].shape);
+    sample_leaves();
+  }
+  using Visit = std::function<void(const Vector<D>&, const Vector<D>&, double, std::int64_t)>;
+  /// Points in these boxes alone, which are visited and not kept.
+  Sampler(const Shape& shape, double spacing, const std::vector<Bounds<D>>& boxes, const Visit& visit)
+      : shape_(shape), spacing_(spacing), bounds_(bounding_box<D>(shape)), boxes_(&boxes), visit_(&visit) {
+    sample_leaves();
   }
   SurfacePoints<D> points;
 
  private:
-  long count(double length) const { return std::max(1L, std::lround(length / spacing_)); }
+  void sample_leaves() {
+    collect(shape_, 1.0, leaves_);
+    for (current_ = 0; current_ < leaves_.size(); ++current_) sample(*leaves_[current_].shape);
+  }
+
+  long count(double length) const { return surface_pieces(length, spacing_); }
 
   bool on_final_boundary(const SurfacePoint<D>& p) const {
     if (leaves_.size() == 1) return true;
@@ -66,6 +76,11 @@ class Sampler {
   }
 
   void add(SurfacePoint<D> p, double area) {
+    if (boxes_ != nullptr) {
+      const std::int64_t number = next_number_++;
+      if (lies_in_any(*boxes_, p.position)) (*visit_)(p.position, p.normal, area, number);
+      return;
+    }
     points.position.push_back(p.position);
     points.normal.push_back(p.normal);
     points.area.push_back(area);
@@ -403,8 +418,11 @@ class Sampler {
       const auto [first_j, last_j] = range(f, df, m);
       for (const bool upper : {false, true}) {
         for (long j = first_j; j < last_j; ++j) {
-          for (long i = first_i; i < last_i; ++i) {
-            const Patch patch = [&](double u, double v) {
+          const std::int64_t first_of_row = next_number_;
+          const auto [from_i, to_i] = asked_of_row(leaf, d, upper, de, df, j, first_i, last_i);
+          for (long i = from_i; i < to_i; ++i) {
+            next_number_ = first_of_row + (i - first_i);
+            const auto patch = [&](double u, double v) {
               SurfacePoint<D> p;
               p.normal.setZero();
               p.normal[d] = upper ? 1.0 : -1.0;
@@ -413,11 +431,30 @@ class Sampler {
               p.position[f] = leaf.min[f] + (static_cast<double>(j) + v) * df;
               return p;
             };
-            add_patch(patch, de * df);
+            leaves_.size() == 1 ? add(patch(0.5, 0.5), de * df) : add_patch(patch, de * df);
           }
+          next_number_ = first_of_row + (last_i - first_i);
         }
       }
     }
+  }
+
+  /// Of the pieces first .. last - 1 of row j of a side of a box those that may have a point that is asked for: from .. to - 1. The point
+  /// of a piece that is kept in part lies within the piece.
+  std::pair<long, long> asked_of_row(const Shape& leaf, int d, bool upper, double de, double df, long j, long first, long last) const {
+    if (boxes_ == nullptr) return {first, last};
+    const int e = (d + 1) % D, f = (d + 2) % D;
+    const double at = upper ? leaf.max[d] : leaf.min[d], across = leaf.min[f] + (static_cast<double>(j) + 0.5) * df;
+    double low = 1e300, high = -1e300;
+    for (const Bounds<D>& box : *boxes_) {
+      if (box.empty() || at < box.min[d] || at > box.max[d] || across < box.min[f] - df || across > box.max[f] + df) continue;
+      low = std::min(low, box.min[e]), high = std::max(high, box.max[e]);
+    }
+    if (low > high) return {first, first};
+    const auto piece = [&](double x) {
+      return static_cast<long>(std::clamp((x - leaf.min[e]) / de, static_cast<double>(first), static_cast<double>(last)));
+    };
+    return {std::max(first, piece(low) - 1), std::min(last, piece(high) + 2)};
   }
 
   void sample_ball(const Shape& leaf) {
@@ -463,6 +500,9 @@ class Sampler {
   std::vector<double> cuts_;
   std::vector<Leaf> leaves_;
   std::size_t current_ = 0;
+  const std::vector<Bounds<D>>* boxes_ = nullptr;  ///< none: all points are kept
+  const Visit* visit_ = nullptr;
+  std::int64_t next_number_ = 0;
 };
 
 /// Where the particles of a curved shell end, over the whole length of its middle line, and parts of about `spacing` of each.
@@ -488,6 +528,8 @@ std::vector<double> cuts_of(const MidSurface<2>& surface, double length, double 
 
 }  // namespace
 
+long surface_pieces(double length, double spacing) { return std::max(1L, std::lround(length / spacing)); }
+
 template <int D>
 SurfacePoints<D> sample_shell_surface(const StructureBody& body, double spacing) {
   if constexpr (D == 2) {
@@ -511,5 +553,16 @@ SurfacePoints<D> sample_surface(const Shape& shape, double spacing) {
 
 template SurfacePoints<2> sample_surface<2>(const Shape&, double);
 template SurfacePoints<3> sample_surface<3>(const Shape&, double);
+
+template <int D>
+void visit_surface(const Shape& shape, double spacing, const std::vector<Bounds<D>>& boxes,
+                   const std::function<void(const Vector<D>&, const Vector<D>&, double, std::int64_t)>& visit) {
+  Sampler<D>(shape, spacing, boxes, visit);
+}
+
+template void visit_surface<2>(const Shape&, double, const std::vector<Bounds<2>>&,
+                               const std::function<void(const Vector<2>&, const Vector<2>&, double, std::int64_t)>&);
+template void visit_surface<3>(const Shape&, double, const std::vector<Bounds<3>>&,
+                               const std::function<void(const Vector<3>&, const Vector<3>&, double, std::int64_t)>&);
 
 }  // namespace tern
