@@ -75,6 +75,30 @@ class Sampler {
     return true;
   }
 
+  /// Whether a box may ask for a piece of a row, of which these are the first one, one in the middle, and the last. `width`: of the row.
+  bool any_box_near(const Vector<D>& first, const Vector<D>& middle, const Vector<D>& last, double width) const {
+    const double reach = 2 * std::max((first - middle).norm(), (last - middle).norm()) + 2 * spacing_ + width;
+    return std::any_of(boxes_->begin(), boxes_->end(),
+                       [&](const Bounds<D>& box) { return (box.min - middle).cwiseMax(middle - box.max).maxCoeff() < reach; });
+  }
+
+  /// Calls visit(i) for the pieces 0 .. n - 1 of a row, but for many that are not asked for. `place`: of the middle of one; `of_each`:
+  /// points that it has at most.
+  template <class Place, class Visit>
+  void for_asked_pieces(long n, long of_each, double width, Place&& place, Visit&& visit) {
+    constexpr long together = 64;
+    const std::int64_t first_number = next_number_;
+    for (long first = 0; first < n; first += together) {
+      const long last = std::min(n, first + together);
+      if (boxes_ != nullptr && !any_box_near(place(first), place((first + last - 1) / 2), place(last - 1), width)) continue;
+      for (long i = first; i < last; ++i) {
+        next_number_ = first_number + of_each * i;
+        visit(i);
+      }
+    }
+    next_number_ = first_number + of_each * n;
+  }
+
   void add(SurfacePoint<D> p, double area) {
     if (boxes_ != nullptr) {
       const std::int64_t number = next_number_++;
@@ -301,9 +325,12 @@ class Sampler {
     const auto part = [](long i, double u, long pieces) { return (static_cast<double>(i) + u) / static_cast<double>(pieces); };
     const auto add_patches = [&](long rows, long columns, double area, const Patch& face) {
       for (long j = 0; j < columns; ++j)
-        for (long i = 0; i < rows; ++i)
-          add_patch([&](double u, double v) { return face(part(i, u, rows), part(j, v, columns)); },
-                    area / static_cast<double>(rows * columns));
+        for_asked_pieces(
+            rows, 1, 0, [&](long i) { return face(part(i, 0.5, rows), part(j, 0.5, columns)).position; },
+            [&](long i) {
+              add_patch([&](double u, double v) { return face(part(i, u, rows), part(j, v, columns)); },
+                        area / static_cast<double>(rows * columns));
+            });
     };
     for (const double side : {1.0, -1.0}) {
       const double r = side > 0 ? outer : inner;
@@ -338,11 +365,14 @@ class Sampler {
     for (long j = 0; j < pieces[1]; ++j) {
       const Vector<2> below(0, low[1] + static_cast<double>(j) * step[1]), above = below + Vector<2>(0, step[1]);
       const Outline row = cut(cut(outline, below, Vector<2>(0, -1)), above, Vector<2>(0, 1));
-      for (long i = 0; i < pieces[0]; ++i) {
+      const auto middle = [&](long i) {
+        return place(Vector<2>(low[0] + (static_cast<double>(i) + 0.5) * step[0], below[1] + 0.5 * step[1]), 0);
+      };
+      for_asked_pieces(pieces[0], 2, leaf.thickness, middle, [&](long i) {
         const Vector<2> left(low[0] + static_cast<double>(i) * step[0], 0), right = left + Vector<2>(step[0], 0);
         const PlaneArea piece = area_of(cut(cut(row, left, Vector<2>(-1, 0)), right, Vector<2>(1, 0)));
         const double whole = step[0] * step[1];
-        if (piece.area <= 1e-9 * whole) continue;
+        if (piece.area <= 1e-9 * whole) return;
         for (const double side : {1.0, -1.0}) {
           const Patch square = [&](double u, double v) {
             return SurfacePoint<D>{place(Vector<2>(left[0] + u * step[0], below[1] + v * step[1]), 0.5 * side * leaf.thickness),
@@ -355,7 +385,7 @@ class Sampler {
           else
             add_samples(square, whole);
         }
-      }
+      });
     }
     const long across = count(leaf.thickness);
     for (std::size_t k = 0; k < outline.size(); ++k) {
@@ -478,8 +508,8 @@ class Sampler {
         const double north = -std::cos(std::numbers::pi * static_cast<double>(band + 1) / static_cast<double>(bands));
         const double middle = std::sqrt(1 - 0.25 * (south + north) * (south + north));
         const long n = std::max(3L, count(2 * std::numbers::pi * r * middle));
-        for (long i = 0; i < n; ++i) {
-          const Patch patch = [&](double u, double v) {
+        const auto patch_at = [&](long i) -> Patch {
+          return [&, i](double u, double v) {
             const double height = south + v * (north - south);
             const double angle = 2 * std::numbers::pi * (static_cast<double>(i) + u) / static_cast<double>(n);
             const double circle = std::sqrt(std::max(0.0, 1 - height * height));
@@ -488,8 +518,10 @@ class Sampler {
             p.position = Vector<D>(leaf.center[0], leaf.center[1], leaf.center[2]) + r * p.normal;
             return p;
           };
-          add_patch(patch, 2 * std::numbers::pi * r * r * (north - south) / static_cast<double>(n));
-        }
+        };
+        for_asked_pieces(
+            n, 1, 0, [&](long i) { return patch_at(i)(0.5, 0.5).position; },
+            [&](long i) { add_patch(patch_at(i), 2 * std::numbers::pi * r * r * (north - south) / static_cast<double>(n)); });
       }
     }
   }

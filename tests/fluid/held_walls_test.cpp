@@ -142,20 +142,31 @@ TEST(HeldWalls, HaveTheSumsOfAllPatchesBesideAStructureIn3D) {
   expect_the_sums_of_all_patches<3>(c, plate<3>(box({0.95, -0.05, 0.1}, {1, 0.5, 0.5}), 0.02));
 }
 
-// Seen to fail: with numbers that begin anew in each row that is asked for; with a row that ends a piece too early.
+// Seen to fail: with numbers that begin anew in each row that is asked for; with a row that ends a piece too early; with the pieces of
+// round rows passed over whose middle is half as far away as they are long.
 TEST(HeldWalls, AreTheSamePatchesInTheSameOrder) {
-  const auto of_all = [](const Shape& shape, const std::vector<Bounds<3>>& boxes) {
+  const double spacing = 0.02;
+  const auto of_all = [&](const Shape& shape, const std::vector<Bounds<3>>& boxes) {
     std::vector<std::pair<std::int64_t, Vector<3>>> found;
-    visit_surface<3>(shape, 0.05, boxes,
+    visit_surface<3>(shape, spacing, boxes,
                      [&](const Vector<3>& x, const Vector<3>&, double, std::int64_t number) { found.emplace_back(number, x); });
     return found;
   };
   Shape cut;
   cut.kind = Shape::Kind::difference;
   cut.parts = {box({0, 0, 0}, {1, 0.7, 0.33}), ball({1, 0.7, 0.3}, 0.22), box({0.2, -1, 0.1}, {0.4, 1, 0.2})};
-  for (const Shape& shape : {box({0, 0, 0}, {1, 0.7, 0.33}), cut, ball({0.5, 0.4, 0.2}, 0.3)}) {
+  Shape tube;
+  tube.kind = Shape::Kind::tube;
+  tube.axis = 1;
+  tube.center = {0.3, 0.3, 0};
+  tube.length = 1.6;
+  tube.radius = 0.3;
+  tube.thickness = 0.05;
+  tube.begin = 0, tube.end = Shape::whole_turn;
+  const Shape plate = plate_shape({{0, 0, 0}, {1.6, 0, 0.2}, {1.6, 0.8, 0.2}, {0, 0.8, 0}}, 0.06);
+  for (const Shape& shape : {box({0, 0, 0}, {1, 0.7, 0.33}), cut, ball({0.5, 0.4, 0.2}, 0.3), tube, plate}) {
     const auto all = of_all(shape, {Bounds<3>::everywhere()});
-    const SurfacePoints<3> points = sample_surface<3>(shape, 0.05);
+    const SurfacePoints<3> points = sample_surface<3>(shape, spacing);
     ASSERT_EQ(all.size(), points.position.size());
     for (std::size_t k = 0; k < all.size(); ++k) {
       EXPECT_TRUE(same_bits(all[k].second, points.position[k]));
