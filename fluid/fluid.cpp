@@ -17,7 +17,7 @@ Fluid<D>::Fluid(const Case& scene, const Ranks& ranks, const StartParticles<D>& 
       domain_(ranks, reference_),
       reports_divergence_(scene.coupling.vem_coefficient.has_value()),
       foretells_interface_(scene.coupling.scheme != InterfaceScheme::fsa),
-      boundary_(scene, reference_.constants),
+      boundary_(scene, reference_.constants, ranks.alone()),
       system_(reference_.period) {
   const auto [first, last] = domain_.equal_share(start.size());
   state_ = initial_state(scene, start, first, last);
@@ -33,6 +33,17 @@ void Fluid<D>::set_whole_state(State<D> state, const Shares& shares) {
   domain_.share_out(state, shares);
   state_ = std::move(state);
   if (!domain_.alone()) set_totals();
+}
+
+template <int D>
+const typename Fluid<D>::AllWalls& Fluid<D>::all_walls() const {
+  if (!all_walls_) {
+    all_walls_ = std::make_unique<AllWalls>(boundary_.walls.in_whole());
+    all_walls_->finder.fill(all_walls_->walls.faces(), constants().faces.support());
+  }
+  if (std::exchange(all_walls_->window, windows_) != windows_)
+    all_walls_->clipped.clip(all_walls_->walls.faces(), all_walls_->finder, boundary_.surface);
+  return *all_walls_;
 }
 
 template <int D>

@@ -3,7 +3,9 @@
 // the numerics are free functions in files named after their equation. time_step.cpp is the page to read first.
 
 #include <array>
+#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "fluid/boundary/boundary.hpp"
@@ -91,7 +93,8 @@ class Fluid {
         },
         totals_.traffic);
   }
-  const Walls<D>& walls() const { return boundary_.walls; }
+  /// With all patches, which are made when they are first asked for where this rank has a part of them.
+  const Walls<D>& walls() const { return boundary_.walls.whole() ? boundary_.walls : all_walls().walls; }
   const Neighbours<D>& neighbours() const { return neighbours_; }
   const Corrections<D>& correction() const { return correction_; }
   const Prediction<D>& prediction() const { return prediction_; }
@@ -100,9 +103,12 @@ class Fluid {
   const std::vector<double>& pressure_source() const { return system_.source; }
   const std::vector<double>& pressure_solution() const { return system_.solution; }
   const SolveResult& last_solve() const { return system_.result; }
-  /// Faces of walls and of the structure as of the last window, each with its finder.
+  /// All faces of walls and of the structure as of the last window, each with its finder.
   std::array<std::pair<const Faces<D>*, const FaceFinder<D>*>, 2> faces() const {
-    return {{{&boundary_.seen_walls(), &boundary_.wall_finder}, {&boundary_.surface, &boundary_.surface_finder}}};
+    const std::pair<const Faces<D>*, const FaceFinder<D>*> of_structure{&boundary_.surface, &boundary_.surface_finder};
+    if (boundary_.walls.whole()) return {{{&boundary_.seen_walls(), &boundary_.wall_finder}, of_structure}};
+    const AllWalls& all = all_walls();
+    return {{{all.clipped.none() ? &all.walls.faces() : &all.clipped.faces(), &all.finder}, of_structure}};
   }
   const StepTiming& timing() const { return timing_; }
   Evaluations evaluations() const { return domain_.alone() ? state_.evaluations : totals_.evaluations; }
@@ -131,6 +137,16 @@ class Fluid {
   Vector<D> gravity_at(double t, const Vector<D>& x) const { return reference_.gravity.at(t, x); }  ///< [m/s^2]
 
  private:
+  /// What gauges look at on a rank that has a part of the walls. These do not move.
+  struct AllWalls {
+    explicit AllWalls(Walls<D> whole) : walls(std::move(whole)) {}
+    Walls<D> walls;
+    FaceFinder<D> finder;
+    ClippedWalls<D> clipped;
+    std::int64_t window = -1;  ///< as of which the structure has clipped them
+  };
+  const AllWalls& all_walls() const;
+
   friend class WholeState<D>;
   Fluid(const Case& scene, const Ranks& ranks, const StartParticles<D>& start);
   Totals<D> totals_here() const;
@@ -176,6 +192,7 @@ class Fluid {
   Totals<D> totals_;                    ///< where there are several ranks
   Traffic traffic_, traffic_at_begin_;  ///< in the windows of this process; up to the begin of this one
   std::int64_t windows_ = 0;            ///< of this process
+  mutable std::unique_ptr<AllWalls> all_walls_;
 };
 
 /// For as long as it lives the state of the fluid, on the first rank, is that of all ranks. All ranks gather it with whole_state().

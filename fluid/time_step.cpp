@@ -67,6 +67,7 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
     move_walls(constants, window_, boundary_, state_);
   }
   state_.evaluations.structure_surface += static_cast<long>(surface.position.size());
+  hold_walls<D>(domain_, constants, reference_.period, prediction_.position, surface.position, boundary_);
   set_surface(constants, surface, boundary_);
   see_boundary(constants, reference_.period, prediction_.position, boundary_, neighbours_);
   share_patches(domain_, constants, reference_.period, boundary_);

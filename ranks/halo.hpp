@@ -55,14 +55,6 @@ class Halo {
     }
   }
 
-  /// Calls visit(place) for all that has copies and all that is one; for some more than once.
-  template <class Visit>
-  void for_each_place(Visit&& visit) const {
-    for (const Peer& peer : peers_)
-      for (const auto* places : {&peer.give, &peer.take})
-        for (const int place : *places) visit(place);
-  }
-
  private:
   struct Peer {
     int rank;

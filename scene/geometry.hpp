@@ -2,11 +2,15 @@
 // Solid shapes: boxes, polygons (2D), balls, thin ones with a thickness (rings and lines in 2D, tubes and plates in 3D), their union and
 // difference. Coordinates in m.
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <iterator>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -40,7 +44,26 @@ Shape plate_shape(std::vector<std::array<double, 3>> corners, double thickness);
 template <int D>
 struct Bounds {
   Vector<D> min, max;
+
+  static Bounds everywhere() { return {Vector<D>::Constant(-1e300), Vector<D>::Constant(1e300)}; }
+  static Bounds nowhere() { return {Vector<D>::Constant(1e300), Vector<D>::Constant(-1e300)}; }
+  static Bounds around(std::span<const Vector<D>> places) {
+    Bounds box = nowhere();
+    for (const Vector<D>& x : places) box.min = box.min.cwiseMin(x), box.max = box.max.cwiseMax(x);
+    return box;
+  }
+  bool empty() const { return (min.array() > max.array()).any(); }
+  bool has(const Vector<D>& x) const { return (x.array() >= min.array()).all() && (x.array() <= max.array()).all(); }
+  bool has(const Bounds& other) const { return other.empty() || (has(other.min) && has(other.max)); }
+  /// By so much on all sides [m]; what is empty stays so.
+  Bounds grown(double margin) const { return empty() ? nowhere() : Bounds{min.array() - margin, max.array() + margin}; }
 };
+
+/// Whether x lies in one of them.
+template <int D>
+bool lies_in_any(const std::vector<Bounds<D>>& boxes, const Vector<D>& x) {
+  return std::any_of(boxes.begin(), boxes.end(), [&](const Bounds<D>& box) { return box.has(x); });
+}
 
 /// Points on a surface with outward unit normal and the area they stand for. sum(area) = the surface to O(spacing^2).
 template <int D>
@@ -196,6 +219,15 @@ double fitted_spacing(const std::vector<Shape>& shapes, double spacing);
 /// In union and difference only the parts on the final boundary remain; normals point out of the final solid.
 template <int D>
 SurfacePoints<D> sample_surface(const Shape& shape, double spacing);
+
+/// Pieces of about `spacing` of such an edge.
+long surface_pieces(double length, double spacing);
+
+/// Calls visit(position, normal, area, number) for those of the same points whose position lies in one of these boxes, in the same order.
+/// The numbers ascend, and are the same whatever the boxes are.
+template <int D>
+void visit_surface(const Shape& shape, double spacing, const std::vector<Bounds<D>>& boxes,
+                   const std::function<void(const Vector<D>&, const Vector<D>&, double, std::int64_t)>& visit);
 
 /// Distance from surface point x along -normal to where the ray leaves the solid again [m].
 template <int D>

@@ -43,13 +43,23 @@ class Sampler {
   /// `cuts`: of the faces of a ring or a line, over the length of its middle line, from 0 to 1; empty: each face evenly.
   Sampler(const Shape& shape, double spacing, std::vector<double> cuts = {})
       : shape_(shape), spacing_(spacing), bounds_(bounding_box<D>(shape)), cuts_(std::move(cuts)) {
-    collect(shape, 1.0, leaves_);
-    for (current_ = 0; current_ < leaves_.size(); ++current_) sample(*leaves_[current_].shape);
+    sample_leaves();
+  }
+  using Visit = std::function<void(const Vector<D>&, const Vector<D>&, double, std::int64_t)>;
+  /// Points in these boxes alone, which are visited and not kept.
+  Sampler(const Shape& shape, double spacing, const std::vector<Bounds<D>>& boxes, const Visit& visit)
+      : shape_(shape), spacing_(spacing), bounds_(bounding_box<D>(shape)), boxes_(&boxes), visit_(&visit) {
+    sample_leaves();
   }
   SurfacePoints<D> points;
 
  private:
-  long count(double length) const { return std::max(1L, std::lround(length / spacing_)); }
+  void sample_leaves() {
+    collect(shape_, 1.0, leaves_);
+    for (current_ = 0; current_ < leaves_.size(); ++current_) sample(*leaves_[current_].shape);
+  }
+
+  long count(double length) const { return surface_pieces(length, spacing_); }
 
   bool on_final_boundary(const SurfacePoint<D>& p) const {
     if (leaves_.size() == 1) return true;
@@ -65,7 +75,36 @@ class Sampler {
     return true;
   }
 
+  /// Whether a box may ask for a piece of a row, of which these are the first one, one in the middle, and the last. `width`: of the row.
+  bool any_box_near(const Vector<D>& first, const Vector<D>& middle, const Vector<D>& last, double width) const {
+    const double reach = 2 * std::max((first - middle).norm(), (last - middle).norm()) + 2 * spacing_ + width;
+    return std::any_of(boxes_->begin(), boxes_->end(),
+                       [&](const Bounds<D>& box) { return (box.min - middle).cwiseMax(middle - box.max).maxCoeff() < reach; });
+  }
+
+  /// Calls visit(i) for the pieces 0 .. n - 1 of a row, but for many that are not asked for. `place`: of the middle of one; `of_each`:
+  /// points that it has at most.
+  template <class Place, class Visit>
+  void for_asked_pieces(long n, long of_each, double width, Place&& place, Visit&& visit) {
+    constexpr long together = 64;
+    const std::int64_t first_number = next_number_;
+    for (long first = 0; first < n; first += together) {
+      const long last = std::min(n, first + together);
+      if (boxes_ != nullptr && !any_box_near(place(first), place((first + last - 1) / 2), place(last - 1), width)) continue;
+      for (long i = first; i < last; ++i) {
+        next_number_ = first_number + of_each * i;
+        visit(i);
+      }
+    }
+    next_number_ = first_number + of_each * n;
+  }
+
   void add(SurfacePoint<D> p, double area) {
+    if (boxes_ != nullptr) {
+      const std::int64_t number = next_number_++;
+      if (lies_in_any(*boxes_, p.position)) (*visit_)(p.position, p.normal, area, number);
+      return;
+    }
     points.position.push_back(p.position);
     points.normal.push_back(p.normal);
     points.area.push_back(area);
@@ -286,9 +325,12 @@ class Sampler {
     const auto part = [](long i, double u, long pieces) { return (static_cast<double>(i) + u) / static_cast<double>(pieces); };
     const auto add_patches = [&](long rows, long columns, double area, const Patch& face) {
       for (long j = 0; j < columns; ++j)
-        for (long i = 0; i < rows; ++i)
-          add_patch([&](double u, double v) { return face(part(i, u, rows), part(j, v, columns)); },
-                    area / static_cast<double>(rows * columns));
+        for_asked_pieces(
+            rows, 1, 0, [&](long i) { return face(part(i, 0.5, rows), part(j, 0.5, columns)).position; },
+            [&](long i) {
+              add_patch([&](double u, double v) { return face(part(i, u, rows), part(j, v, columns)); },
+                        area / static_cast<double>(rows * columns));
+            });
     };
     for (const double side : {1.0, -1.0}) {
       const double r = side > 0 ? outer : inner;
@@ -323,11 +365,14 @@ class Sampler {
     for (long j = 0; j < pieces[1]; ++j) {
       const Vector<2> below(0, low[1] + static_cast<double>(j) * step[1]), above = below + Vector<2>(0, step[1]);
       const Outline row = cut(cut(outline, below, Vector<2>(0, -1)), above, Vector<2>(0, 1));
-      for (long i = 0; i < pieces[0]; ++i) {
+      const auto middle = [&](long i) {
+        return place(Vector<2>(low[0] + (static_cast<double>(i) + 0.5) * step[0], below[1] + 0.5 * step[1]), 0);
+      };
+      for_asked_pieces(pieces[0], 2, leaf.thickness, middle, [&](long i) {
         const Vector<2> left(low[0] + static_cast<double>(i) * step[0], 0), right = left + Vector<2>(step[0], 0);
         const PlaneArea piece = area_of(cut(cut(row, left, Vector<2>(-1, 0)), right, Vector<2>(1, 0)));
         const double whole = step[0] * step[1];
-        if (piece.area <= 1e-9 * whole) continue;
+        if (piece.area <= 1e-9 * whole) return;
         for (const double side : {1.0, -1.0}) {
           const Patch square = [&](double u, double v) {
             return SurfacePoint<D>{place(Vector<2>(left[0] + u * step[0], below[1] + v * step[1]), 0.5 * side * leaf.thickness),
@@ -340,7 +385,7 @@ class Sampler {
           else
             add_samples(square, whole);
         }
-      }
+      });
     }
     const long across = count(leaf.thickness);
     for (std::size_t k = 0; k < outline.size(); ++k) {
@@ -403,8 +448,11 @@ class Sampler {
       const auto [first_j, last_j] = range(f, df, m);
       for (const bool upper : {false, true}) {
         for (long j = first_j; j < last_j; ++j) {
-          for (long i = first_i; i < last_i; ++i) {
-            const Patch patch = [&](double u, double v) {
+          const std::int64_t first_of_row = next_number_;
+          const auto [from_i, to_i] = asked_of_row(leaf, d, upper, de, df, j, first_i, last_i);
+          for (long i = from_i; i < to_i; ++i) {
+            next_number_ = first_of_row + (i - first_i);
+            const auto patch = [&](double u, double v) {
               SurfacePoint<D> p;
               p.normal.setZero();
               p.normal[d] = upper ? 1.0 : -1.0;
@@ -413,11 +461,30 @@ class Sampler {
               p.position[f] = leaf.min[f] + (static_cast<double>(j) + v) * df;
               return p;
             };
-            add_patch(patch, de * df);
+            leaves_.size() == 1 ? add(patch(0.5, 0.5), de * df) : add_patch(patch, de * df);
           }
+          next_number_ = first_of_row + (last_i - first_i);
         }
       }
     }
+  }
+
+  /// Of the pieces first .. last - 1 of row j of a side of a box those that may have a point that is asked for: from .. to - 1. The point
+  /// of a piece that is kept in part lies within the piece.
+  std::pair<long, long> asked_of_row(const Shape& leaf, int d, bool upper, double de, double df, long j, long first, long last) const {
+    if (boxes_ == nullptr) return {first, last};
+    const int e = (d + 1) % D, f = (d + 2) % D;
+    const double at = upper ? leaf.max[d] : leaf.min[d], across = leaf.min[f] + (static_cast<double>(j) + 0.5) * df;
+    double low = 1e300, high = -1e300;
+    for (const Bounds<D>& box : *boxes_) {
+      if (box.empty() || at < box.min[d] || at > box.max[d] || across < box.min[f] - df || across > box.max[f] + df) continue;
+      low = std::min(low, box.min[e]), high = std::max(high, box.max[e]);
+    }
+    if (low > high) return {first, first};
+    const auto piece = [&](double x) {
+      return static_cast<long>(std::clamp((x - leaf.min[e]) / de, static_cast<double>(first), static_cast<double>(last)));
+    };
+    return {std::max(first, piece(low) - 1), std::min(last, piece(high) + 2)};
   }
 
   void sample_ball(const Shape& leaf) {
@@ -441,8 +508,8 @@ class Sampler {
         const double north = -std::cos(std::numbers::pi * static_cast<double>(band + 1) / static_cast<double>(bands));
         const double middle = std::sqrt(1 - 0.25 * (south + north) * (south + north));
         const long n = std::max(3L, count(2 * std::numbers::pi * r * middle));
-        for (long i = 0; i < n; ++i) {
-          const Patch patch = [&](double u, double v) {
+        const auto patch_at = [&](long i) -> Patch {
+          return [&, i](double u, double v) {
             const double height = south + v * (north - south);
             const double angle = 2 * std::numbers::pi * (static_cast<double>(i) + u) / static_cast<double>(n);
             const double circle = std::sqrt(std::max(0.0, 1 - height * height));
@@ -451,8 +518,10 @@ class Sampler {
             p.position = Vector<D>(leaf.center[0], leaf.center[1], leaf.center[2]) + r * p.normal;
             return p;
           };
-          add_patch(patch, 2 * std::numbers::pi * r * r * (north - south) / static_cast<double>(n));
-        }
+        };
+        for_asked_pieces(
+            n, 1, 0, [&](long i) { return patch_at(i)(0.5, 0.5).position; },
+            [&](long i) { add_patch(patch_at(i), 2 * std::numbers::pi * r * r * (north - south) / static_cast<double>(n)); });
       }
     }
   }
@@ -463,6 +532,9 @@ class Sampler {
   std::vector<double> cuts_;
   std::vector<Leaf> leaves_;
   std::size_t current_ = 0;
+  const std::vector<Bounds<D>>* boxes_ = nullptr;  ///< none: all points are kept
+  const Visit* visit_ = nullptr;
+  std::int64_t next_number_ = 0;
 };
 
 /// Where the particles of a curved shell end, over the whole length of its middle line, and parts of about `spacing` of each.
@@ -488,6 +560,8 @@ std::vector<double> cuts_of(const MidSurface<2>& surface, double length, double 
 
 }  // namespace
 
+long surface_pieces(double length, double spacing) { return std::max(1L, std::lround(length / spacing)); }
+
 template <int D>
 SurfacePoints<D> sample_shell_surface(const StructureBody& body, double spacing) {
   if constexpr (D == 2) {
@@ -511,5 +585,16 @@ SurfacePoints<D> sample_surface(const Shape& shape, double spacing) {
 
 template SurfacePoints<2> sample_surface<2>(const Shape&, double);
 template SurfacePoints<3> sample_surface<3>(const Shape&, double);
+
+template <int D>
+void visit_surface(const Shape& shape, double spacing, const std::vector<Bounds<D>>& boxes,
+                   const std::function<void(const Vector<D>&, const Vector<D>&, double, std::int64_t)>& visit) {
+  Sampler<D>(shape, spacing, boxes, visit);
+}
+
+template void visit_surface<2>(const Shape&, double, const std::vector<Bounds<2>>&,
+                               const std::function<void(const Vector<2>&, const Vector<2>&, double, std::int64_t)>&);
+template void visit_surface<3>(const Shape&, double, const std::vector<Bounds<3>>&,
+                               const std::function<void(const Vector<3>&, const Vector<3>&, double, std::int64_t)>&);
 
 }  // namespace tern

@@ -21,8 +21,10 @@ class CellGrid {
  public:
   /// Cells of width `width` covering the box [min, max]; points outside belong to the nearest cell. Throws NumericalFailure
   /// when that takes more than a hundred million of them: something has been flung far off.
-  void reset(const Vector<D>& min, const Vector<D>& max, double width) {
-    origin_ = min;
+  void reset(const Vector<D>& min, const Vector<D>& max, double width) { reset(min, min, max, width); }
+  /// The same cells as if they began at `origin`, which is nowhere above `min`.
+  void reset(const Vector<D>& origin, const Vector<D>& min, const Vector<D>& max, double width) {
+    origin_ = origin;
     inverse_width_ = 1 / width;
     double cells = 1;
     for (int c = 0; c < D; ++c) cells *= 1 + (max[c] - min[c]) * inverse_width_;
@@ -33,7 +35,8 @@ class CellGrid {
           (max - min).norm(), width));
     count_ = 1;
     for (int c = 0; c < D; ++c) {
-      size_[c] = std::max(1, static_cast<int>(std::floor((max[c] - min[c]) * inverse_width_)) + 1);
+      first_[c] = static_cast<int>(std::floor((min[c] - origin[c]) * inverse_width_));
+      size_[c] = std::max(1, static_cast<int>(std::floor((max[c] - origin[c]) * inverse_width_)) - first_[c] + 1);
       count_ *= size_[c];
     }
   }
@@ -45,7 +48,8 @@ class CellGrid {
 
   std::array<int, D> coordinates(const Vector<D>& x) const {
     std::array<int, D> cell;
-    for (int c = 0; c < D; ++c) cell[c] = std::clamp(static_cast<int>(std::floor((x[c] - origin_[c]) * inverse_width_)), 0, size_[c] - 1);
+    for (int c = 0; c < D; ++c)
+      cell[c] = std::clamp(static_cast<int>(std::floor((x[c] - origin_[c]) * inverse_width_)) - first_[c], 0, size_[c] - 1);
     return cell;
   }
 
@@ -73,7 +77,7 @@ class CellGrid {
  private:
   Vector<D> origin_ = Vector<D>::Zero();
   double inverse_width_ = 1;
-  std::array<int, D> size_{};
+  std::array<int, D> size_{}, first_{};
   int count_ = 1;
 };
 

@@ -73,7 +73,8 @@ class FaceFinder {
  public:
   double support() const { return support_; }
 
-  void fill(const Faces<D>& faces, double support) {
+  /// `lowest`: where `faces` are some of others, the lowest coordinates of all, in whose order these are found then.
+  void fill(const Faces<D>& faces, double support, const Vector<D>* lowest = nullptr) {
     support_ = support;
     contents_.order.clear();  // of the faces before
     if (faces.size() == 0) return;
@@ -84,7 +85,7 @@ class FaceFinder {
     }
     min_ = min.array() - support;
     max_ = max.array() + support;
-    grid_.reset(min, max, support);
+    grid_.reset(lowest == nullptr ? min : *lowest, min, max, support);
     contents_.template fill<D>(grid_, faces.position);
     limit2_ = near_limit2<D>(support, (max_ - min_).maxCoeff());
     near2_ = surely_near_limit2<D>(support, (max_ - min_).maxCoeff());

@@ -8,8 +8,8 @@
 namespace tern::fluid {
 
 template <int D>
-Boundary<D>::Boundary(const Case& scene, const Constants<D>& constants)
-    : walls(scene, constants.spacing, constants.faces.support()), space_before_walls(walls.faces().size(), -1) {
+Boundary<D>::Boundary(const Case& scene, const Constants<D>& constants, bool whole)
+    : walls(scene, constants.spacing, constants.faces.support(), whole), space_before_walls(walls.faces().size(), -1) {
   wall_finder.fill(walls.faces(), constants.faces.support());
 }
 

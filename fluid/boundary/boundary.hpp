@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "fluid/boundary/boundary_sums.hpp"
+#include "fluid/boundary/held_walls.hpp"
 #include "fluid/boundary/wall_clipping.hpp"
 #include "fluid/boundary/walls.hpp"
 #include "fluid/neighbours.hpp"
@@ -18,15 +19,18 @@ namespace tern::fluid {
 
 template <int D>
 struct Boundary {
-  Boundary(const Case& scene, const Constants<D>& constants);
+  /// `whole`: with all patches of all walls, as in one process.
+  Boundary(const Case& scene, const Constants<D>& constants, bool whole = true);
 
   Walls<D> walls;                           ///< as they are without a structure
+  HeldWalls<D> held;                        ///< which patches of them there are, where there are several ranks
   FaceFinder<D> wall_finder;                ///< of these
   std::vector<double> space_before_walls;   ///< per patch, negative: not known (wetness.hpp)
   ClippedWalls<D> clipped_walls;            ///< as the structure leaves them
   FaceRows wall_rows;                       ///< by particle
   Halo patches;                             ///< of the walls, where there are several ranks (patches_of_ranks.hpp)
-  std::int64_t cuts_of_patches = -1;        ///< of space, as of which these are
+  std::int64_t cuts_of_patches = -1;        ///< of space, as of which these are, ...
+  std::int64_t changes_of_patches = -1;     ///< ... and of what ranks hold
   Faces<D> surface;                         ///< of the structure
   FaceFinder<D> surface_finder;             ///< of it
   std::vector<std::uint8_t> covered_faces;  ///< of the surface: they stand at a wall

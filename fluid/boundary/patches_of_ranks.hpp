@@ -6,9 +6,10 @@
 
 namespace tern::fluid {
 
-/// How far a patch is wet is a sum over the particles of all ranks around it. It belongs to the rank in whose part it lies, and all ranks
-/// have a copy whose particles may see it or count the dry patches around what they see. Everyone knows both from the cuts alone. To be
-/// called in each window: does nothing until space is cut anew or walls have moved.
+/// How far a patch is wet is a sum over the particles of all ranks around it. Those have a copy of the sum that hold the patch and whose
+/// particles may see it or count the dry patches around what they see. It belongs to the one of them in whose part it lies, or else to the
+/// first. Everyone knows all this from the cuts and the boxes of what ranks hold. To be called in each window: does nothing until one of
+/// these is another, or walls have moved.
 template <int D>
 void share_patches(const Domain<D>& domain, const Constants<D>& constants, const Period<D>& period, Boundary<D>& boundary);
 

@@ -5,7 +5,6 @@
 
 #include "fluid/boundary/boundary.hpp"
 #include "fluid/boundary/line_of_sight.hpp"
-#include "fluid/boundary/patch_runs.hpp"
 
 namespace tern::fluid {
 namespace {
@@ -69,6 +68,21 @@ View look(const Walls<3>& walls, const Box& structure, double support, double bl
   view.share = std::clamp(slack / blend, 0.0, 1.0);
   if (view.share == 0) view.plane = -1;
   return view;
+}
+
+/// The patches of a plane wall that particles in this box fill, or count as dry.
+GridPart part_near(const PlaneWall& plane, double support, const Bounds<3>& particles) {
+  GridPart part;
+  if (particles.empty() || plane.height(plane.side > 0 ? particles.min : particles.max) >= 1.01 * support) return part;
+  for (int c = 0; c < 2; ++c) {
+    // Half a patch and the one in which that ends.
+    const double from = (particles.min[plane.along[c]] - support - plane.low[c]) / plane.step[c] - 1.5;
+    const double to = (particles.max[plane.along[c]] + support - plane.low[c]) / plane.step[c] + 1.5;
+    const double first = plane.held.from[c], last = plane.held.to[c];
+    part.from[c] = static_cast<int>(std::clamp(std::floor(from), first, last));
+    part.to[c] = static_cast<int>(std::clamp(std::ceil(to), first, last));
+  }
+  return part;
 }
 
 void list_patches(const PlaneWall& plane, double support, const Vector<3>& x, std::vector<int>& seen) {
@@ -140,40 +154,46 @@ void leave_dry_planes(const std::vector<Vector<D>>& position, Boundary<D>& bound
     // dry[corner (a, b) of the grid]: of the patches before column a and row b.
     std::vector<int>& dry = boundary.dry_patches;
     std::size_t corners = 0;
-    for (const PlaneWall& plane : planes) corners += static_cast<std::size_t>(plane.count[0] + 1) * (plane.count[1] + 1);
+    const auto width_of = [](const PlaneWall& plane) { return plane.held.to[0] - plane.held.from[0] + 1; };
+    const auto corners_of = [&](const PlaneWall& plane) {
+      return static_cast<std::size_t>(width_of(plane)) * (plane.held.to[1] - plane.held.from[1] + 1);
+    };
+    for (const PlaneWall& plane : planes) corners += corners_of(plane);
     dry.resize(corners);
     std::vector<std::size_t>& first_corner = boundary.first_corner;
     first_corner.clear();
     corners = 0;
-    thread_local std::vector<GridPart> parts;
-    if (boundary.patches.alone())
-      whole_parts(planes, parts);
-    else
-      parts_near(planes, support, position, rows.plane.size(), parts);
+    const Bounds<3> particles =
+        boundary.walls.whole() ? Bounds<3>::everywhere() : Bounds<3>::around(std::span(position).first(rows.plane.size()));
     for (std::size_t p = 0; p < planes.size(); ++p) {
       const PlaneWall& plane = planes[p];
-      const auto& [from, to] = parts[p];
+      const auto [from, to] = part_near(plane, support, particles);
       first_corner.push_back(corners);
-      const int width = plane.count[0] + 1;
-      int* const at = dry.data() + corners;
-      std::fill(at + static_cast<std::ptrdiff_t>(from[1]) * width + from[0], at + static_cast<std::ptrdiff_t>(from[1]) * width + to[0] + 1,
-                0);
+      corners += corners_of(plane);
+      if (from[0] >= to[0] || from[1] >= to[1]) continue;
+      const int width = width_of(plane), columns = to[0] - from[0];
+      const auto row_at = [&](int b) {  // its corner (from[0], b)
+        return dry.data() + first_corner.back() + static_cast<std::ptrdiff_t>(b - plane.held.from[1]) * width +
+               (from[0] - plane.held.from[0]);
+      };
+      std::fill(row_at(from[1]), row_at(from[1]) + columns + 1, 0);
       for (int b = from[1] + 1; b <= to[1]; ++b) {
+        const double* const wet = rows.wet.data() + plane.patch(from[0], b - 1);
+        int* const at = row_at(b);
         int of_row = 0;
-        at[b * width + from[0]] = 0;
-        for (int a = from[0] + 1; a <= to[0]; ++a) {
-          const double wet = rows.wet[plane.first + (b - 1) * plane.count[0] + a - 1];
-          of_row += static_cast<int>(whole_patch * (1 - wet));
-          at[b * width + a] = at[(b - 1) * width + a] + of_row;
+        at[0] = 0;
+        for (int a = 1; a <= columns; ++a) {
+          of_row += static_cast<int>(whole_patch * (1 - wet[a - 1]));
+          at[a] = at[a - width] + of_row;
         }
       }
-      corners += static_cast<std::size_t>(width) * (plane.count[1] + 1);
     }
     // Of the patches before these places, counted in patches, with parts of patches.
     const auto dry_before = [&](int p, double row, double column) {
-      const int width = planes[p].count[0] + 1;
-      const int b = std::min(static_cast<int>(row), planes[p].count[1] - 1), a = std::min(static_cast<int>(column), width - 2);
-      const int* const at = dry.data() + first_corner[p] + static_cast<std::ptrdiff_t>(b) * width + a;
+      const GridPart& held = planes[p].held;
+      const int width = width_of(planes[p]);
+      const int b = std::min(static_cast<int>(row), held.to[1] - 1), a = std::min(static_cast<int>(column), held.to[0] - 1);
+      const int* const at = dry.data() + first_corner[p] + static_cast<std::ptrdiff_t>(b - held.from[1]) * width + (a - held.from[0]);
       const double below = at[0] + (column - a) * (at[1] - at[0]), above = at[width] + (column - a) * (at[width + 1] - at[width]);
       return below + (row - b) * (above - below);
     };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tern::fluid {
 namespace {
@@ -21,12 +22,13 @@ bool is_open(const WallCase& wall, int face) { return std::count(wall.open.begin
 /// Calls add(x) for the place x of a patch and its images beyond the ends of the period. A patch on such an end is no face
 /// where the wall continues in its own image, that is, where the shape has as much on the other end.
 template <int D, class Add>
-void add_with_images(const Case& scene, const Shape& shape, const Vector<D>& x, const Vector<D>& normal, double slack, double support,
+void add_with_images(const DomainEnds& ends, const Shape& shape, const Vector<D>& x, const Vector<D>& normal, double slack, double support,
                      Add&& add) {
+  if (!std::count(ends.periodic.begin(), ends.periodic.begin() + D, true)) return add(x);
   std::vector<Vector<D>> places = {x};
   for (int c = 0; c < D; ++c) {
-    if (!scene.periodic[c]) continue;
-    const double low = scene.domain_min[c], high = scene.domain_max[c];
+    if (!ends.periodic[c]) continue;
+    const double low = ends.min[c], high = ends.max[c];
     const Vector<D> period = (high - low) * Vector<D>::Unit(c);
     if (x[c] < low + slack && normal[c] < -0.99 && contains<D>(shape, x + 2 * slack * normal + period)) return;
     if (x[c] > high - slack && normal[c] > 0.99 && contains<D>(shape, x + 2 * slack * normal - period)) return;
@@ -39,71 +41,146 @@ void add_with_images(const Case& scene, const Shape& shape, const Vector<D>& x, 
   for (const Vector<D>& place : places) add(place);
 }
 
+/// Calls visit(place, normal, area, number, image) for the patches of a wall that lie in one of the boxes, and for their images after each.
+template <int D, class Visit>
+void for_each_patch(const WallCase& wall, const DomainEnds& ends, double patch, double support, const std::vector<Bounds<D>>& boxes,
+                    Visit&& visit) {
+  visit_surface<D>(wall.shape, patch, boxes, [&](const Vector<D>& x, const Vector<D>& normal, double area, std::int64_t number) {
+    if (wall.container && wall.shape.kind == Shape::Kind::box && is_open(wall, box_face<D>(normal))) return;
+    bool image = false;
+    add_with_images<D>(ends, wall.shape, x, normal, 0.02 * patch, support, [&](const Vector<D>& place) {
+      visit(place, wall.container ? Vector<D>(-normal) : normal, area, number, std::exchange(image, true));
+    });
+  });
+}
+
 }  // namespace
 
 template <int D>
-Walls<D>::Walls(const Case& scene, double fluid_spacing, double support) {
+Walls<D>::Walls(const Case& scene, double fluid_spacing, double support, bool whole)
+    : patch_(0.5 * fluid_spacing), support_(support), ends_{scene.periodic, scene.domain_min, scene.domain_max}, whole_(whole) {
   for (const WallCase& wall : scene.walls) {
-    const SurfacePoints<D> points = sample_surface<D>(wall.shape, 0.5 * fluid_spacing);
-    Wall<D> entry{wall, faces_.size(), 0, {}, 0, Vector<D>::Zero()};
-    for (std::size_t k = 0; k < points.position.size(); ++k) {
-      if (wall.container && wall.shape.kind == Shape::Kind::box && is_open(wall, box_face<D>(points.normal[k]))) continue;
-      const int original = static_cast<int>(faces_.size());
-      add_with_images<D>(scene, wall.shape, points.position[k], points.normal[k], 0.01 * fluid_spacing, support, [&](const Vector<D>& x) {
-        faces_.position.push_back(x);
-        faces_.velocity.push_back(Vector<D>::Zero());
-        faces_.normal.push_back(wall.container ? Vector<D>(-points.normal[k]) : points.normal[k]);
-        faces_.area.push_back(points.area[k]);
-        faces_.normal_acceleration.push_back(0);
-        faces_.two_sided.push_back(!wall.container);
-        faces_.original.push_back(original);
-        slip_.push_back(wall.slip);
-      });
-    }
-    entry.last = faces_.size();
     moving_ = moving_ || wall.motion.has_value();
     any_two_sided_ = any_two_sided_ || !wall.container;
-    walls_.push_back(std::move(entry));
+    walls_.push_back({wall, 0, 0, {}, 0, Vector<D>::Zero()});
+  }
+  whole_ = whole_ || moving_;
+  if (!moving_ && !std::count(ends_.periodic.begin(), ends_.periodic.begin() + D, true)) find_planes();
+  whole_ ? hold_all() : find_lowest();
+  if (!moving_) return;
+  reference_ = faces_.position;
+  reference_normal_ = faces_.normal;
+}
+
+template <int D>
+void Walls<D>::find_lowest() {
+  for (const Wall<D>& wall : walls_)
+    for_each_patch<D>(wall.scene, ends_, patch_, support_, {Bounds<D>::everywhere()},
+                      [&](const Vector<D>& x, const Vector<D>&, double, std::int64_t, bool) { lowest_ = lowest_.cwiseMin(x); });
+}
+
+template <int D>
+void Walls<D>::hold_all() {
+  hold({Bounds<D>::everywhere()}, Bounds<D>::everywhere());
+}
+
+template <int D>
+Walls<D> Walls<D>::in_whole() const {
+  Walls whole = *this;
+  whole.whole_ = true;
+  whole.hold_all();
+  return whole;
+}
+
+template <int D>
+void Walls<D>::hold(const std::vector<Bounds<D>>& boxes, const Bounds<D>& near) {
+  faces_ = {};
+  slip_.clear();
+  std::vector<std::int64_t> numbers;
+  for (Wall<D>& wall : walls_) {
+    wall.first = faces_.size();
+    int original = 0;
+    for_each_patch<D>(wall.scene, ends_, patch_, support_, boxes,
+                      [&](const Vector<D>& x, const Vector<D>& normal, double area, std::int64_t number, bool image) {
+                        if (!image) original = static_cast<int>(faces_.size());
+                        faces_.position.push_back(x);
+                        faces_.velocity.push_back(Vector<D>::Zero());
+                        faces_.normal.push_back(normal);
+                        faces_.area.push_back(area);
+                        faces_.normal_acceleration.push_back(0);
+                        faces_.two_sided.push_back(!wall.scene.container);
+                        faces_.original.push_back(original);
+                        slip_.push_back(wall.scene.slip);
+                        numbers.push_back(number);
+                      });
+    wall.last = faces_.size();
   }
   for (auto* v : {&faces_.position, &faces_.velocity, &faces_.normal}) v->shrink_to_fit();
   for (auto* v : {&faces_.area, &faces_.normal_acceleration}) v->shrink_to_fit();
-  if (!moving_) {
-    if (!std::count(scene.periodic.begin(), scene.periodic.begin() + D, true)) find_planes();
-    return;
-  }
-  reference_ = faces_.position;
-  reference_normal_ = faces_.normal;
+  hold_planes(near, numbers);
 }
 
 template <int D>
 void Walls<D>::find_planes() {
   if constexpr (D == 3) {
     for (std::size_t w = 0; w < walls_.size(); ++w) {
-      const auto& [scene, begin, end, place, turn_rate, shift_rate] = walls_[w];
+      const WallCase& scene = walls_[w].scene;
       if (!scene.container || scene.shape.kind != Shape::Kind::box) {
         not_plane_.push_back(static_cast<int>(w));
         continue;
       }
-      for (std::size_t k = begin; k < end;) {  // a side; its patches have one normal
-        PlaneWall plane;
-        faces_.normal[k].cwiseAbs().maxCoeff(&plane.axis);
-        plane.side = faces_.normal[k][plane.axis];
-        plane.place = faces_.position[k][plane.axis];
-        plane.along = {(plane.axis + 1) % D, (plane.axis + 2) % D};
-        plane.first = static_cast<int>(k);
-        while (k < end && faces_.normal[k] == faces_.normal[plane.first]) ++k;
-        plane.count[0] = 0;
-        while (plane.first + plane.count[0] < static_cast<int>(k) &&
-               faces_.position[plane.first + plane.count[0]][plane.along[1]] == faces_.position[plane.first][plane.along[1]])
-          ++plane.count[0];
-        plane.count[1] = (static_cast<int>(k) - plane.first) / plane.count[0];
-        for (int c = 0; c < 2; ++c) {
-          plane.low[c] = scene.shape.min[plane.along[c]];
-          plane.high[c] = scene.shape.max[plane.along[c]];
-          plane.step[c] = (plane.high[c] - plane.low[c]) / plane.count[c];
+      const Vector<D> low(scene.shape.min.data()), high(scene.shape.max.data());
+      std::int64_t number = 0;
+      for (int axis = 0; axis < D; ++axis)
+        for (const bool upper : {false, true}) {
+          PlaneWall plane;
+          plane.axis = axis;
+          plane.side = upper ? -1 : 1;
+          plane.place = upper ? high[axis] : low[axis];
+          plane.along = {(axis + 1) % D, (axis + 2) % D};
+          for (int c = 0; c < 2; ++c) {
+            plane.low[c] = low[plane.along[c]];
+            plane.high[c] = high[plane.along[c]];
+            plane.count[c] = static_cast<int>(surface_pieces(plane.high[c] - plane.low[c], patch_));
+            plane.step[c] = (plane.high[c] - plane.low[c]) / plane.count[c];
+          }
+          if (!is_open(scene, 2 * axis + (upper ? 1 : 0))) {
+            planes_.push_back(plane);
+            sides_.push_back({w, number});
+          }
+          number += static_cast<std::int64_t>(plane.count[0]) * plane.count[1];
         }
-        planes_.push_back(plane);
-      }
+    }
+  }
+}
+
+template <int D>
+void Walls<D>::hold_planes(const Bounds<D>& near, const std::vector<std::int64_t>& numbers) {
+  if constexpr (D == 3) {
+    for (std::size_t p = 0; p < planes_.size(); ++p) {
+      PlaneWall& plane = planes_[p];
+      const Wall<D>& wall = walls_[sides_[p].wall];
+      const std::int64_t columns = plane.count[0], end_of_side = sides_[p].first + columns * plane.count[1];
+      const auto place_of = [&](std::int64_t number) {
+        const auto from = numbers.begin() + static_cast<std::ptrdiff_t>(wall.first),
+                   to = numbers.begin() + static_cast<std::ptrdiff_t>(wall.last);
+        return static_cast<int>(std::lower_bound(from, to, number) - numbers.begin());
+      };
+      const int first = place_of(sides_[p].first), last = place_of(end_of_side);
+      const auto for_each_near = [&](auto&& visit) {  // the others are held for another box
+        for (int k = first; k < last; ++k)
+          if (near.has(faces_.position[k]))
+            visit(k, static_cast<int>((numbers[k] - sides_[p].first) % columns),
+                  static_cast<int>((numbers[k] - sides_[p].first) / columns));
+      };
+      plane.held = {plane.count, {0, 0}};
+      for_each_near([&](int, int column, int row) {
+        plane.held.from = {std::min(plane.held.from[0], column), std::min(plane.held.from[1], row)};
+        plane.held.to = {std::max(plane.held.to[0], column + 1), std::max(plane.held.to[1], row + 1)};
+      });
+      if (plane.held.to[1] == 0) plane.held = {};
+      plane.row.assign(static_cast<std::size_t>(plane.held.to[1] - plane.held.from[1]), 0);
+      for_each_near([&](int k, int column, int row) { plane.row[row - plane.held.from[1]] = k - column; });
     }
   }
 }

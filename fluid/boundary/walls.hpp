@@ -1,11 +1,14 @@
 #pragma once
 // Rigid walls as face patches: the insides of containers, the outsides of obstacles, fixed or moved as rigid bodies.
 
+#include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "fluid/boundary/plane_walls.hpp"
 #include "scene/case_file.hpp"
+#include "scene/geometry.hpp"
 #include "sph/faces.hpp"
 
 namespace tern::fluid {
@@ -26,12 +29,29 @@ struct Wall {
   }
 };
 
+/// Of the domain of a case: where it ends, and whether it repeats itself there.
+struct DomainEnds {
+  std::array<bool, 3> periodic;
+  std::array<double, 3> min, max;
+};
+
 template <int D>
 class Walls {
  public:
   /// Patches of half a fluid spacing. Those that an elastic body covers are patches too: it may leave. In a periodic direction the
-  /// patches nearer to the end of the period than `support` have images beyond it.
-  Walls(const Case& scene, double fluid_spacing, double support);
+  /// patches nearer to the end of the period than `support` have images beyond it. `whole`: with all patches; where walls move they are
+  /// always there, and else there are none until hold().
+  Walls(const Case& scene, double fluid_spacing, double support, bool whole = true);
+
+  /// All patches are here.
+  bool whole() const { return whole_; }
+  /// Of walls that are not whole: from now on those patches that lie in one of these boxes, each with its images, in the order of all.
+  /// Of the grid of a plane wall only those in the box `near` can be found by their place, which is one of the boxes.
+  void hold(const std::vector<Bounds<D>>& boxes, const Bounds<D>& near);
+  /// The same walls with all patches.
+  Walls in_whole() const;
+  /// The lowest coordinates of all patches, where these walls are not whole.
+  const Vector<D>* lowest() const { return whole_ ? nullptr : &lowest_; }
 
   const Faces<D>& faces() const { return faces_; }
   bool moving() const { return moving_; }
@@ -55,13 +75,26 @@ class Walls {
   double move_over(double begin, double duration, std::vector<Vector<D>>& velocity);
 
  private:
+  void find_lowest();
+  void hold_all();
   void find_planes();
+  /// `numbers`: of the patches, each in its wall (visit_surface()).
+  void hold_planes(const Bounds<D>& near, const std::vector<std::int64_t>& numbers);
 
+  double patch_, support_;  ///< [m]
+  DomainEnds ends_;
+  bool whole_;
+  Vector<D> lowest_ = Vector<D>::Constant(1e300);
   std::vector<Wall<D>> walls_;
   std::vector<Vector<D>> reference_, reference_normal_;  ///< of walls that move; empty: none does
   std::vector<std::uint8_t> slip_;
   std::vector<PlaneWall> planes_;
   std::vector<int> not_plane_;
+  struct Side {
+    std::size_t wall;
+    std::int64_t first;  ///< number of its first patch
+  };
+  std::vector<Side> sides_;  ///< of each plane
   Faces<D> faces_;
   bool moving_ = false, any_two_sided_ = false;
 };

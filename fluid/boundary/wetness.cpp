@@ -7,7 +7,6 @@
 #include <omp.h>
 
 #include "base/parallel.hpp"
-#include "fluid/boundary/patch_runs.hpp"
 #include "sph/wet_share.hpp"
 
 namespace tern::fluid {
@@ -29,42 +28,12 @@ inline void fill_row(const Constants<3>& constants, double scale, double step, d
   }
 }
 
-/// Patches first .. last - 1.
-struct Run {
-  std::ptrdiff_t first, last;
-};
-
-/// What all threads of all ranks have filled, as the part of the first thread. `runs`: the patches that own particles fill.
-void add_up_over_ranks(const Halo& patches, const std::vector<Run>& runs, std::vector<std::vector<std::int64_t>>& filled) {
+/// What all threads of all ranks have filled, as the part of the first thread.
+void add_up_over_ranks(const Halo& patches, std::vector<std::vector<std::int64_t>>& filled) {
   for (std::size_t thread = 1; thread < filled.size(); ++thread)
-    for (const Run& run : runs)
-      for (std::ptrdiff_t k = run.first; k < run.last; ++k) filled[0][k] += std::exchange(filled[thread][k], 0);
+    for (std::size_t k = 0; k < filled[0].size(); ++k) filled[0][k] += std::exchange(filled[thread][k], 0);
   patches.collect(filled[0], [](std::int64_t& own, std::int64_t other) { own += other; });
   patches.update(filled[0]);
-}
-
-/// All patches; where there are several ranks, of plane walls only those near the own particles, row by row.
-template <int D>
-void set_runs(const Constants<D>& constants, const Halo& patches, const std::vector<Vector<D>>& position, std::ptrdiff_t own,
-              const std::vector<PlaneWall>& planes, std::ptrdiff_t count, std::vector<Run>& runs) {
-  runs.assign(1, {0, count});
-  if constexpr (D == 3) {
-    if (patches.alone() || planes.empty()) return;
-    thread_local std::vector<GridPart> parts;
-    parts_near(planes, constants.faces.support(), position, static_cast<std::size_t>(own), parts);
-    runs.clear();
-    std::ptrdiff_t next = 0;  // planes are numbered in their order
-    for (std::size_t p = 0; p < planes.size(); ++p) {
-      const PlaneWall& plane = planes[p];
-      if (next < plane.first) runs.push_back({next, plane.first});
-      for (int row = parts[p].from[1]; row < parts[p].to[1]; ++row) {
-        const std::ptrdiff_t begin = plane.first + static_cast<std::ptrdiff_t>(row) * plane.count[0];
-        runs.push_back({begin + parts[p].from[0], begin + parts[p].to[0]});
-      }
-      next = plane.first + static_cast<std::ptrdiff_t>(plane.count[0]) * plane.count[1];
-    }
-    if (next < count) runs.push_back({next, count});
-  }
 }
 
 /// A point just in front of a face, so that the face's own half space counts as hidden.
@@ -98,9 +67,6 @@ void leave_out_dry_walls(const Constants<D>& constants, const Halo& patches, con
   const double scale = constants.volume / filled_unit;
   wall_rows.wet.resize(walls.size());
   wall_rows.filled.resize(threads);
-  thread_local std::vector<Run> kept;
-  std::vector<Run>& runs = kept;  // of the calling thread
-  set_runs(constants, patches, position, n, planes, count, runs);
   wall_rows.seen.resize(threads);
 #pragma omp parallel num_threads(threads)
   {
@@ -124,28 +90,25 @@ void leave_out_dry_walls(const Constants<D>& constants, const Halo& patches, con
     }
     if (!patches.alone()) {
 #pragma omp master
-      add_up_over_ranks(patches, runs, wall_rows.filled);
+      add_up_over_ranks(patches, wall_rows.filled);
 #pragma omp barrier
     }
-    for (const Run& run : runs)
 #pragma omp for schedule(static)
-      for (std::ptrdiff_t k = run.first; k < run.last; ++k) {
-        std::int64_t sum = 0;
-        for (auto& part : wall_rows.filled) sum += std::exchange(part[k], 0);
-        wall_rows.wet[k] = 0;
-        if (sum == 0) continue;
-        const Vector<D> x = just_before(constants, walls, k);
-        std::vector<int>& seen = wall_rows.seen[omp_get_thread_num()];
-        if (space[k] < 0)
-          space[k] = std::max(0.0, constants.lattice.density -
-                                       hidden_density(constants, whole_walls, wall_finder, just_before(constants, whole_walls, k), seen));
-        const double hidden = hidden_density(constants, structure, structure_finder, x, seen);
-        wall_rows.wet[k] = wet_share(filled_unit * static_cast<double>(sum) / std::max(space[k] - hidden, 0.02));
-      }
+    for (std::ptrdiff_t k = 0; k < count; ++k) {
+      std::int64_t sum = 0;
+      for (auto& part : wall_rows.filled) sum += std::exchange(part[k], 0);
+      wall_rows.wet[k] = 0;
+      if (sum == 0) continue;
+      const Vector<D> x = just_before(constants, walls, k);
+      std::vector<int>& seen = wall_rows.seen[omp_get_thread_num()];
+      if (space[k] < 0)
+        space[k] = std::max(0.0, constants.lattice.density -
+                                     hidden_density(constants, whole_walls, wall_finder, just_before(constants, whole_walls, k), seen));
+      const double hidden = hidden_density(constants, structure, structure_finder, x, seen);
+      wall_rows.wet[k] = wet_share(filled_unit * static_cast<double>(sum) / std::max(space[k] - hidden, 0.02));
+    }
   }
-  patches.for_each_place([&](int k) { wall_rows.filled[0][k] = 0; });  // some are filled by other ranks alone
-  for (const Run& run : runs)                                          // an image comes after its original
-    for (std::ptrdiff_t k = run.first; k < run.last; ++k) wall_rows.wet[k] = wall_rows.wet[walls.original[k]];
+  for (std::ptrdiff_t k = 0; k < count; ++k) wall_rows.wet[k] = wall_rows.wet[walls.original[k]];  // an image comes after its original
 }
 
 template <int D>

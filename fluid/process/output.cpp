@@ -58,7 +58,7 @@ void write_frame(const Fluid<D>& fluid, FrameWriter& frames, long step) {
     else
       frames.integer(name, std::span<const std::uint32_t>(numbers(sorted(values))));
   });
-  const std::vector<Vector<D>> places = wall_places(fluid.walls().all(), seconds(state.time));
+  const std::vector<Vector<D>> places = wall_places(fluid.boundary().walls.all(), seconds(state.time));
   if (!places.empty()) frames.side_vector<D>("wall_place", "m", places);
   frames.end();
 }

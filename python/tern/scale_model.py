@@ -14,10 +14,13 @@ from tern.errors import BAD_INPUT, Error
 
 COARSEST = 150  # nodes of the multigrid's last grid at most, as in fluid/pressure/multigrid.cpp
 SUPPORT = 3     # of the kernel, in spacings
-PARTS = ("own particles", "ghosts", "whole grids", "patches of walls", "messages", "bytes", "sums over all", "cuts", "imbalance")
+PARTS = ("own particles", "ghosts", "whole grids", "messages", "bytes", "sums over all", "cuts", "imbalance")
 PROCESS_BYTES = 30e6  # of a rank without particles, as scene/estimate.cpp has it
 PARTICLE_BYTES = {2: 2000, 3: 6000}
 GHOST_BYTES = 300  # assumed
+# Patches of walls that a rank holds: of half a spacing, up to 11 spacings beyond its particles (fluid/boundary/held_walls.cpp).
+PATCH_BYTES = 200  # from the memory of 8 ranks with all patches and with their own (docs/SCALE.md)
+PATCHES_BEYOND = 11
 
 
 @dataclass(frozen=True)
@@ -28,8 +31,6 @@ class Fluid:
     particle_s: float   # CPU for a particle, in one process
     ghost_s: float      # for a copy of a particle, with the nodes around it
     node_s: float       # for a node of a grid that every rank has
-    patch_s: float      # for a patch of a wall that every rank sets to zero
-    patches: float      # such patches over the particles to the power of (D - 1)/D
     ghost_bytes: float  # of a ghost in each exchange, in the mean
 
     @property
@@ -44,7 +45,7 @@ class Fluid:
     @property
     def sums(self):
         """Over all ranks, without those of further divided grids."""
-        return 18 + 4 * self.iterations
+        return 19.3 + 4 * self.iterations
 
 
 OTHER_EXCHANGES, SUMS_PER_GRID = 2, 3
@@ -54,11 +55,9 @@ COMPARED_S = 1.5e-9  # a particle with a cut
 
 # Iterations, bytes: bench/scale_model.py --count 8. CPU of a particle: bench/fluid_cpu.py (docs/SPEED.md). CPU of a ghost: docs/SCALE.md.
 # CPU of a node: what multigrid and conjugate gradients take of a step (docs/SPEED.md), over the nodes of the finest grid.
-# Patches: of dam_break_front; a patch is eight bytes to be set to zero. In 3D a rank sets those of a tank that are near to it alone, which
-# the CPU of its particles has.
 MEASURED = {
-    2: Fluid(2, 3.9, 0.95e-6, 0.2e-6, 0.34e-6, 0.5e-9, 20, 12),
-    3: Fluid(3, 5.2, 4.4e-6, 0.9e-6, 3.2e-6, 0.5e-9, 0, 15),
+    2: Fluid(2, 3.9, 0.95e-6, 0.2e-6, 0.34e-6, 12),
+    3: Fluid(3, 5.2, 4.4e-6, 0.9e-6, 3.2e-6, 15),
 }
 
 
@@ -118,7 +117,6 @@ def costs(fluid, cluster, ranks, particles):
     parts |= {
         "ghosts": fluid.ghost_s * ghosts,
         "whole grids": fluid.node_s * whole * 2 ** D / (2 ** D - 1),
-        "patches of walls": fluid.patch_s * fluid.patches * (ranks * particles) ** ((D - 1) / D),
         "messages": exchanges * (cluster.latency_s + 2 * cluster.message_s * peers),
         "bytes": sent * seconds_of_byte,
         "sums over all": sums * sum_s,
@@ -137,6 +135,8 @@ def memory(dimension, ranks, particles):
     held = PROCESS_BYTES + PARTICLE_BYTES[dimension] * particles
     if ranks > 1:
         held += GHOST_BYTES * around(particles, ranks, dimension, SUPPORT)
+        side = particles ** (1 / dimension) + 2 * PATCHES_BEYOND  # in a corner of a tank, where they are most
+        held += PATCH_BYTES * dimension * (2 * side) ** (dimension - 1)
     return held
 
 
@@ -176,14 +176,14 @@ def text(expected, ranks, cluster):
     others = (expected["structure_cpu_s"] + expected["coupler_cpu_s"]) / steps
     network = f"latency {1e6 * cluster.latency_s:.3g} us, {cluster.machine_bytes_per_s / 1e9:.3g} GB/s"
     lines = [f"In {ranks} ranks, on machines of {cluster.cores} cores, {network} (a model, docs/SCALE.md)",
-             "  ranks  particles     ghosts  fluid's step  ghosts' work  exchanges  sums  grids, walls  efficiency  memory of a rank"]
+             "  ranks  particles     ghosts  fluid's step  ghosts' work  exchanges  sums  whole grids  efficiency  memory of a rank"]
     seconds = []
     for n in sorted({*(2**k for k in range(ranks.bit_length()) if 2**k < ranks), ranks}):
         own = particles / n
         parts = costs(fluid, cluster, n, own)
         seconds.append(sum(parts.values()))
         share = [f"{100 * sum(parts[part] for part in of) / seconds[-1]:3.0f} %" for of in
-                 (("ghosts",), ("messages", "bytes"), ("sums over all", "cuts"), ("whole grids", "patches of walls"))]
+                 (("ghosts",), ("messages", "bytes"), ("sums over all", "cuts"), ("whole grids",))]
         ghosts = around(own, n, dimension, SUPPORT)
         lines.append(f"  {n:5}  {own:9.0f}  {ghosts:9.0f}  {_seconds(seconds[-1]):>12}  {share[0]:>12}  {share[1]:>9}  {share[2]}  "
                      f"{share[3]:>12}  {100 * parts['own particles'] / seconds[-1]:8.0f} %  {_size(memory(dimension, n, own)):>16}")

@@ -367,6 +367,29 @@ TEST(OneWindow, IsThatOfOneRankWithSprayFlungFar) {
   expect_the_same_window<2>(exact, start);
 }
 
+/// Largest number of patches of walls that a rank has, over all there are.
+template <int D>
+double largest_share_of_patches(const Fluid<D>& fluid) {
+  const double held = static_cast<double>(fluid.boundary().walls.faces().size());
+  return Ranks::all().most(held) / static_cast<double>(fluid.walls().faces().size());
+}
+
+// A tank in 2D that is 40 times as long as deep, and one in 3D. Seen red: with all patches on every rank.
+TEST(Walls, AreFewerOnEachOfMoreRanks) {
+  const int ranks = Ranks::all().count();
+  {
+    const Case scene = testing::scene(2, 0.025, {box({0, 0, 0}, {8, 0.2, 0})}, {tank({0, 0, 0}, {8, 1, 0})});
+    Fluid<2> fluid(scene, Ranks::all());
+    for (int k = 0; k < 3; ++k) step(fluid, fluid.propose_step().seconds);
+    // The part of the bottom with what is held beyond it, and the sides as high as the water.
+    EXPECT_LT(largest_share_of_patches(fluid), ranks == 1 ? 1.1 : 0.15 + 0.8 / ranks);
+  }
+  Fluid<3> fluid(dam_break_on_block(3, 0.2 / 18), Ranks::all());
+  for (int k = 0; k < 3; ++k) step(fluid, fluid.propose_step().seconds);
+  const std::map<int, double> most = {{1, 1.0}, {2, 0.4}, {3, 0.4}, {4, 0.35}, {8, 0.3}};
+  EXPECT_LE(largest_share_of_patches(fluid), most.at(ranks));
+}
+
 TEST(Partition, GivesAllRanksAsMuchWhenTheFluidHasMoved) {
   const Case scene = dam_break(40, 40);
   Fluid<2> fluid(scene, Ranks::all());
