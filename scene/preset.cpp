@@ -1,5 +1,5 @@
-// Presets. The spacing buys most error for its cost, so it belongs to them; what else is in a group earned its place in the
-// measured trade (docs/TRADE.md): draft takes what saves time for little error, reference what removes error, which is half the spacing alone.
+// Presets. The spacing buys most error for its cost, so it belongs to them; what else is in a group earned its place in the measured trade
+// (docs/TRADE.md): draft takes what saves time for little error, reference what removes error, which is half the spacing alone.
 
 #include "scene/preset.hpp"
 
