@@ -2,27 +2,45 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <limits>
+#include <utility>
 #include <vector>
 
 namespace tern {
 namespace {
 
-constexpr int reach = 2;           ///< in cells: a body sees a little farther (structure.numerics.smoothing_length_ratio 1.1)
-constexpr int longest_corner = 4;  ///< in cells, of what a corner loses
+constexpr int reach = 2;            ///< in cells: a body sees a little farther (structure.numerics.smoothing_length_ratio 1.1)
+constexpr int longest_corner = 4;   ///< in cells, of what a corner loses
+constexpr double most_cells = 1e9;  ///< of the box around a body, a byte each; a run needs several times as much
+
+/// First and last cell of a lattice in each direction.
+template <int D>
+std::pair<std::array<long, D>, std::array<long, D>> ends_of(const LatticePoints<D>& points) {
+  std::array<long, D> low, high;
+  low.fill(std::numeric_limits<long>::max()), high.fill(std::numeric_limits<long>::min());
+  for (const auto& run : points.runs())
+    for (int d = 0; d < D; ++d) {
+      low[d] = std::min(low[d], run.index[d]);
+      high[d] = std::max(high[d], run.index[d] + (d == 0 ? run.count - 1 : 0));
+    }
+  return {low, high};
+}
+
+/// Cells in the box around the points, with its margin.
+template <int D>
+double box_of_cells(const LatticePoints<D>& points) {
+  const auto [low, high] = ends_of(points);
+  double cells = 1;
+  for (int d = 0; d < D; ++d) cells *= static_cast<double>(high[d]) - static_cast<double>(low[d]) + 1 + 2 * reach;
+  return cells;
+}
 
 /// The cells of a lattice as numbers of a box, with a margin of `reach` cells on all sides.
 template <int D>
 class Cells {
  public:
   explicit Cells(const LatticePoints<D>& points) {
-    std::array<long, D> low, high;
-    low.fill(std::numeric_limits<long>::max()), high.fill(std::numeric_limits<long>::min());
-    for (const auto& run : points.runs())
-      for (int d = 0; d < D; ++d) {
-        low[d] = std::min(low[d], run.index[d]);
-        high[d] = std::max(high[d], run.index[d] + (d == 0 ? run.count - 1 : 0));
-      }
+    const auto [low, high] = ends_of(points);
     std::size_t size = 1;
     for (int d = 0; d < D; ++d) {
       stride_[d] = static_cast<std::ptrdiff_t>(size);
@@ -114,7 +132,7 @@ bool near_the_rest(const Cells<D>& cells, const std::vector<std::ptrdiff_t>& loo
 
 template <int D>
 LatticePoints<D> without_loose_particles(const LatticePoints<D>& points) {
-  if (points.empty()) return points;
+  if (points.empty() || box_of_cells(points) > most_cells) return points;
   Cells<D> cells(points);
   const auto find_loose = [&] {
     std::vector<std::ptrdiff_t> loose;
