@@ -11,18 +11,11 @@
 #include <gtest/gtest.h>
 
 #include "fixtures/fluid_scenes.hpp"
+#include "fixtures/shapes.hpp"
 #include "fluid/boundary/plane_walls.hpp"
 
 namespace tern::fluid::testing {
 namespace {
-
-Shape ball(std::array<double, 3> center, double radius) {
-  Shape shape;
-  shape.kind = Shape::Kind::ball;
-  shape.center = center;
-  shape.radius = radius;
-  return shape;
-}
 
 /// What particles at some places see of the walls and of a structure.
 template <int D>

@@ -8,27 +8,12 @@
 #include <cmath>
 
 #include "base/error.hpp"
-#include "scene/geometry.hpp"
+#include "fixtures/shapes.hpp"
 
 namespace tern {
 namespace {
 
 constexpr double patch = 0.01;
-
-Shape box(std::array<double, 3> min, std::array<double, 3> max) {
-  Shape shape;
-  shape.min = min;
-  shape.max = max;
-  return shape;
-}
-
-Shape ball(std::array<double, 3> center, double radius) {
-  Shape shape;
-  shape.kind = Shape::Kind::ball;
-  shape.center = center;
-  shape.radius = radius;
-  return shape;
-}
 
 /// Bodies in a tank of 1 m, each a sampled shape that can be moved as a whole.
 template <int D>

@@ -8,35 +8,10 @@
 #include <numbers>
 #include <numeric>
 
+#include "fixtures/shapes.hpp"
+
 namespace tern {
 namespace {
-
-Shape box(std::array<double, 3> min, std::array<double, 3> max) {
-  Shape s;
-  s.min = min, s.max = max;
-  return s;
-}
-
-Shape ball(std::array<double, 3> center, double radius) {
-  Shape s;
-  s.kind = Shape::Kind::ball;
-  s.center = center, s.radius = radius;
-  return s;
-}
-
-Shape polygon(std::vector<std::array<double, 2>> vertices) {
-  Shape s;
-  s.kind = Shape::Kind::polygon;
-  s.vertices = std::move(vertices);
-  return s;
-}
-
-Shape combine(Shape::Kind kind, std::vector<Shape> parts) {
-  Shape s;
-  s.kind = kind;
-  s.parts = std::move(parts);
-  return s;
-}
 
 const auto union_of = Shape::Kind::union_of;
 const auto difference = Shape::Kind::difference;

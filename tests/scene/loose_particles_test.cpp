@@ -7,22 +7,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "fixtures/shapes.hpp"
+
 namespace tern {
 namespace {
-
-Shape polygon(std::vector<std::array<double, 2>> vertices) {
-  Shape shape;
-  shape.kind = Shape::Kind::polygon;
-  shape.vertices = std::move(vertices);
-  return shape;
-}
-
-Shape box(const std::array<double, 3>& min, const std::array<double, 3>& max) {
-  Shape shape;
-  shape.kind = Shape::Kind::box;
-  shape.min = min, shape.max = max;
-  return shape;
-}
 
 template <int D>
 std::size_t left_out(const Shape& shape, double spacing) {
@@ -55,9 +43,8 @@ TEST(LooseParticles, OfSharpCornersAreLeftOut) {
 
 // Two triangles of a prism in 3D have a whole edge of loose particles, a box has none.
 TEST(LooseParticles, OfAnEdgeInThreeDimensions) {
-  Shape corner;
-  corner.kind = Shape::Kind::difference;
-  corner.parts = {box({0, 0, 0}, {1, 0.3, 0.4}), box({-1, 0.05, -1}, {0.8, 1, 1})};  // an L with a foot one cell high
+  // An L with a foot one cell high.
+  Shape corner = combine(Shape::Kind::difference, {box({0, 0, 0}, {1, 0.3, 0.4}), box({-1, 0.05, -1}, {0.8, 1, 1})});
   EXPECT_EQ(left_out<3>(corner, 0.05), 0) << "a foot of sixteen cells is no corner";
   corner.parts[1] = box({-1, 0.05, -1}, {0.1, 1, 1});  // of two cells: the outer one sees no more than a plane
   EXPECT_EQ(left_out<3>(corner, 0.05), 8);
@@ -68,9 +55,8 @@ TEST(LooseParticles, OfAnEdgeInThreeDimensions) {
 // the longest corner; without counting the parts.
 TEST(LooseParticles, OfWhatIsNoCornerStay) {
   EXPECT_EQ(left_out<2>(box({0, 0, 0}, {1, 0.05, 0}), 0.05), 0);
-  Shape linked;
-  linked.kind = Shape::Kind::union_of;
-  linked.parts = {box({0, 0, 0}, {0.3, 0.3, 0}), box({0.3, 0.1, 0}, {0.6, 0.15, 0}), box({0.6, 0, 0}, {0.9, 0.3, 0})};
+  const Shape linked =
+      combine(Shape::Kind::union_of, {box({0, 0, 0}, {0.3, 0.3, 0}), box({0.3, 0.1, 0}, {0.6, 0.15, 0}), box({0.6, 0, 0}, {0.9, 0.3, 0})});
   EXPECT_EQ(left_out<2>(linked, 0.05), 0);
 }
 
