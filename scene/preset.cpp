@@ -81,12 +81,13 @@ bool is_draft(const Setting& document) {
 }
 
 std::vector<std::string> apply_preset(Setting& document, double coarser, const std::function<std::vector<double>()>& particles_across) {
-  const Setting* name = document.find("preset");
-  if (!name || name->type != Setting::Type::text) return {};
+  const Setting* found = document.find("preset");
+  if (!found || found->type != Setting::Type::text) return {};
+  const std::string name = found->text;  // what is added to the document may move what it has
   Preset preset(document);
+  if (name == "paper" && document.find("fluid") && document.find("structure")) preset.replace(paper);
+  if (name != "draft" && name != "reference") return preset.changes;
   Setting *fluid = document.find("fluid"), *structure = document.find("structure");
-  if (name->text == "paper" && fluid && structure) preset.replace(paper);
-  if (name->text != "draft" && name->text != "reference") return preset.changes;
   const bool draft = is_draft(document);
   const double factor = draft ? coarser : 0.5;
   Setting* bodies = structure ? structure->find("body") : nullptr;

@@ -64,7 +64,8 @@ Probe<D>::Probe(const Fluid<D>& fluid, Moment moment)
     in_middle_ = fluid.state().position;
     for (std::size_t i = 0; i < in_middle_.size(); ++i) in_middle_[i] -= half * fluid.state().velocity[i];
   }
-  for (const Wall<D>& wall : fluid.walls().all()) shapes_.push_back(without_open_faces(wall.scene));
+  for (const Wall<D>& wall : fluid.walls().all())
+    if (wall.scene.container) containers_.emplace_back(&wall, without_open_faces(wall.scene));
   low_ = high_ = position_[0];
   for (const auto& x : position_) low_ = low_.cwiseMin(x), high_ = high_.cwiseMax(x);
   grid_.reset(low_, high_, fluid.constants().kernel.support());
@@ -213,11 +214,18 @@ bool Probe<D>::covered(const Vector<D>& x) const {
 }
 
 template <int D>
-bool Probe<D>::solid(const Vector<D>& x) const {
-  const auto& walls = fluid_.walls().all();
-  for (std::size_t w = 0; w < walls.size(); ++w)
-    if ((signed_distance<D>(shapes_[w], walls[w].place.reference(x)) < 0) != walls[w].scene.container) return true;
+bool Probe<D>::obstructed(const Vector<D>& x) const {
+  for (const Wall<D>& wall : fluid_.walls().all())
+    if (!wall.scene.container && contains<D>(wall.scene.shape, wall.place.reference(x))) return true;
   return covered(x);
+}
+
+template <int D>
+bool Probe<D>::solid(const Vector<D>& x) const {
+  if (obstructed(x)) return true;
+  for (const auto& [wall, shape] : containers_)
+    if (signed_distance<D>(shape, wall->place.reference(x)) >= 0) return true;
+  return false;
 }
 
 /// Calls visit(i, d, w) as for_particles_around() for those of the fluid that the wall sees from its point x; nothing where a body or
@@ -236,7 +244,7 @@ void Probe<D>::for_particles_before(const Vector<D>& x, const Vector<D>& normal,
   });
   if (before.empty()) return;  // most walls are dry, and what follows takes longer
   const Vector<D> eye = x + off_wall * fluid_.constants().spacing * normal;
-  if (solid(eye)) return;  // another wall may stand on this one, or this one reach out of the container
+  if (obstructed(eye)) return;  // another wall may stand on this one, or a body
   std::vector<std::pair<const Faces<D>*, int>> screens;
   for (const auto& [faces, finder] : fluid_.faces()) {
     std::vector<int> seen;

@@ -78,15 +78,17 @@ class Probe {
   Vector<D> friction(const Wall<D>& wall, const Faces<D>& faces, std::size_t k) const;
   /// A body of the structure stands at x, as far as its faces near there tell.
   bool covered(const Vector<D>& x) const;
-  /// That, or an obstacle, or x is outside the container.
+  /// That, or an obstacle.
+  bool obstructed(const Vector<D>& x) const;
+  /// That, or x is outside the container.
   bool solid(const Vector<D>& x) const;
 
   const Fluid<D>& fluid_;
-  double time_;                             ///< of its moment [s]
-  std::vector<Vector<D>> in_middle_;        ///< [m]; of Moment::middle alone
-  const std::vector<Vector<D>>& position_;  ///< of the particles [m]
-  std::vector<Shape> shapes_;               ///< of the walls, at the start; they go on without end where they are open
-  Vector<D> low_, high_;                    ///< corners of the box around all particles
+  double time_;                                               ///< of its moment [s]
+  std::vector<Vector<D>> in_middle_;                          ///< [m]; of Moment::middle alone
+  const std::vector<Vector<D>>& position_;                    ///< of the particles [m]
+  std::vector<std::pair<const Wall<D>*, Shape>> containers_;  ///< where they are open they go on without end
+  Vector<D> low_, high_;                                      ///< corners of the box around all particles
   CellGrid<D> grid_;
   CellContents contents_;
 };

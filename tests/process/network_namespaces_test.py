@@ -19,7 +19,7 @@ from network_run import NetworkRun, local_results, make_keys
 from real_run import build_directory
 
 BITS = ROOT / "tests" / "process" / "cases" / "splash_plate"
-UNTIL = ("--until", "0.8")  # long enough to pull the cable within the run, on a fast machine too
+UNTIL = ("--until", "3")  # long enough to pull the cable within the run, on a fast machine too
 ROLES = ("coupler", "fluid", "structure")
 
 
