@@ -6,13 +6,14 @@ import os
 import subprocess
 import tempfile
 import unittest
+import unittest.mock
 from pathlib import Path
 
 from fake_build import ROOT
 from real_run import build_directory
 
 from tern.launch import calibration
-from tern.studies import advice
+from tern.studies import advice, front, rows
 
 
 def tern(*words):
@@ -94,12 +95,18 @@ class AdviceTest(unittest.TestCase):
         self.assertIn("measured in dam_break_3d, dam_break_front, hydrostatic_tank, standing_wave;", fluid)
         self.assertNotIn("coupling.", fluid)
 
-    # hydrostatic_plate stands at 0.005. Seen to fail: with the effects of all scenes (0.59 times the time, where it is nine times).
+    # hydrostatic_plate stands at 0.005, the others at 0.1. There, as if it did no harm: a change to twice that is advised, elsewhere not.
+    # Seen to fail: with the effects of all scenes.
     def test_a_change_is_advised_only_from_where_it_was_measured(self):
-        option = "--set fluid.numerics.gravity_courant=0.01"
-        for value, advised in ((0.005, True), (0.1, False)):
-            settings = {"fluid": {"numerics": {"gravity_courant": value}}, "structure": {}}
-            self.assertEqual(option in advice.text(self.case("of_mine", "fluid", "structure", **settings)), advised, value)
+        point = "fluid.numerics.gravity_courant=0.01"
+        tables = {path.stem: rows.read(path) for path in sorted((ROOT / "docs" / "trade").glob("*plate.csv"))}
+        harmless = front.find(tables["hydrostatic_plate"], point)
+        harmless.error = front.find(tables["hydrostatic_plate"], "standard").error
+        with unittest.mock.patch.object(advice, "_tables", lambda case: (tables, False)):
+            for value, advised in ((0.005, True), (0.1, False)):
+                settings = {"fluid": {"numerics": {"gravity_courant": value}}, "structure": {}}
+                self.assertEqual(f"--set {point}" in advice.text(self.case("of_mine", "fluid", "structure", **settings)), advised, value)
+
 
 
 if __name__ == "__main__":
