@@ -95,6 +95,13 @@ class AdviceTest(unittest.TestCase):
         self.assertIn("measured in dam_break_3d, dam_break_front, hydrostatic_tank, standing_wave;", fluid)
         self.assertNotIn("coupling.", fluid)
 
+    # On dam_break_plate the finest run is 1.9 % from the next finest: no parameter but the spacing is worth a line. Seen to fail: with no
+    # doubt of the finest run (seven parameters "better" by 0.1 to 0.3 %).
+    def test_what_is_less_than_the_finest_run_is_off_is_no_advice(self):
+        own = advice.text(self.case("dam_break_plate", "fluid", "structure"))
+        self.assertIn("--preset draft", own)
+        self.assertNotIn("--set", own)
+
     # hydrostatic_plate stands at 0.005, the others at 0.1. There, as if it did no harm: a change to twice that is advised, elsewhere not.
     # Seen to fail: with the effects of all scenes.
     def test_a_change_is_advised_only_from_where_it_was_measured(self):

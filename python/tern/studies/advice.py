@@ -8,7 +8,7 @@ from tern.studies import front, parameters, report, rows, sweep
 
 QUICKER = 1.25       # speed-up from which a parameter is worth a line
 UNNOTICED = 0.0005   # error added that is not worth a word
-NOTICED = 0.001      # error removed that is
+NOTICED = 0.001      # error removed that is, where it is beyond doubt
 
 
 def _tables(case):
@@ -29,13 +29,14 @@ def _tables(case):
 
 
 def _added(row, table):
-    """Error beyond that of the case as it stands; against the finest run where there is no reference."""
-    standard = front.find(table, "standard")
-    if row.error is not None and standard.error is not None:
-        return row.error - standard.error
-    if row.distance_to_finest is not None and standard.distance_to_finest is not None:
-        return row.distance_to_finest - standard.distance_to_finest
-    return None
+    """What the case is judged by, beyond that of the case as it stands: its error, or its distance from the finest run."""
+    here, standard = front.error_of(row), front.error_of(front.find(table, "standard"))
+    return here - standard if here is not None and standard is not None else None
+
+
+def _doubt(table):
+    """What an improvement has to exceed: how far the finest run itself may be off, where that is what others are judged by."""
+    return NOTICED if front.by_reference(table) else max(NOTICED, front.finest(table).distance_to_finest or 0.0)
 
 
 def _where_it_stands(tables, parameter, settings):
@@ -45,20 +46,20 @@ def _where_it_stands(tables, parameter, settings):
 
 
 def _effects(tables, point):
-    """[(speed-up, error added)] of one point in all tables that have it and where it ended."""
+    """[(speed-up, error added, doubt)] of one point in all tables that have it and where it ended."""
     effects = []
     for table in tables.values():
         cost, _ = front.standard_cost(table)
         row = front.find(table, point)
         added = _added(row, table) if row and cost and row.cpu_s else None
         if added is not None:
-            effects.append((cost / row.cpu_s, added))
+            effects.append((cost / row.cpu_s, added, _doubt(table)))
     return effects
 
 
 def _line(option, effects):
-    speed = report.span([1 / speed for speed, _ in effects], lambda x: f"{x:.2g}", " to ")
-    added = report.span([added for _, added in effects], lambda x: f"{100 * x:+.2f} %", " to ")
+    speed = report.span([1 / speed for speed, _, _ in effects], lambda x: f"{x:.2g}", " to ")
+    added = report.span([added for _, added, _ in effects], lambda x: f"{100 * x:+.2f} %", " to ")
     return f"  {option:<54} {speed} times the CPU time, error {added}"
 
 
@@ -84,8 +85,8 @@ def text(case):
         effects = _effects(_where_it_stands(tables, parameter, case["settings"]), point)
         if not effects:
             continue
-        quicker = min(speed for speed, _ in effects) >= QUICKER and max(added for _, added in effects) <= UNNOTICED
-        better = max(added for _, added in effects) <= -NOTICED
+        quicker = all(speed >= QUICKER and added <= UNNOTICED for speed, added, _ in effects)
+        better = all(added <= -doubt for _, added, doubt in effects)
         if quicker or better:
             lines.append(_line(row.options, effects))
     lines.append(f"  ./tern study {case['name']} --error 1%   (or --time 60s) measures what this scene needs.")
