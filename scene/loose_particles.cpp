@@ -134,19 +134,12 @@ template <int D>
 LatticePoints<D> without_loose_particles(const LatticePoints<D>& points) {
   if (points.empty() || box_of_cells(points) > most_cells) return points;
   Cells<D> cells(points);
-  const auto find_loose = [&] {
-    std::vector<std::ptrdiff_t> loose;
-    for (const std::ptrdiff_t cell : cells.cell_of)
-      if (cells.taken[cell] && !cells.spans(cell)) loose.push_back(cell);
-    return loose;
-  };
-  std::vector<std::ptrdiff_t> loose = find_loose();
-  if (loose.empty()) return points;
+  std::vector<std::ptrdiff_t> loose;
+  for (const std::ptrdiff_t cell : cells.cell_of)
+    if (!cells.spans(cell)) loose.push_back(cell);
+  if (loose.empty() || !near_the_rest(cells, loose)) return points;
   const int whole = parts(cells);
-  for (; !loose.empty(); loose = find_loose()) {  // one that was held by these may be loose without them
-    if (!near_the_rest(cells, loose)) return points;
-    for (const std::ptrdiff_t cell : loose) cells.taken[cell] = 0;
-  }
+  for (const std::ptrdiff_t cell : loose) cells.taken[cell] = 0;
   if (parts(cells) != whole) return points;
   std::vector<char> left_out;
   for (const std::ptrdiff_t cell : cells.cell_of) left_out.push_back(!cells.taken[cell]);

@@ -25,7 +25,7 @@ std::size_t left_out(const Shape& shape, double spacing) {
 }
 
 // Wedges of 20 to 72 degrees, 40 lattices each: some lose particles, none more than a hundredth and a half of them, and what is left has
-// no loose ones. Seen to fail: without a second look after the first are gone; without any (nothing is left out).
+// no loose ones. Seen to fail: with nothing left out.
 TEST(LooseParticles, OfSharpCornersAreLeftOut) {
   std::size_t lost = 0;
   for (double degrees = 20; degrees < 80; degrees += 7.5)
