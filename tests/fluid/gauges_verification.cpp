@@ -61,7 +61,7 @@ Vector<2> mean_force_on_fence(double speed) {
 }
 
 // Water at rest, as seen by who moves with it, pushes a wall by as much to both sides. Seen to fail with the particles where they are at
-// the end of the window and the walls where they were in its middle: 14 N/m of 392 on each side.
+// the end of the window and the walls where they were in its middle: 6 N/m of 392 on each side.
 TEST(WallForce, InATankThatMovesEvenlyIsThatInOneAtRest) {
   const double side = 0.5 * density * gravity * (0.3 * 0.3 - 0.1 * 0.1);
   const Vector<2> rest = mean_force_on_fence(0), moving = mean_force_on_fence(3);
