@@ -109,7 +109,7 @@ int parts(const Cells<D>& cells) {
   return count;
 }
 
-/// Those of the cells that are no more than `longest_corner` cells from the others, step by step across faces.
+/// Whether all of these cells are no more than `longest_corner` cells from the others, step by step across faces.
 template <int D>
 bool near_the_rest(const Cells<D>& cells, const std::vector<std::ptrdiff_t>& loose) {
   std::vector<char> is_far(cells.taken.size(), 0);

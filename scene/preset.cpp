@@ -88,7 +88,7 @@ std::vector<std::string> apply_preset(Setting& document, double coarser, const s
   if (name == "paper" && document.find("fluid") && document.find("structure")) preset.replace(paper);
   if (name != "draft" && name != "reference") return preset.changes;
   Setting *fluid = document.find("fluid"), *structure = document.find("structure");
-  const bool draft = is_draft(document);
+  const bool draft = name == "draft";
   const double factor = draft ? coarser : 0.5;
   Setting* bodies = structure ? structure->find("body") : nullptr;
   const std::vector<double> across = bodies ? particles_across() : std::vector<double>{};
