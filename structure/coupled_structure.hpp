@@ -6,6 +6,7 @@
 
 #include "scene/case_file.hpp"
 #include "structure/complete_state.hpp"
+#include "structure/free_motion.hpp"
 #include "structure/structure.hpp"
 
 namespace tern::structure {
@@ -54,7 +55,9 @@ template <int D>
 class CoupledStructure {
  public:
   CoupledStructure(Structure<D>& structure, CouplingAlgorithm algorithm)
-      : structure_(structure), algorithm_(algorithm), at_begin_(structure.surface()), own_velocity_(at_begin_.velocity) {}
+      : structure_(structure), algorithm_(algorithm), at_begin_(structure.surface()), own_velocity_(at_begin_.velocity) {
+    note_begin();
+  }
 
   /// Halfway to the state predicted under the old load, with that state's velocity. Explicit coupling: the present surface moved on for
   /// half a window at its velocity.
@@ -88,13 +91,13 @@ class CoupledStructure {
     structure_.advance(load);
     Surface<D> end = structure_.surface();
     if (algorithm_ != CouplingAlgorithm::explicit_staggering)
-      for (std::size_t k = 0; k < end.position.size(); ++k) {
-        const FollowedVelocity<Vector<D>> followed = at_end(k, end.position);
+      for_each_followed(end.position, [&](std::size_t k, const FollowedVelocity<Vector<D>>& followed) {
         end.velocity[k] = followed.given;
         own_velocity_[k] = followed.own;
-      }
+      });
     at_begin_ = std::move(end);
     last_duration_ = seconds(duration_);
+    note_begin();
   }
 
   /// Between two windows: everything from which another one goes on with the same bits.
@@ -106,19 +109,39 @@ class CoupledStructure {
     at_begin_ = std::move(state.surface);
     own_velocity_ = std::move(state.own_velocity);
     last_duration_ = state.last_duration;
+    note_begin();
   }
 
  private:
+  void note_begin() {
+    if (algorithm_ != CouplingAlgorithm::explicit_staggering) free_at_begin_ = structure_.free_motions();
+  }
+
   std::vector<Vector<D>> velocity_at_end(const std::vector<Vector<D>>& position) const {
     std::vector<Vector<D>> velocity(position.size());
-    for (std::size_t k = 0; k < position.size(); ++k) velocity[k] = at_end(k, position).given;
+    for_each_followed(position, [&](std::size_t k, const FollowedVelocity<Vector<D>>& followed) { velocity[k] = followed.given; });
     return velocity;
   }
 
-  FollowedVelocity<Vector<D>> at_end(std::size_t k, const std::vector<Vector<D>>& position) const {
-    const Vector<D> mean = (position[k] - at_begin_.position[k]) / seconds(duration_);
-    const double ratio = last_duration_ > 0 ? seconds(duration_) / last_duration_ : 1;
-    return followed_velocity<Vector<D>>(mean, {at_begin_.velocity[k], own_velocity_[k]}, ratio);
+  /// visit(k, what is followed of the point at the end of the window), from its `position` there and the present state of the structure.
+  template <class Visit>
+  void for_each_followed(const std::vector<Vector<D>>& position, const Visit& visit) const {
+    const double dt = seconds(duration_), ratio = last_duration_ > 0 ? dt / last_duration_ : 1;
+    const std::vector<FreeMotion<D>> free_at_end = structure_.free_motions();
+    const std::vector<std::uint32_t>& body = structure_.surface_properties().body;
+    for (std::size_t k = 0; k < position.size(); ++k) {
+      // A rigid motion of a body that nothing holds is given as it is at the end. The rest of the motion is followed.
+      const FreeMotion<D>&before = free_at_begin_[body[k]], &after = free_at_end[body[k]];
+      const Vector<D> arm = 0.5 * (at_begin_.position[k] - before.centre + position[k] - after.centre);
+      const Vector<D> free_mean = (after.centre - before.centre) / dt + 0.5 * (before.spin + after.spin) * arm;
+      const Vector<D> begin = before.at(at_begin_.position[k]), end = after.at(position[k]);
+      const Vector<D> mean = (position[k] - at_begin_.position[k]) / dt - free_mean;
+      FollowedVelocity<Vector<D>> followed =
+          followed_velocity<Vector<D>>(mean, {at_begin_.velocity[k] - begin, own_velocity_[k] - begin}, ratio);
+      followed.given += end;
+      followed.own += end;
+      visit(k, followed);
+    }
   }
 
   Structure<D>& structure_;
@@ -126,7 +149,8 @@ class CoupledStructure {
   Ticks begin_ = 0, duration_ = 0;
   Surface<D> at_begin_;                  ///< of the window; velocity: as the fluid was given it
   std::vector<Vector<D>> own_velocity_;  ///< FollowedVelocity::own of each point, at the begin of the window
-  double last_duration_ = 0;             ///< of the last window [s]; 0: there was none
+  std::vector<FreeMotion<D>> free_at_begin_;
+  double last_duration_ = 0;  ///< of the last window [s]; 0: there was none
 };
 
 }  // namespace tern::structure

@@ -381,12 +381,14 @@ Reference<D> build_reference(const StructureCase& structure) {
   for (auto* values : {&reference.mass, &reference.inverse_mass, &reference.volume}) values->assign(reference.rows, 0);
   for (std::size_t p = 0; p < points.size(); ++p) {
     const auto row = reference.particle_row[p];
-    const Body& body = reference.bodies[reference.particle_body[p]];
+    Body& body = reference.bodies[reference.particle_body[p]];
     for (int a = 0; a < D; ++a) reference.position[a][row] = points[p][a];
     if (const ShellBody<D>* shell = reference.shell_of(body)) {
       const std::size_t particle = row - shell->first_row;
       reference.mass[row] = shell->layer.mass(particle);
-      if (shell->layer.particles.held[particle]) continue;
+      const bool held = shell->layer.particles.held[particle];
+      body.is_held |= held;
+      if (held) continue;
       reference.inverse_mass[row] = 1 / reference.mass[row];
       reference.volume[row] = shell->layer.thickness * shell->layer.particles.area[particle];
       continue;
@@ -394,6 +396,7 @@ Reference<D> build_reference(const StructureCase& structure) {
     reference.mass[row] = body.material.density * std::pow(body.spacing, D);
     const bool clamped =
         std::any_of(body.clamps.begin(), body.clamps.end(), [&](const Shape& clamp) { return contains<D>(clamp, points[p]); });
+    body.is_held |= clamped;
     if (clamped) continue;
     reference.inverse_mass[row] = 1 / reference.mass[row];
     reference.volume[row] = std::pow(body.spacing, D);

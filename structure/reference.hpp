@@ -76,6 +76,7 @@ struct Body {
   double cell_volume = 0;            ///< dx_s^D [m^D]
   double mass_damping = 0;           ///< [1/s]
   double stable_step_at_rest = 0;    ///< of explicit steps (stable_step.hpp) [s]
+  bool is_held = false;              ///< by a clamp or a hinge, some of it
   std::int32_t shell = -1;           ///< index of Reference::shells; of a solid -1
   std::size_t first = 0, count = 0;  ///< range of Reference::particle_row
 };

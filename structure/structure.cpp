@@ -12,6 +12,7 @@
 #include "base/error.hpp"
 #include "structure/complete_state.hpp"
 #include "structure/energy.hpp"
+#include "structure/free_motion.hpp"
 #include "structure/implicit/implicit_step.hpp"
 #include "structure/loads.hpp"
 #include "structure/material_point.hpp"
@@ -290,6 +291,11 @@ Energies Structure<D>::energies() const {
 template <int D>
 Momentum Structure<D>::momentum() const {
   return momentum_of(parts_->reference, parts_->state);
+}
+
+template <int D>
+std::vector<FreeMotion<D>> Structure<D>::free_motions() const {
+  return tern::structure::free_motions(parts_->reference, parts_->state);
 }
 
 template <int D>

@@ -81,6 +81,8 @@ struct Fields {
 
 template <int D>
 struct CompleteState;  // structure/complete_state.hpp
+template <int D>
+struct FreeMotion;  // structure/free_motion.hpp
 
 template <int D>
 class Structure {
@@ -128,6 +130,7 @@ class Structure {
   double largest_sub_step() const;  ///< stable sub-step in the present state [s]
   Energies energies() const;
   Momentum momentum() const;
+  std::vector<FreeMotion<D>> free_motions() const;  ///< of each body, in the order of SurfaceProperties::body
   Fields<D> fields() const;
 
   /// `body` by name, `at` in the reference configuration [m]. Throws BadInput when the body does not exist or the point

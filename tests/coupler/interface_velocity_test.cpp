@@ -80,13 +80,46 @@ TEST(InterfaceVelocity, OfSteadyAccelerationDoesNotLagInWindowsThatGrowOrShrink)
   EXPECT_LT(largest, 1e-9);
 }
 
-// A load that alternates from window to window moves a body that nothing holds to and fro within windows, not from one to the next, so that
-// the fluid does not notice: it dies out slowly, the more so the lighter the body. Seen to fail: with half of a motion left (r = 0.5).
-TEST(InterfaceVelocity, LeavesALoadThatAlternatesOnAFreeBody) {
-  for (const auto& [fluid_mass, left] : {std::pair{1.0, 0.673}, {3.0, 0.836}, {10.0, 0.940}}) {
-    double least = 0;
-    for (const std::complex<double>& value : window_map(1e-4, fluid_mass, follow_mean).eigenvalues()) least = std::min(least, value.real());
-    EXPECT_NEAR(least, -left, 0.002) << fluid_mass;
+/// As Mode of a free body: displacement and velocity of a mode that takes the part 1 - `rigid` of the answer to a load, velocity of the
+/// centre of mass, and what both velocities that the fluid follows are more than that one.
+using FreeBody = Eigen::Vector<double, 5>;
+
+Eigen::Matrix<double, 5, 5> window_map_of_free_body(double rigid, double y, double fluid_mass) {
+  const double c = std::cos(y), s = std::sin(y);
+  const auto after = [&](const FreeBody& q, double load) {
+    const double pull = (1 - rigid) * load;
+    const double displacement = c * q[0] + s / y * q[1] + (1 - c) / (y * y) * pull;
+    const Followed followed = follow_mean(displacement - q[0], 0, Followed{q[3], q[4]});
+    return FreeBody(displacement, -y * s * q[0] + c * q[1] + s / y * pull, q[2] + rigid * load, followed.given, followed.own);
+  };
+  const auto given = [](const FreeBody& q) { return q[2] + q[3]; };
+  Eigen::Matrix<double, 5, 5> map;
+  for (int column = 0; column < 5; ++column) {
+    const FreeBody q = FreeBody::Unit(column);
+    const double mobility = given(after(FreeBody::Zero(), 1));
+    map.col(column) = after(q, (given(q) - given(after(q, 0))) / (mobility + 1 / fluid_mass));
+  }
+  return map;
+}
+
+// The motion of the centre of mass is given as it is, what the body vibrates by is followed. Seen to fail: with the mode's velocity at the
+// end given as well (316).
+TEST(InterfaceVelocity, NeverLetsAFreeBodyGrowThatVibratesAsWell) {
+  double largest = 0;
+  for (const double rigid : {0.02, 0.3, 0.5, 0.8, 0.95})
+    for (const double fluid_mass : {0.1, 1.0, 10.0, 100.0, 1e4})
+      for (double y = 0.01; y < 50; y *= 1.02)
+        largest = std::max(largest, window_map_of_free_body(rigid, y, fluid_mass).eigenvalues().cwiseAbs().maxCoeff());
+  EXPECT_LE(largest, 1 + 1e-6);
+}
+
+// A load that alternates from window to window moves a body that nothing holds to and fro within windows, not from one to the next. Its
+// mean velocity does not show that, and the load would die out slowly, the more so the lighter the body. Its velocity at the end does.
+TEST(InterfaceVelocity, OfAFreeBodyShowsALoadThatAlternates) {
+  const auto least = [](const auto& map) { return map.eigenvalues().real().minCoeff(); };
+  for (const auto& [fluid_mass, by_the_mean] : {std::pair{1.0, -0.673}, {3.0, -0.836}, {10.0, -0.940}}) {
+    EXPECT_NEAR(least(window_map(1e-4, fluid_mass, follow_mean)), by_the_mean, 0.002) << fluid_mass;
+    EXPECT_GE(least(window_map_of_free_body(1, 0.01, fluid_mass)), -0.2 - 1e-6) << "stiff, " << fluid_mass;
   }
 }
 

@@ -22,6 +22,10 @@ class FreeBlock:
         shift, velocity = self.state
         return Surface(self.position + shift, np.tile(velocity, (len(self.area), 1)), self.normal, self.area)
 
+    def free_motions(self):
+        surface = self.surface()
+        return [(surface.position.mean(axis=0), self.state[1], 0.0)]
+
     def advance(self, time_s, duration_s, force):
         acceleration, (shift, velocity) = force.sum(axis=0) / self.mass, self.state
         self.state = (shift + velocity * duration_s + acceleration * duration_s**2 / 2, velocity + acceleration * duration_s)

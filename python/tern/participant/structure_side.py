@@ -12,7 +12,12 @@ A solver has
                                        in a case with loads, damping, load_work, clamp_work
     gauge(gauge)                       values of a displacement or reaction gauge of the case, None if it has none
     fields()                           dict for a frame: position, displacement, velocity of its points, and scalars of any name
-and may have, so that a run with it can be continued from a checkpoint (./tern resume),
+and may have, if nothing holds one of its bodies,
+    free_motions()                     of each body, in the present state: (centre of mass [m], its velocity [m/s], angular velocity
+                                       [rad/s]) of the rigid body that has its momentum and angular momentum; None for a body that is
+                                       held. The angular velocity is a number in 2D, a vector in 3D. The fluid is given that motion as
+                                       it is at the end of a window; what else moves is followed by its mean (docs/THEORY.md, section 3)
+and, so that a run with it can be continued from a checkpoint (./tern resume),
     save()                             dict of arrays by name from which it goes on after the present window, with the same bits
     restore(saved)                     goes back to what save() has given, in a solver that was just made
 """
@@ -80,6 +85,14 @@ def followed_velocity(mean, given, own, ratio):
     return ((1 - alpha_m) * own + alpha_m * new - (1 - alpha_f) * given) / alpha_f, new
 
 
+def _rotation(spin):
+    """W of an angular velocity: W x = spin x x."""
+    if numpy.ndim(spin) == 0:
+        return numpy.array([[0.0, -spin], [spin, 0.0]])
+    x, y, z = spin
+    return numpy.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
 class _Coupled:
     """A predicted surface, then the load of the window: structure/coupled_structure.hpp."""
 
@@ -89,6 +102,8 @@ class _Coupled:
         self._shape = numpy.shape(self._begin.position)
         self._check(self._begin)
         self._own_velocity, self._last_s = self._begin.velocity, 0.0  # length of the last window; 0: there was none
+        self._body = numpy.asarray(solver.properties()["body"])
+        self._free_motions = self._find_free_motions()
         self.load = numpy.zeros_like(self._begin.position)
         self.interface_work = 0.0
 
@@ -103,6 +118,7 @@ class _Coupled:
         self._begin, self._state = Surface(*(saved[f"begin.{name}"] for name in _SURFACE)), self.solver.state
         self._own_velocity, self._last_s = saved["own_velocity"], float(saved["last_s"])
         self.load, self.interface_work = saved["load"], float(saved["interface_work"])
+        self._free_motions = self._find_free_motions()
 
     def predict(self, begin_s, duration_s):
         """Halfway to the state under the load of the last window, with the velocity at its end. Explicit: the present surface moved
@@ -127,6 +143,7 @@ class _Coupled:
         if not self._explicit:
             end.velocity, self._own_velocity = self._followed(end)
         self._begin, self._state, self.load, self._last_s = end, self.solver.state, load, self._window[1]
+        self._free_motions = self._find_free_motions()
 
     def _advance(self, load):
         self.solver.state = self._state
@@ -143,10 +160,25 @@ class _Coupled:
                 raise bad_input(f"surface() gives {name} of shape {found}, but it has to be {wanted}: a row for each of the "
                                 f"{self._shape[0]} points that it had at the start.")
 
+    def _find_free_motions(self):
+        """Of each body (centre, velocity, W with velocities W (x - centre) about it), or None; empty if the solver does not say."""
+        motions = self.solver.free_motions() if hasattr(self.solver, "free_motions") else []
+        return [motion and (*map(numpy.asarray, motion[:2]), _rotation(motion[2])) for motion in motions]
+
     def _followed(self, end):
-        mean = (end.position - self._begin.position) / self._window[1]
-        ratio = self._window[1] / self._last_s if self._last_s > 0 else 1.0
-        return followed_velocity(mean, self._begin.velocity, self._own_velocity, ratio)
+        begin, duration_s = self._begin, self._window[1]
+        mean, free_mean, free_begin, free_end = ((end.position - begin.position) / duration_s, *numpy.zeros((3, *self._shape)))
+        for body, motions in enumerate(zip(self._free_motions, self._find_free_motions())):
+            if None in motions:
+                continue
+            (centre, velocity, turn), (end_centre, end_velocity, end_turn) = motions
+            of = self._body == body
+            arm, end_arm = begin.position[of] - centre, end.position[of] - end_centre
+            free_begin[of], free_end[of] = velocity + arm @ turn.T, end_velocity + end_arm @ end_turn.T
+            free_mean[of] = (end_centre - centre) / duration_s + (arm + end_arm) @ (turn + end_turn).T / 4
+        ratio = duration_s / self._last_s if self._last_s > 0 else 1.0
+        given, own = followed_velocity(mean - free_mean, begin.velocity - free_begin, self._own_velocity - free_begin, ratio)
+        return given + free_end, own + free_end
 
 
 def _say_long_faces(run, surface):
