@@ -54,16 +54,21 @@ double patch_reach2(double area) {
 }
 
 /// True when the segment from a (in front of the patch) to b (behind it) passes through the patch. `depth`: b must be
-/// farther behind than this [m].
+/// farther behind than this [m]. `reach2`: how far beside its centre it may pass, squared [m^2].
 template <int D>
-bool patch_separates(const Faces<D>& faces, int k, const Vector<D>& a, const Vector<D>& b, double depth = 0) {
+bool patch_separates(const Faces<D>& faces, int k, const Vector<D>& a, const Vector<D>& b, double depth, double reach2) {
   const Vector<D>& n = faces.normal[k];
   const double behind = (b - faces.position[k]).dot(n);
   if (behind >= -depth) return false;
   const double front = (a - faces.position[k]).dot(n);
   if (front <= 0) return false;
   const Vector<D> offset = a + (b - a) * (front / (front - behind)) - faces.position[k];
-  return offset.squaredNorm() < patch_reach2<D>(faces.area[k]);
+  return offset.squaredNorm() < reach2;
+}
+
+template <int D>
+bool patch_separates(const Faces<D>& faces, int k, const Vector<D>& a, const Vector<D>& b, double depth = 0) {
+  return patch_separates(faces, k, a, b, depth, patch_reach2<D>(faces.area[k]));
 }
 
 /// A cell list over faces that finds what a particle sees: patches that face it within the support and that no two-sided

@@ -35,6 +35,7 @@ void hide_walls_behind_structure(const std::vector<Vector<D>>& position, const F
 namespace {
 
 constexpr double same_direction = 0.95;     ///< cosine of normals that are looked at together
+constexpr double beside_corner = 16;        ///< of the square of what a patch reaches: a corner that a line passes outside the body
 constexpr std::size_t most_directions = 8;  ///< of a particle; what comes after is added to the nearest
 
 /// Adds face k to what is seen from x: the sights from `first` on.
@@ -101,14 +102,18 @@ void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& per
     }
   const int viewers = static_cast<int>(sight_begin.size());
   sight_begin.push_back(static_cast<int>(sight.size()));
-  // Whether the line from a to b, that enters a body through `patch`, leaves it past a corner.
+  // Whether the line from a to b, that enters a body through `patch`, leaves it past a corner. Patches reach a little beyond their edges. A
+  // line that passes there, outside the body, may pass the faces round the corner at a greater distance than they reach.
   const auto leaves_past_corner = [&](int patch, const Vector<D>& a, int other, const Vector<D>& b) {
     bool leaves = false;
     for (int entry = rows.begin[other]; entry < rows.begin[other] + rows.count[other]; ++entry) {
       const int k = rows.face[entry];
-      if (!patch_separates(faces, k, b, a)) continue;
-      if (!passes_corner<D>(faces.normal[patch], faces.normal[k])) return false;
-      leaves = true;
+      const double reach2 = patch_reach2<D>(faces.area[k]);
+      if (!patch_separates(faces, k, b, a, 0, beside_corner * reach2)) continue;
+      if (passes_corner<D>(faces.normal[patch], faces.normal[k]))
+        leaves = true;
+      else if (patch_separates(faces, k, b, a, 0, reach2))
+        return false;
     }
     return leaves;
   };
