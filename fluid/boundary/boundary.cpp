@@ -56,13 +56,12 @@ void see_boundary(const Constants<D>& constants, const Period<D>& period, const 
   };
   if (const FaceRows& seen = rows_of_all(boundary.surface_rows, append_surface); !seen.face.empty()) {
     hide_walls_behind_structure<D>(position, boundary.seen_walls(), boundary.surface, boundary.surface_rows, boundary.wall_rows);
-    cut_pairs_through_faces<D>(constants, period, position, boundary.surface, seen, true, neighbours);
+    cut_pairs_through_faces<D>(constants, period, position, boundary.surface, seen, neighbours);
     find_covered_faces<D>(boundary.surface, boundary.walls.faces(), boundary.wall_finder, 0.5 * constants.spacing, boundary.covered_faces);
   }
   if (!boundary.walls.any_two_sided()) return;
   const auto append_walls = [&] { see_two_sided_walls<D>(constants.spacing, position, viewers.size(), boundary, seen_by_all); };
-  cut_pairs_through_faces<D>(constants, period, position, boundary.seen_walls(), rows_of_all(boundary.wall_rows, append_walls), false,
-                             neighbours);
+  cut_pairs_through_faces<D>(constants, period, position, boundary.seen_walls(), rows_of_all(boundary.wall_rows, append_walls), neighbours);
 }
 
 template <int D>
@@ -73,6 +72,9 @@ void sum_over_hidden_side(const Constants<D>& constants, const Ranks& ranks, con
                          boundary.wall_rows);
   leave_dry_planes<D>(position, boundary);
   set_wall_sums<D>(constants, position, gravity, boundary.seen_walls(), boundary.wall_rows, boundary.sums);
+  if (boundary.walls.may_have_corners())
+    close_round_wall_corners<D>(constants, position, gravity, boundary.seen_walls(), boundary.wall_finder, boundary.wall_rows,
+                                boundary.surface, boundary.surface_rows, boundary.sums);
   leave_out_dry_bodies<D>(constants, ranks, position, boundary.surface, boundary.surface_finder, boundary.seen_walls(),
                           boundary.wall_finder, boundary.surface_rows);
   add_surface_sums<D>(constants, position, gravity, boundary.surface, boundary.surface_finder, boundary.covered_faces,

@@ -76,6 +76,15 @@ Matrix<D> linear_moment(const Vector<D>& x, const Faces<D>& faces, const FaceRow
   return sum;
 }
 
+/// Takes the cone behind a back-facing face at d from a particle from what is hidden from it. `wet`: share of the face.
+template <int D>
+void uncover(const Constants<D>& constants, const Vector<D>& d, const Vector<D>& normal, double area, double wet, double& density,
+             Matrix<D>& moment) {
+  const double r = d.norm(), angle = wet * subtended_angle<D>(d, Vector<D>(-normal), area);
+  density -= angle * constants.faces.hidden_density(r);
+  moment -= (angle * constants.faces.hidden_moment(r) / (r * r)) * d * d.transpose();
+}
+
 /// Beside a corner: takes the cones behind back-facing faces from what is hidden from particle i at x, and sets what the interface does
 /// not bear of its sums.
 template <int D>
@@ -91,10 +100,8 @@ void close_round_corner(const Constants<D>& constants, const Vector<D>& x, const
   }
   for (int k : back_facing) {
     const Vector<D> d = faces.position[k] - x;
-    const double r = d.norm(), angle = rows.wet[k] * subtended_angle<D>(d, Vector<D>(-faces.normal[k]), faces.area[k]);
-    const double whole = faces.area[k] * constants.faces.surface_weight(r), weight = rows.wet[k] * whole;
-    hidden.density -= angle * constants.faces.hidden_density(r);
-    hidden.moment -= (angle * constants.faces.hidden_moment(r) / (r * r)) * d * d.transpose();
+    uncover<D>(constants, d, faces.normal[k], faces.area[k], rows.wet[k], hidden.density, hidden.moment);
+    const double whole = faces.area[k] * constants.faces.surface_weight(d.norm()), weight = rows.wet[k] * whole;
     unborne += 2 * sums.borne_share[k] * weight * faces.normal[k] * d.transpose();
     kept.push_back({static_cast<int>(i), k, whole});
     sums.back_facing_gradient[i] -= weight * faces.normal[k];
@@ -104,6 +111,58 @@ void close_round_corner(const Constants<D>& constants, const Vector<D>& x, const
 }
 
 }  // namespace
+
+template <int D>
+void close_round_wall_corners(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
+                              const Faces<D>& walls, const FaceFinder<D>& finder, const FaceRows& rows, const Faces<D>& structure,
+                              const FaceRows& structure_rows, BoundarySums<D>& sums) {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(rows.begin.size());
+  const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
+  const std::vector<std::uint8_t> none_covered;
+  sums.corner_scratch.resize(std::max<std::size_t>(threads, sums.corner_scratch.size()));
+  sums.back_facing_acceleration.assign(n, 0);
+#pragma omp parallel num_threads(threads)
+  {
+    CornerView<D> corners(walls, finder, none_covered, constants.faces, sums.corner_scratch[omp_get_thread_num()]);
+#pragma omp for schedule(static)
+    for (std::ptrdiff_t i = 0; i < n; ++i) {
+      if (rows.count[i] == 0 || rows.before_plane(i)) continue;
+      const Vector<D>& x = position[i];
+      corners.look(x, rows.face.data() + rows.begin[i], rows.count[i]);
+      const auto parted = [&](int k) {
+        if (structure_rows.begin.empty()) return false;
+        for (int s = structure_rows.begin[i]; s < structure_rows.begin[i] + structure_rows.count[i]; ++s)
+          if (patch_separates(structure, structure_rows.face[s], x, walls.position[k])) return true;
+        return false;
+      };
+      bool any = false;
+      for (int k : corners.back_facing()) {
+        if (rows.wet[k] == 0 || parted(k)) continue;
+        any = true;
+        const Vector<D> d = walls.position[k] - x;
+        uncover<D>(constants, d, walls.normal[k], walls.area[k], rows.wet[k], sums.number_density[i], sums.moment[i]);
+        const double weight = rows.wet[k] * walls.area[k] * constants.faces.surface_weight(d.norm());
+        sums.back_facing_gradient[i] -= weight * walls.normal[k];
+        sums.unborne_gradient[i] -= weight * walls.normal[k];
+        sums.back_facing_acceleration[i] += weight * walls.normal_acceleration[k];
+      }
+      if (!any) continue;
+      // There is no one normal across which the fluid is mirrored: of each face what it puts on the particle where quantities vary linearly
+      // along its normal.
+      Matrix<D> across = Matrix<D>::Zero();
+      Vector<D> accelerated = Vector<D>::Zero();
+      for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry) {
+        const int k = rows.face[entry];
+        const Vector<D>& normal = walls.normal[k];
+        const double twice = -2 * rows.weight[entry] * (walls.position[k] - x).dot(normal);
+        across += twice * normal * normal.transpose();
+        accelerated += (twice * walls.normal_acceleration[k]) * normal;
+      }
+      sums.tangential[i] = sums.moment[i] - across;
+      sums.mirrored_hydrostatic[i] = constants.density * (across * gravity[i] - accelerated);
+    }
+  }
+}
 
 template <int D>
 void add_surface_sums(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
@@ -118,7 +177,7 @@ void add_surface_sums(const Constants<D>& constants, const std::vector<Vector<D>
   sums.cell_sees.assign(finder.cells(), 0);
   for (std::ptrdiff_t i = 0; i < n; ++i)
     if (rows.count[i] > 0) sums.cell_sees[finder.cell(position[i])] = 1;
-  sums.corner_scratch.resize(threads);
+  sums.corner_scratch.resize(std::max<std::size_t>(threads, sums.corner_scratch.size()));
   sums.linear_moment.resize(n);
   sums.back_facing.resize(threads);
 #pragma omp parallel num_threads(threads)
@@ -151,6 +210,9 @@ void add_surface_sums(const Constants<D>& constants, const std::vector<Vector<D>
 #define TERN_INSTANTIATE(D)                                                                                                             \
   template void set_wall_sums<D>(const Constants<D>&, const std::vector<Vector<D>>&, const std::vector<Vector<D>>&, const Faces<D>&,    \
                                  FaceRows&, BoundarySums<D>&);                                                                          \
+  template void close_round_wall_corners<D>(const Constants<D>&, const std::vector<Vector<D>>&, const std::vector<Vector<D>>&,          \
+                                            const Faces<D>&, const FaceFinder<D>&, const FaceRows&, const Faces<D>&, const FaceRows&,   \
+                                            BoundarySums<D>&);                                                                          \
   template void add_surface_sums<D>(const Constants<D>&, const std::vector<Vector<D>>&, const std::vector<Vector<D>>&, const Faces<D>&, \
                                     const FaceFinder<D>&, const std::vector<std::uint8_t>&, FaceRows&, BoundarySums<D>&);
 TERN_INSTANTIATE(2)

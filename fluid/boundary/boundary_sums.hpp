@@ -24,24 +24,32 @@ struct BoundarySums {
   std::vector<Matrix<D>> tangential;     ///< T = sum_hidden V grad w (r_j - r_i)_t^T, _t: along the face (beside corners: see THEORY) [-]
   std::vector<Vector<D>> mirrored_hydrostatic;  ///< sum_hidden V grad w rho (g - a_w)_n (r_j - r_i)_n behind walls [Pa/m]
   std::vector<Vector<D>> surface_gradient;      ///< sum_hidden V grad w behind the structure [1/m]
-  std::vector<Vector<D>> back_facing_gradient;  ///< what back-facing faces take from that (convex_corner.hpp) [1/m]
-  std::vector<Vector<D>> unborne_gradient;      ///< of both, what is not the interface's [1/m]
-  std::vector<Vector<D>> reaction;              ///< of both, as the interface has it under a uniform pressure; at the structure alone [1/m]
-  std::vector<Vector<D>> carried_weight;        ///< what it gives back of the fluid's weight up to the faces; at the structure alone [Pa/m]
-  std::vector<Matrix<D>> linear_moment;         ///< -2 sum A w~ n d^T of the structure, less what M has of it; at the structure alone [-]
-  std::vector<double> swept_share;              ///< of each face of the structure: its load over what its particles fill [-]
-  std::vector<double> reaction_share;           ///< of each face of the structure in that [-]
-  std::vector<double> borne_share;              ///< of each face of the structure (convex_corner.hpp) [-]
-  std::vector<std::uint8_t> cell_sees;          ///< by cell of the finder of faces: whether a particle in it sees one
-  std::vector<CornerScratch> corner_scratch;    ///< by thread
+  std::vector<Vector<D>> back_facing_gradient;  ///< what back-facing faces take from both (convex_corner.hpp) [1/m]
+  std::vector<Vector<D>> unborne_gradient;      ///< of the structure and of back-facing faces, what is not the interface's [1/m]
+  std::vector<Vector<D>> reaction;        ///< of the same, as the interface has it under a uniform pressure; at the structure alone [1/m]
+  std::vector<Vector<D>> carried_weight;  ///< what it gives back of the fluid's weight up to the faces; at the structure alone [Pa/m]
+  std::vector<Matrix<D>> linear_moment;   ///< -2 sum A w~ n d^T of the structure, less what M has of it; at the structure alone [-]
+  std::vector<double> swept_share;        ///< of each face of the structure: its load over what its particles fill [-]
+  std::vector<double> reaction_share;     ///< of each face of the structure in that [-]
+  std::vector<double> borne_share;        ///< of each face of the structure (convex_corner.hpp) [-]
+  std::vector<std::uint8_t> cell_sees;    ///< by cell of the finder of faces: whether a particle in it sees one
+  std::vector<CornerScratch> corner_scratch;         ///< by thread
   std::vector<std::vector<BackFacing>> back_facing;  ///< by thread: particle by particle
   std::vector<double> flux;                          ///< sum_k A_k w~_ik n_k . u_k of all faces [1/s]
+  std::vector<double> back_facing_acceleration;      ///< sum_k A_k w~_ik n_k . a_k of the back-facing ones of walls that move [1/s^2]
 };
 
 /// Sums over the hidden side of the walls, and the weights of the rows. `gravity`: at each particle [m/s^2].
 template <int D>
 void set_wall_sums(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
                    const Faces<D>& faces, FaceRows& rows, BoundarySums<D>& sums);
+
+/// Takes from the sums over the hidden side of walls what lies past their convex corners (convex_corner.hpp), but for what a body of the
+/// structure parts from the particle. After set_wall_sums().
+template <int D>
+void close_round_wall_corners(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
+                              const Faces<D>& walls, const FaceFinder<D>& finder, const FaceRows& rows, const Faces<D>& structure,
+                              const FaceRows& structure_rows, BoundarySums<D>& sums);
 
 /// Adds the hidden side of the structure and sets the weights of the rows. Its hydrostatic part is the coupler's, as part of the interface
 /// force. `covered`: faces that stand at a wall.

@@ -81,7 +81,7 @@ bool may_cross(const typename Neighbours<D>::Sight& faces, const Vector<D>& a, c
 
 template <int D>
 void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& period, const std::vector<Vector<D>>& position,
-                             const Faces<D>& faces, const FaceRows& rows, bool past_corners, Neighbours<D>& neighbours) {
+                             const Faces<D>& faces, const FaceRows& rows, Neighbours<D>& neighbours) {
   auto& [sight, sight_begin, affected, listed] = neighbours.cutting;
   const int n = static_cast<int>(neighbours.rows()), all = static_cast<int>(rows.begin.size());
   affected.clear();
@@ -128,7 +128,7 @@ void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& per
     const Vector<D> b = a + d;
     for (int entry = rows.begin[viewer]; entry < rows.begin[viewer] + rows.count[viewer]; ++entry) {
       const int k = rows.face[entry];
-      if (faces.two_sided[k] && patch_separates(faces, k, a, b) && !(past_corners && leaves_past_corner(k, a, other, b))) return true;
+      if (faces.two_sided[k] && patch_separates(faces, k, a, b) && !leaves_past_corner(k, a, other, b)) return true;
     }
     return false;
   };
@@ -163,7 +163,7 @@ void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& per
   template void hide_walls_behind_structure<D>(const std::vector<Vector<D>>&, const Faces<D>&, const Faces<D>&, const FaceRows&,  \
                                                FaceRows&);                                                                        \
   template void cut_pairs_through_faces<D>(const Constants<D>&, const Period<D>&, const std::vector<Vector<D>>&, const Faces<D>&, \
-                                           const FaceRows&, bool, Neighbours<D>&);
+                                           const FaceRows&, Neighbours<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)
 #undef TERN_INSTANTIATE

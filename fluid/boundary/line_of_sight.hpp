@@ -79,10 +79,10 @@ void hide_walls_behind_structure(const std::vector<Vector<D>>& position, const F
                                  const FaceRows& surface_rows, FaceRows& wall_rows);
 
 /// Takes out pairs whose connecting line passes through a two-sided face that either particle sees, and sums those rows
-/// anew. `rows` lists the faces seen by each particle. The fluid on one side of a plate does not see the fluid on the other.
-/// With `past_corners`, fluid past a convex corner is seen (convex_corner.hpp).
+/// anew. `rows` lists the faces seen by each particle. The fluid on one side of a plate does not see the fluid on the other, but
+/// fluid past a convex corner is seen (convex_corner.hpp).
 template <int D>
 void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& period, const std::vector<Vector<D>>& position,
-                             const Faces<D>& faces, const FaceRows& rows, bool past_corners, Neighbours<D>& neighbours);
+                             const Faces<D>& faces, const FaceRows& rows, Neighbours<D>& neighbours);
 
 }  // namespace tern::fluid

@@ -62,6 +62,8 @@ Walls<D>::Walls(const Case& scene, double fluid_spacing, double support, bool wh
   for (const WallCase& wall : scene.walls) {
     moving_ = moving_ || wall.motion.has_value();
     any_two_sided_ = any_two_sided_ || !wall.container;
+    may_have_corners_ =
+        may_have_corners_ || !wall.container || (wall.shape.kind != Shape::Kind::box && wall.shape.kind != Shape::Kind::ball);
     walls_.push_back({wall, 0, 0, {}, 0, Vector<D>::Zero()});
   }
   whole_ = whole_ || moving_;

@@ -58,6 +58,8 @@ class Walls {
   /// The fluid does not stick to patch k.
   bool slips(int k) const { return slip_[k]; }
   bool any_two_sided() const { return any_two_sided_; }
+  /// Some wall is not convex on the side of the fluid.
+  bool may_have_corners() const { return may_have_corners_; }
   /// The wall of that name, which the scene is known to have.
   const Wall<D>& find(const std::string& name) const;
   const std::vector<Wall<D>>& all() const { return walls_; }
@@ -96,7 +98,7 @@ class Walls {
   };
   std::vector<Side> sides_;  ///< of each plane
   Faces<D> faces_;
-  bool moving_ = false, any_two_sided_ = false;
+  bool moving_ = false, any_two_sided_ = false, may_have_corners_ = false;
 };
 
 }  // namespace tern::fluid

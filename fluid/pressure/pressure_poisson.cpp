@@ -106,6 +106,8 @@ void assemble_pressure_source(const Constants<D>& constants, double duration, co
     double b = scale * (divergence[i] - target[i]);
     // Past a corner the pressure behind the face goes on along the face as before it, by the weight of the fluid.
     b += 2 * density * constants.volume * prediction.gravity[i].dot(boundary.sums.back_facing_gradient[i]);
+    if (boundary.walls.moving() && boundary.walls.may_have_corners())
+      b += 2 * density * constants.volume * boundary.sums.back_facing_acceleration[i];
     system.source[i] = b;
   });
   if (system.beside_bodies.any()) {
