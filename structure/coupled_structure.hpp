@@ -147,10 +147,10 @@ class CoupledStructure {
   Structure<D>& structure_;
   CouplingAlgorithm algorithm_;
   Ticks begin_ = 0, duration_ = 0;
-  Surface<D> at_begin_;                  ///< of the window; velocity: as the fluid was given it
-  std::vector<Vector<D>> own_velocity_;  ///< FollowedVelocity::own of each point, at the begin of the window
-  std::vector<FreeMotion<D>> free_at_begin_;
-  double last_duration_ = 0;  ///< of the last window [s]; 0: there was none
+  Surface<D> at_begin_;                       ///< of the window; velocity: as the fluid was given it
+  std::vector<Vector<D>> own_velocity_;       ///< FollowedVelocity::own of each point, at the begin of the window
+  std::vector<FreeMotion<D>> free_at_begin_;  ///< of each body, at the begin of the window
+  double last_duration_ = 0;                  ///< of the last window [s]; 0: there was none
 };
 
 }  // namespace tern::structure

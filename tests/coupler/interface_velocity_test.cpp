@@ -143,40 +143,47 @@ TEST(InterfaceVelocity, MakesAnErrorOfSecondOrderAndALossOfThird) {
 }
 
 /// A mode of omega dt = y that has a volume which enclosed fluid keeps: its load is what takes away taken_away(rate, pushed in, before), by
-/// an answer to it of which the true one is `answers` times as much. A state: as Mode, the load and what was taken away of the last window.
+/// an answer to it of which the true one is `answers` times as much. A second one, of omega dt = 0.01, takes the part `slow` of the answer.
+/// A state: as Mode, the load and what was taken away of the last window, displacement and velocity of the slow mode.
 template <class TakenAway>
 class HeldMode {
  public:
-  using State = Eigen::Vector<double, 6>;
-  HeldMode(double y, double answers, TakenAway taken_away)
-      : y_(y), mobility_(after(State::Zero(), 1)[2] / answers), taken_away_(std::move(taken_away)) {}
+  using State = Eigen::Vector<double, 8>;
+  HeldMode(double y, double answers, TakenAway taken_away, double slow = 0)
+      : y_(y), slow_(slow), mobility_(after(State::Zero(), 1)[2] / answers), taken_away_(std::move(taken_away)) {}
 
   /// After a window, where the fluid's walls have gone `way`, in its middle, at the speed `speed`.
   State operator()(const State& q, double way = 0, double speed = 0) const {
     const State trial = after(q, q[4]);
-    const double taken = taken_away_(trial[2] - speed, 0.5 * (q[0] + trial[0]) - way, q[5]);
+    const double taken = taken_away_(trial[2] - speed, 0.5 * (q[0] + q[6] + trial[0] + trial[6]) - way, q[5]);
     State next = after(q, q[4] - taken / mobility_);
     next[5] = taken;
     return next;
   }
 
  private:
-  State after(const State& q, double load) const {
-    const double c = std::cos(y_), s = std::sin(y_), displacement = c * q[0] + s / y_ * q[1] + (1 - c) / (y_ * y_) * load;
-    const Followed followed = follow_mean(displacement - q[0], 0, Followed{q[2], q[3]});
-    return {displacement, -y_ * s * q[0] + c * q[1] + s / y_ * load, followed.given, followed.own, load, q[5]};
+  /// Displacement and velocity of a mode of mass 1 after a window.
+  static std::pair<double, double> moved(double y, double displacement, double velocity, double load) {
+    const double c = std::cos(y), s = std::sin(y);
+    return {c * displacement + s / y * velocity + (1 - c) / (y * y) * load, -y * s * displacement + c * velocity + s / y * load};
   }
-  double y_, mobility_;
+  State after(const State& q, double load) const {
+    const auto [x, v] = moved(y_, q[0], q[1], (1 - slow_) * load);
+    const auto [x_slow, v_slow] = moved(0.01, q[6], q[7], slow_ * load);
+    const Followed followed = follow_mean(x - q[0] + x_slow - q[6], 0, Followed{q[2], q[3]});
+    return {x, v, followed.given, followed.own, load, q[5], x_slow, v_slow};
+  }
+  double y_, slow_, mobility_;
   TakenAway taken_away_;
 };
 
 /// Largest factor by which a state grows in a window. From omega dt = `least`.
-double growth_in_enclosed_fluid(double answers, double least, auto&& taken_away) {
+double growth_in_enclosed_fluid(double answers, double least, auto&& taken_away, double slow = 0) {
   double largest = 0;
   for (double y = least; y < 50; y *= 1.02) {
-    const HeldMode mode(y, answers, taken_away);
-    Eigen::Matrix<double, 6, 6> map;
-    for (int column = 0; column < 6; ++column) map.col(column) = mode(Eigen::Vector<double, 6>::Unit(column));
+    const HeldMode mode(y, answers, taken_away, slow);
+    Eigen::Matrix<double, 8, 8> map;
+    for (int column = 0; column < 8; ++column) map.col(column) = mode(Eigen::Vector<double, 8>::Unit(column));
     largest = std::max(largest, map.eigenvalues().cwiseAbs().maxCoeff());
   }
   return largest;
@@ -185,7 +192,7 @@ double growth_in_enclosed_fluid(double answers, double least, auto&& taken_away)
 /// Windows by which a mode lags behind the walls, which go on at a constant speed.
 double lag_in_enclosed_fluid(double y, auto&& taken_away) {
   const HeldMode mode(y, 1, taken_away);
-  Eigen::Vector<double, 6> q = Eigen::Vector<double, 6>::Zero();
+  Eigen::Vector<double, 8> q = Eigen::Vector<double, 8>::Zero();
   double sum = 0;
   for (int n = 0; n < 400; ++n) {
     q = mode(q, n + 0.5, 1);
@@ -202,6 +209,21 @@ TEST(InterfaceVelocity, OfAModeThatEnclosedFluidHoldsDiesOutWhateverItsStiffness
                                        [](double rate, double, double before) { return fluid::level_taken_away(rate, 0, before); }),
               1 + 1e-9);
   }
+}
+
+// What is known to be wrong with it. Two modes that have a volume, a slow and a stiff one, go to and fro against each other, and the load
+// that keeps their sum is late: what has been pushed in is an integral, and no window takes all of it away. With the rate alone taken away
+// they do not grow, but what is once pushed in stays.
+TEST(InterfaceVelocity, LetsTwoModesThatEnclosedFluidHoldsGrow) {
+  double most = 0, by_rate = 0;
+  for (const double slow : {0.003, 0.03, 0.2, 0.5, 0.8}) {
+    most = std::max(most, growth_in_enclosed_fluid(1, 0.3, fluid::level_taken_away, slow));
+    by_rate = std::max(by_rate, growth_in_enclosed_fluid(
+                                    1, 0.3, [](double rate, double, double) { return 0.65 * rate; }, slow));
+  }
+  std::printf("[ %.3f a window; by the rate alone %.6f ]\n", most, by_rate);
+  EXPECT_NEAR(most, 1.12, 0.02);
+  EXPECT_LE(by_rate, 1 + 1e-6);
 }
 
 // A stiff mode has to be loaded anew in every window. Seen to fail: with half of the rate and an eighth of what has been pushed in, and
