@@ -211,6 +211,31 @@ TEST_F(CaseFile, WarnsOfFluidThatStartsTowardsAnOpenFace) {
   EXPECT_FALSE(warned(channel("0"), "x_max"));
 }
 
+// Seen to fail: with a sentence for each body.
+TEST_F(CaseFile, SaysOnceWhatHoldsOfManyBodies) {
+  const auto floats = [this](int bodies, double density_of_last) {
+    std::string text =
+        "dimension = 2\nend_time = 1\ngravity = [0, -9.81]\n[[wall]]\nname = \"tank\"\n"
+        "container = { box = { min = [0, 0], max = [4, 1] } }\n[fluid]\ndensity = 1000\nspacing = 0.05\n"
+        "[[fluid.body]]\nshape = { box = { min = [0, 0], max = [4, 0.2] } }\n";
+    for (int n = 0; n < bodies; ++n)
+      text += fmt::format(
+          "[[structure.body]]\nname = \"float {}\"\nshape = {{ box = {{ min = [{}, 0.4], max = [{}, 0.6] }} }}\nspacing = 0.05\n"
+          "density = {}\nyoung_modulus = 1e7\npoisson_ratio = 0.3\n",
+          n, 0.4 * n + 0.1, 0.4 * n + 0.3, n + 1 < bodies ? 800.0 : density_of_last);
+    return read(text).warnings;
+  };
+  const std::vector<std::string> eight = floats(8, 800);
+  ASSERT_EQ(eight.size(), 1u);
+  EXPECT_NE(eight[0].find("'float 0' is free and 20 % lighter"), std::string::npos) << eight[0];
+  EXPECT_NE(eight[0].find(" The same holds of 'float 1', 'float 2', 'float 3', 'float 4', 'float 5' and 2 more."), std::string::npos)
+      << eight[0];
+  const std::vector<std::string> other = floats(3, 900);
+  ASSERT_EQ(other.size(), 2u);
+  EXPECT_NE(other[0].find(" The same holds of 'float 1'."), std::string::npos) << other[0];
+  EXPECT_EQ(other[1].find("The same holds"), std::string::npos) << other[1];
+}
+
 // It bends from its clamp on; its width bends nothing. Seen to fail: with the width held against the thickness, "from edge to edge".
 TEST_F(CaseFile, TakesTheLengthOfACantileverAndNotItsWidth) {
   const auto sheet = [this](const std::string& width) {
