@@ -112,6 +112,19 @@ void close_round_corner(const Constants<D>& constants, const Vector<D>& x, const
 
 }  // namespace
 
+/// Whether x is inside the wall rather than past a corner of it: the nearest patch is turned away, and x is right behind it.
+template <int D>
+bool is_inside(const Vector<D>& x, const Faces<D>& walls, const int* seen, int count, const std::vector<int>& back_facing) {
+  const auto distance2 = [&](int k) { return (walls.position[k] - x).squaredNorm(); };
+  double nearest2 = 1e300;
+  int nearest = -1;
+  for (int k : back_facing)
+    if (const double here = distance2(k); here < nearest2) nearest = k, nearest2 = here;
+  if (nearest < 0 || std::any_of(seen, seen + count, [&](int k) { return distance2(k) < nearest2; })) return false;
+  const double depth = (walls.position[nearest] - x).dot(walls.normal[nearest]);
+  return nearest2 - depth * depth < patch_reach2<D>(walls.area[nearest]);
+}
+
 template <int D>
 void close_round_wall_corners(const Constants<D>& constants, const std::vector<Vector<D>>& position, const std::vector<Vector<D>>& gravity,
                               const Faces<D>& walls, const FaceFinder<D>& finder, const FaceRows& rows, const Faces<D>& structure,
@@ -128,7 +141,9 @@ void close_round_wall_corners(const Constants<D>& constants, const std::vector<V
     for (std::ptrdiff_t i = 0; i < n; ++i) {
       if (rows.count[i] == 0 || rows.before_plane(i)) continue;
       const Vector<D>& x = position[i];
-      corners.look(x, rows.face.data() + rows.begin[i], rows.count[i]);
+      const int* const seen = rows.face.data() + rows.begin[i];
+      corners.look(x, seen, rows.count[i]);
+      if (is_inside(x, walls, seen, rows.count[i], corners.back_facing())) continue;
       const auto parted = [&](int k) {
         if (structure_rows.begin.empty()) return false;
         for (int s = structure_rows.begin[i]; s < structure_rows.begin[i] + structure_rows.count[i]; ++s)

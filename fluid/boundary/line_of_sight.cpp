@@ -104,7 +104,10 @@ void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& per
   sight_begin.push_back(static_cast<int>(sight.size()));
   // Whether the line from a to b, that enters a body through `patch`, leaves it past a corner. Patches reach a little beyond their edges. A
   // line that passes there, outside the body, may pass the faces round the corner at a greater distance than they reach.
-  const auto leaves_past_corner = [&](int patch, const Vector<D>& a, int other, const Vector<D>& b) {
+  // `d`: from a to b. What b sees stands where b is, which may be a period away.
+  const auto leaves_past_corner = [&](int patch, int other, const Vector<D>& d) {
+    const Vector<D>& b = position[other];
+    const Vector<D> a = b - d;
     bool leaves = false;
     for (int entry = rows.begin[other]; entry < rows.begin[other] + rows.count[other]; ++entry) {
       const int k = rows.face[entry];
@@ -128,7 +131,7 @@ void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& per
     const Vector<D> b = a + d;
     for (int entry = rows.begin[viewer]; entry < rows.begin[viewer] + rows.count[viewer]; ++entry) {
       const int k = rows.face[entry];
-      if (faces.two_sided[k] && patch_separates(faces, k, a, b) && !leaves_past_corner(k, a, other, b)) return true;
+      if (faces.two_sided[k] && patch_separates(faces, k, a, b) && !leaves_past_corner(k, other, d)) return true;
     }
     return false;
   };
