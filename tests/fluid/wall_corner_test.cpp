@@ -143,8 +143,8 @@ TEST(WallCorner, IsPassedAcrossTheSeamOfAPeriod) {
   }
 }
 
-// A row of particles is a hair inside a plate half a spacing thick. The face that they are right behind is none past a corner: it would take
-// away all that keeps them fluid. Seen to fail: without is_inside() (3 of 24).
+// A row of particles is a hair inside a plate half a spacing thick. The face that they are right behind is none past a corner: it would
+// take away all that keeps them fluid. Seen to fail: without is_inside() (3 of 24).
 TEST(WallCorner, IsNoneForAParticleInTheWall) {
   const Shape all = box({0, 0, -1}, {width, width, 1}), plate = box({0.475, -dx, -1}, {0.5, 2 * width, 1});
   Case c = scene(2, dx, {all}, {tank({0, 0, -1}, {width, 2 * width, 1}), obstacle(plate.min, plate.max)});
