@@ -91,13 +91,12 @@ class CoupledStructure {
     structure_.advance(load);
     Surface<D> end = structure_.surface();
     if (algorithm_ != CouplingAlgorithm::explicit_staggering)
-      for_each_followed(end.position, [&](std::size_t k, const FollowedVelocity<Vector<D>>& followed) {
+      free_at_begin_ = for_each_followed(end.position, [&](std::size_t k, const FollowedVelocity<Vector<D>>& followed) {
         end.velocity[k] = followed.given;
         own_velocity_[k] = followed.own;
       });
     at_begin_ = std::move(end);
     last_duration_ = seconds(duration_);
-    note_begin();
   }
 
   /// Between two windows: everything from which another one goes on with the same bits.
@@ -124,10 +123,11 @@ class CoupledStructure {
   }
 
   /// visit(k, what is followed of the point at the end of the window), from its `position` there and the present state of the structure.
+  /// Returns the free motion of each body at the end.
   template <class Visit>
-  void for_each_followed(const std::vector<Vector<D>>& position, const Visit& visit) const {
+  std::vector<FreeMotion<D>> for_each_followed(const std::vector<Vector<D>>& position, const Visit& visit) const {
     const double dt = seconds(duration_), ratio = last_duration_ > 0 ? dt / last_duration_ : 1;
-    const std::vector<FreeMotion<D>> free_at_end = structure_.free_motions();
+    std::vector<FreeMotion<D>> free_at_end = structure_.free_motions();
     const std::vector<std::uint32_t>& body = structure_.surface_properties().body;
     for (std::size_t k = 0; k < position.size(); ++k) {
       // A rigid motion of a body that nothing holds is given as it is at the end. The rest of the motion is followed.
@@ -142,6 +142,7 @@ class CoupledStructure {
       followed.own += end;
       visit(k, followed);
     }
+    return free_at_end;
   }
 
   Structure<D>& structure_;

@@ -6,6 +6,7 @@
 
 #include "base/parallel.hpp"
 #include "fluid/boundary/hidden_sums.hpp"
+#include "fluid/boundary/line_of_sight.hpp"
 
 namespace tern::fluid {
 
@@ -144,15 +145,9 @@ void close_round_wall_corners(const Constants<D>& constants, const std::vector<V
       const int* const seen = rows.face.data() + rows.begin[i];
       corners.look(x, seen, rows.count[i]);
       if (is_inside(x, walls, seen, rows.count[i], corners.back_facing())) continue;
-      const auto parted = [&](int k) {
-        if (structure_rows.begin.empty()) return false;
-        for (int s = structure_rows.begin[i]; s < structure_rows.begin[i] + structure_rows.count[i]; ++s)
-          if (patch_separates(structure, structure_rows.face[s], x, walls.position[k])) return true;
-        return false;
-      };
       bool any = false;
       for (int k : corners.back_facing()) {
-        if (rows.wet[k] == 0 || parted(k)) continue;
+        if (rows.wet[k] == 0 || any_separates(structure, structure_rows, i, x, walls.position[k])) continue;
         any = true;
         const Vector<D> d = walls.position[k] - x;
         uncover<D>(constants, d, walls.normal[k], walls.area[k], rows.wet[k], sums.number_density[i], sums.moment[i]);

@@ -22,10 +22,7 @@ void hide_walls_behind_structure(const std::vector<Vector<D>>& position, const F
     int kept = 0;
     for (int entry = wall_rows.begin[i]; entry < wall_rows.begin[i] + wall_rows.count[i]; ++entry) {
       const Vector<D>& wall = walls.position[wall_rows.face[entry]];
-      bool hidden = false;
-      for (int s = surface_rows.begin[i]; !hidden && s < surface_rows.begin[i] + surface_rows.count[i]; ++s)
-        hidden = patch_separates(surface, surface_rows.face[s], position[i], wall);
-      if (hidden) continue;
+      if (any_separates(surface, surface_rows, i, position[i], wall)) continue;
       wall_rows.face[wall_rows.begin[i] + kept++] = wall_rows.face[entry];
     }
     wall_rows.count[i] = kept;

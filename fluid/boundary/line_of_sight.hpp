@@ -73,6 +73,13 @@ void append_seen(std::size_t n, std::size_t first, FaceRows& rows, See&& see) {
 template <int D>
 void see_faces(std::span<const Vector<D>> position, const Faces<D>& faces, const FaceFinder<D>& finder, FaceRows& rows);
 
+/// Whether a face that particle i sees, at x, parts it from this place.
+template <int D>
+bool any_separates(const Faces<D>& faces, const FaceRows& rows, std::ptrdiff_t i, const Vector<D>& x, const Vector<D>& place) {
+  const auto first = rows.face.begin() + rows.begin[i];
+  return std::any_of(first, first + rows.count[i], [&](int k) { return patch_separates(faces, k, x, place); });
+}
+
 /// Takes out of `wall_rows` the patches of walls that the structure hides from a particle.
 template <int D>
 void hide_walls_behind_structure(const std::vector<Vector<D>>& position, const Faces<D>& walls, const Faces<D>& surface,
