@@ -39,6 +39,7 @@ struct State {
   SurfaceLoad<D> load;                      ///< on the structure in the last window; empty before the first
   SurfaceLoad<D> contact;                   ///< the contacts in it; empty where windows are not repeated
   std::vector<Vector<D>> surface_velocity;  ///< at the end of the last window [m/s]; empty before the first
+  std::vector<Vector<D>> answered_change;   ///< InterfaceCondition::answered_change; empty where the structure was not asked
   MotionError<D> motion;                    ///< how that has changed
   LearntResponse<D> response;               ///< how the surface has answered
   SurfaceAtStart<D> start;                  ///< of the run; empty before
@@ -54,6 +55,7 @@ struct State {
     visit("load", all.load.force...);
     visit("contact", all.contact.force...);
     visit("surface_velocity", all.surface_velocity...);
+    visit("answered_change", all.answered_change...);
     visit("motion", all.motion...);
     visit("response", all.response...);
     visit("start", all.start...);

@@ -73,6 +73,7 @@ void Coupler<D>::pass_window(double begin, double duration, const Surface<D>& su
   window_.load.force.assign(surface.position.size(), Vector<D>::Zero());
   state_.load = window_.load;
   state_.contact.force.clear();
+  state_.answered_change.clear();
   state_.motion = {};
   state_.observations.duration = duration;
   state_.surface_velocity = surface.velocity;
@@ -127,6 +128,9 @@ const InterfaceCondition<D>& Coupler<D>::first_exchange(double begin, double dur
   window_.velocity_at_end = surface.velocity;
 
   window_.condition.surface_velocity.clear();
+  window_.condition.answered_change.clear();
+  if (window_.particles.is_enclosed) window_.condition.answered_change.swap(state_.answered_change);
+  state_.answered_change.clear();
   window_.condition.repeats = setup_.iterates && setup_.coupling.max_iterations > 1;
   set_condition(setup_, window_, state_.evaluations);
   return window_.condition;
@@ -159,7 +163,13 @@ bool Coupler<D>::accepts(const std::vector<Vector<D>>& velocity) {
   window_.velocity_at_end = velocity;
   if (!setup_.learns) return false;
   const bool is_first = window_.iterations == 1;
-  if (is_first) state_.response.learn(setup_, window_, velocity);
+  if (is_first) {
+    state_.response.learn(setup_, window_, velocity);
+    if (window_.particles.is_enclosed) {
+      state_.answered_change = velocity;
+      for (std::size_t k = 0; k < velocity.size(); ++k) state_.answered_change[k] -= window_.surface.velocity[k];
+    }
+  }
   window_.agreed = disagreement(setup_, state_, window_, window_.answered_load, velocity).agrees();
   if (window_.agreed || setup_.coupling.max_iterations == 1) return true;
   if (is_first) state_.fixed_point.add(parts(window_.assumed_load, window_.assumed_contact), parts(window_.answered_load, window_.contact));
@@ -182,6 +192,7 @@ const SurfaceLoad<D>* Coupler<D>::accelerated_load() {
 template <int D>
 const InterfaceCondition<D>& Coupler<D>::repeat_exchange(std::vector<Vector<D>> surface_velocity) {
   window_.velocity_at_end = window_.surface.velocity = window_.condition.surface_velocity = std::move(surface_velocity);
+  window_.condition.answered_change.clear();
   set_condition(setup_, window_, state_.evaluations);
   return window_.condition;
 }

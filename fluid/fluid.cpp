@@ -23,7 +23,6 @@ Fluid<D>::Fluid(const Case& scene, const Ranks& ranks, const StartParticles<D>& 
   state_ = initial_state(scene, start, first, last);
   const double largest = ranks.most(fluid::largest_speed(state_.velocity));
   state_.reference_speed = std::max({2 * reference_.speed_floor, largest, largest_clamp_speed(scene)});
-  if (boundary_.walls.moving()) state_.wall_velocity.assign(boundary_.walls.faces().size(), Vector<D>::Zero());
   domain_.cut_anew(state_);
   if (!domain_.alone()) set_totals();
 }

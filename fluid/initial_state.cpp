@@ -27,6 +27,7 @@ State<D> initial_state(const Case& scene, const StartParticles<D>& particles, st
   });
   for_each_particle_field(state, [n = state.size()](const char*, const char*, auto& values) { values.resize(n); });
   std::fill(state.stopped.begin(), state.stopped.end(), Vector<D>::Zero());
+  std::fill(state.region.begin(), state.region.end(), EnclosedPast::none);
   return state;
 }
 

@@ -7,6 +7,7 @@
 
 #include "base/time.hpp"
 #include "base/vector.hpp"
+#include "fluid/boundary/walls.hpp"
 #include "fluid/particle_class.hpp"
 
 namespace tern::fluid {
@@ -31,6 +32,27 @@ struct EnclosedAccount {
     visit("way", all.way...);
     visit("warned_of_lag", all.warned_of_lag...);
     visit("pushed", all.pushed...);
+  }
+};
+
+/// What is known of the enclosed regions beside bodies of the last window, by region.
+struct EnclosedPast {
+  static constexpr std::uint32_t none = ~std::uint32_t{0};  ///< number of no region
+
+  std::vector<int> size;           ///< particles
+  std::vector<double> pushed_in;   ///< volume that faces have pushed into it since it is enclosed [m^D]
+  std::vector<double> taken_away;  ///< of its rate: what the first pass of the window told the fluid to take away [m^D/s]
+  /// What bodies have answered to that, times what they were told, and the square of this, four fifths of each kept per window [m^2D/s^2].
+  std::vector<double> answered, square;
+
+  /// The list of the members: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("size", all.size...);
+    visit("pushed_in", all.pushed_in...);
+    visit("taken_away", all.taken_away...);
+    visit("answered", all.answered...);
+    visit("square", all.square...);
   }
 };
 
@@ -61,12 +83,11 @@ struct State {
   std::vector<double> pressure;               ///< [Pa]
   std::vector<double> pressure_correction;    ///< the part of it that answers what the first solve has left behind [Pa]
   std::vector<Vector<D>> stopped;             ///< by contact with walls in the last window: the velocity taken away, over it [m/s^2]
-  std::vector<double> pushed_in;              ///< its share of the volume that faces have pushed into its enclosed region [m^D]
-  std::vector<double> taken_away;             ///< and of the rate that the last window has taken away there [m^D/s]
+  std::vector<std::uint32_t> region;          ///< of EnclosedPast, that it is in; EnclosedPast::none: in none
   std::vector<std::uint32_t> id;              ///< label, stable over the run
   std::vector<ParticleClass> particle_class;  ///< of the last step
 
-  std::vector<Vector<D>> wall_velocity;  ///< of each patch over the last window, if any wall moves [m/s]
+  FollowedWalls<D> walls;                ///< of the last window, if any wall moves
   double wall_acceleration = 0;          ///< largest of a patch, along its normal [m/s^2]
   double body_speed = 0;                 ///< largest of the structure's surface where it was wet in the last window [m/s]
   std::vector<Vector<D>> face;           ///< A n of the structure's surface in the last window [m^(D-1)]
@@ -76,6 +97,7 @@ struct State {
   double left_share = 0;                 ///< what the first solve of the last window left behind, of its source; 0: not known
   bool fills_enclosure = false;          ///< all fluid is enclosed by fixed walls: it has no free surface and cannot get one
   EnclosedAccount enclosed;
+  EnclosedPast enclosed_past;
   double reference_speed = 0;      ///< of the scene; 0: not known [m/s]
   int windows_of_collapse = 0;     ///< with a step far shorter than the reference speed asks for
   int windows_of_lost_volume = 0;  ///< beside bodies, with more or less of it than there can be
@@ -96,11 +118,10 @@ struct State {
     visit("pressure", all.pressure...);
     visit("pressure_correction", all.pressure_correction...);
     visit("stopped", all.stopped...);
-    visit("pushed_in", all.pushed_in...);
-    visit("taken_away", all.taken_away...);
+    visit("region", all.region...);
     visit("id", all.id...);
     visit("particle_class", all.particle_class...);
-    visit("wall_velocity", all.wall_velocity...);
+    visit("walls", all.walls...);
     visit("wall_acceleration", all.wall_acceleration...);
     visit("body_speed", all.body_speed...);
     visit("face", all.face...);
@@ -110,6 +131,7 @@ struct State {
     visit("left_share", all.left_share...);
     visit("fills_enclosure", all.fills_enclosure...);
     visit("enclosed", all.enclosed...);
+    visit("enclosed_past", all.enclosed_past...);
     visit("reference_speed", all.reference_speed...);
     visit("windows_of_collapse", all.windows_of_collapse...);
     visit("windows_of_lost_volume", all.windows_of_lost_volume...);
@@ -130,8 +152,7 @@ void for_each_particle_field(AnyState& state, Visit&& visit) {
   visit("pressure", "Pa", state.pressure);
   visit("pressure_correction", nullptr, state.pressure_correction);
   visit("stopped", nullptr, state.stopped);
-  visit("pushed_in", nullptr, state.pushed_in);
-  visit("taken_away", nullptr, state.taken_away);
+  visit("region", nullptr, state.region);
   visit("id", "", state.id);
   visit("flag", "", state.particle_class);
 }

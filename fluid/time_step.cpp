@@ -93,6 +93,7 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   prediction_.unprojected_velocity.clear();
   InterfaceParticles<D> own =
       interface_particles(constants, state_, prediction_, boundary_, reports_divergence_ ? &divergence_ : nullptr, images_, at_structure_);
+  own.is_enclosed = !state_.enclosed_past.size.empty();
   beside_structure_.list.clear();
   any_at_structure_ = false;
   if (boundary_.surface.size() == 0) return {};

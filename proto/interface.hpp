@@ -56,6 +56,9 @@ struct InterfaceParticles {
 
   /// Surface points that look into a wall of the fluid instead of into room for it; ascending. Only those at walls need be named.
   std::vector<std::uint32_t> covered;
+
+  /// Fluid beside bodies was enclosed in the last window: it asks for InterfaceCondition::answered_change.
+  bool is_enclosed = false;
 };
 
 /// How the surface yields to a pressure (Robin condition). The bodies answer in lumps, parts that are pushed and move as a whole: under
@@ -77,6 +80,9 @@ struct InterfaceCondition {
   /// Velocity of each surface point under the load that is tried now [m/s]; empty: as in Surface.
   std::vector<Vector<D>> surface_velocity;
   bool repeats = false;  ///< the same window may be asked for once more
+  /// By how much the velocity of each surface point at the end of the last window changed from that in Surface when the surface first moved
+  /// under the answer of the fluid [m/s]; empty where nobody has asked for it or it is not known.
+  std::vector<Vector<D>> answered_change;
 };
 
 /// The interface particles after a pressure solve.

@@ -44,7 +44,7 @@ template <int D>
 void tell(const Ranks& ranks, InterfaceCondition<D>& condition) {
   std::vector<std::uint8_t> repeats{condition.repeats};
   ranks.tell_together(condition.force, condition.reference_pressure, condition.response.lump, condition.response.share,
-                      condition.response.mass, condition.surface_velocity, repeats);
+                      condition.response.mass, condition.surface_velocity, condition.answered_change, repeats);
   condition.repeats = repeats[0] != 0;
 }
 

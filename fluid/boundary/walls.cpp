@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "base/followed_velocity.hpp"
+
 namespace tern::fluid {
 namespace {
 
@@ -199,25 +201,55 @@ std::size_t Walls<D>::wall_of(int k) const {
 }
 
 template <int D>
-double Walls<D>::move_over(double begin, double duration, std::vector<Vector<D>>& velocity_of) {
+double Walls<D>::move_over(double begin, double duration, FollowedWalls<D>& followed) {
+  const bool first = followed.last_duration == 0;
+  if (first) {
+    for (auto* rates : {&followed.shift_rate, &followed.own_shift_rate}) rates->assign(walls_.size(), Vector<D>::Zero());
+    for (auto* rates : {&followed.turn_rate, &followed.own_turn_rate}) rates->assign(walls_.size(), 0);
+    followed.velocity.assign(faces_.size(), Vector<D>::Zero());
+  }
+  const double ratio = first ? 1 : duration / followed.last_duration;
+  const auto follow = [&]<class Rate>(const Rate& mean, Rate& given, Rate& own) {
+    const FollowedVelocity<Rate> next = followed_velocity<Rate>(mean, {given, own}, ratio);
+    given = next.given;
+    own = next.own;
+    return next.given;
+  };
   double largest = 0;
-  for (Wall<D>& wall : walls_) {
+  for (std::size_t w = 0; w < walls_.size(); ++w) {
+    Wall<D>& wall = walls_[w];
     if (!wall.scene.motion) continue;
-    const Placement<D> before = placement<D>(*wall.scene.motion, begin), after = placement<D>(*wall.scene.motion, begin + duration);
-    wall.place = placement<D>(*wall.scene.motion, begin + 0.5 * duration);
-    // Not the mean velocity of the patch itself: the chord of an arc is shorter than the way along it.
-    wall.shift_rate = (after.shift - before.shift) / duration;
-    wall.turn_rate = (after.angle - before.angle) / duration;
+    const auto place_at = [&](double time) { return placement<D>(*wall.scene.motion, time); };
+    const Placement<D> before = place_at(begin), after = place_at(begin + duration);
+    wall.place = place_at(begin + 0.5 * duration);
     for (std::size_t k = wall.first; k < wall.last; ++k) {
       faces_.position[k] = wall.place(reference_[k]);
       faces_.normal[k] = wall.place.turn * reference_normal_[k];
+    }
+    if (first) {
+      // Of the motion through three places, as if it had gone on so before: `own` is of a third of a window before `given`.
+      const Vector<D> change = 4 * (after.shift - 2 * wall.place.shift + before.shift) / duration;
+      const double turn_change = 4 * (after.angle - 2 * wall.place.angle + before.angle) / duration;
+      wall.shift_rate = followed.shift_rate[w] = (after.shift - before.shift) / duration - 0.5 * change;
+      wall.turn_rate = followed.turn_rate[w] = (after.angle - before.angle) / duration - 0.5 * turn_change;
+      followed.own_shift_rate[w] = wall.shift_rate - change / 3;
+      followed.own_turn_rate[w] = wall.turn_rate - turn_change / 3;
+      for (std::size_t k = wall.first; k < wall.last; ++k) followed.velocity[k] = wall.velocity(faces_.position[k]);
+    }
+    // Not of the mean velocity of the patch itself: the chord of an arc is shorter than the way along it.
+    const Vector<D> mean_shift_rate = (after.shift - before.shift) / duration;
+    const double mean_turn_rate = (after.angle - before.angle) / duration;
+    wall.shift_rate = follow(mean_shift_rate, followed.shift_rate[w], followed.own_shift_rate[w]);
+    wall.turn_rate = follow(mean_turn_rate, followed.turn_rate[w], followed.own_turn_rate[w]);
+    for (std::size_t k = wall.first; k < wall.last; ++k) {
       // The change of the patch's own velocity has the tangential and the centripetal part of its acceleration.
       const Vector<D> velocity = wall.velocity(faces_.position[k]);
-      faces_.normal_acceleration[k] = begin > 0 ? (velocity - velocity_of[k]).dot(faces_.normal[k]) / duration : 0;
+      faces_.normal_acceleration[k] = (velocity - followed.velocity[k]).dot(faces_.normal[k]) / duration;
       largest = std::max(largest, std::abs(faces_.normal_acceleration[k]));
-      faces_.velocity[k] = velocity_of[k] = velocity;
+      faces_.velocity[k] = followed.velocity[k] = velocity;
     }
   }
+  followed.last_duration = duration;
   return largest;
 }
 

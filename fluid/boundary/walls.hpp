@@ -19,13 +19,33 @@ struct Wall {
   WallCase scene;
   std::size_t first = 0, last = 0;  ///< its patches: first .. last - 1
   Placement<D> place;
-  double turn_rate = 0;                      ///< mean over the window [rad/s]
+  double turn_rate = 0;                      ///< at the end of the window [rad/s]
   Vector<D> shift_rate = Vector<D>::Zero();  ///< likewise [m/s]
 
-  /// Of the rigid body at x, at the middle of the window; 0 where the wall does not move [m/s].
+  /// Of the rigid body at x, at the end of the window; 0 where the wall does not move [m/s].
   Vector<D> velocity(const Vector<D>& x) const {
     if (!scene.motion) return Vector<D>::Zero();
     return shift_rate + turning_velocity<D>(turn_rate, scene.motion->axis, Vector<D>(x - place.pivot - place.shift));
+  }
+};
+
+/// What the fluid has followed of the motion of walls: FollowedVelocity of each wall, of its shift [m/s] and of its turn [rad/s].
+template <int D>
+struct FollowedWalls {
+  std::vector<Vector<D>> shift_rate, own_shift_rate;
+  std::vector<double> turn_rate, own_turn_rate;
+  std::vector<Vector<D>> velocity;  ///< of each patch [m/s]
+  double last_duration = 0;         ///< of the last window [s]; 0: there was none
+
+  /// The list of the members: visit(name, member of each) for every one.
+  template <class Visit, class... Same>
+  static void for_each_field(Visit&& visit, Same&... all) {
+    visit("shift_rate", all.shift_rate...);
+    visit("own_shift_rate", all.own_shift_rate...);
+    visit("turn_rate", all.turn_rate...);
+    visit("own_turn_rate", all.own_turn_rate...);
+    visit("velocity", all.velocity...);
+    visit("last_duration", all.last_duration...);
   }
 };
 
@@ -71,10 +91,10 @@ class Walls {
   const std::vector<int>& not_plane() const { return not_plane_; }
 
   /// Places moving walls at the middle of the window [begin, begin + duration] [s]: once per window, in the order of time. The
-  /// velocity of a patch is that of a rigid body that shifts and turns at the mean rates over the window; its acceleration
-  /// is the change from the velocity before, 0 in the first window. `velocity`: of each patch, of the window before; set to
-  /// that of this one [m/s]. Returns the largest acceleration of a patch along its normal [m/s^2].
-  double move_over(double begin, double duration, std::vector<Vector<D>>& velocity);
+  /// velocity of a patch is that of a rigid body that shifts and turns at the rates that followed_velocity() makes of the mean ones; its
+  /// acceleration is the change from the velocity before, in the first window from that of its begin. `followed`: of the window before; set to that of this
+  /// one. Returns the largest acceleration of a patch along its normal [m/s^2].
+  double move_over(double begin, double duration, FollowedWalls<D>& followed);
 
  private:
   void find_lowest();

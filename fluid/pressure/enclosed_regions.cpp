@@ -20,6 +20,7 @@ namespace {
 constexpr double tolerated_volume_error = 1e-3;
 constexpr double tolerated_lag = 0.1;  ///< of what bodies have swept; worth a warning where that is more than ...
 constexpr double least_way = 0.01;     ///< spacings
+constexpr double kept = 0.8;           ///< per window, of how a region has answered
 
 }  // namespace
 
@@ -289,8 +290,9 @@ void FaceMotion<D>::find(double duration, const Faces<D>& surface, const State<D
 }
 
 template <int D>
-void SweptVolume<D>::find(const Constants<D>& constants, double duration, bool first, const Boundary<D>& boundary,
+void SweptVolume<D>::find(const Constants<D>& constants, double duration, const InterfaceCondition<D>& load, const Boundary<D>& boundary,
                           const EnclosedRegions& regions, const State<D>& state) {
+  const bool first = load.surface_velocity.empty(), is_answered = load.answered_change.size() == boundary.surface.size();
   const Faces<D>&walls = boundary.walls.faces(), &surface = boundary.surface;
   const FaceRows &wall_rows = boundary.wall_rows, &surface_rows = boundary.surface_rows;
   if (first) motion.find(duration, surface, state);
@@ -302,7 +304,9 @@ void SweptVolume<D>::find(const Constants<D>& constants, double duration, bool f
     if (all[w].scene.motion) before[w] = placement<D>(*all[w].scene.motion, begin);
   if (first && boundary.walls.moving()) find_shares_of_walls(constants, boundary, regions, wall_share);
   const std::size_t count = regions.size.size();
-  rate.assign(3 * count + 2, 0);  // and pushed_in, taken_away, way and area, for one sum over the ranks
+  // One sum over the ranks: of each region, and the way and the area of all.
+  enum Sum : std::size_t { of_rate, of_pushed_in, of_change, of_taken_away, of_answered, of_square, kinds };
+  sums.assign(kinds * count + 2, 0);
   for (std::size_t i = 0; i < regions.region.size(); ++i) {
     const int r = regions.region[i];
     if (r < 0) continue;
@@ -312,7 +316,7 @@ void SweptVolume<D>::find(const Constants<D>& constants, double duration, bool f
     const auto frame_moved = [&](const Vector<D>& position) -> Vector<D> {
       return frame[r] < 0 ? Vector<D>(Vector<D>::Zero()) : moved(all[frame[r]], before[frame[r]], position);
     };
-    double by_walls = 0, by_surface = 0, pushed = 0, way_of_surface = 0, area_of_surface = 0;
+    double by_walls = 0, by_surface = 0, pushed = 0, change = 0, way_of_surface = 0, area_of_surface = 0;
     if (boundary.walls.moving())
       for (int entry = wall_rows.begin[i]; entry < wall_rows.begin[i] + wall_rows.count[i]; ++entry) {
         const int k = wall_rows.face[entry];
@@ -326,24 +330,47 @@ void SweptVolume<D>::find(const Constants<D>& constants, double duration, bool f
       const double weight = boundary.sums.swept_share[k] * surface_rows.weight[entry];
       const Vector<D> frame_velocity = of_frame(surface.position[k]);
       by_surface += weight * (surface.velocity[k] - frame_velocity).dot(surface.normal[k] + motion.turn[k]);
+      if (is_answered) change += weight * load.answered_change[k].dot(surface.normal[k] + motion.turn[k]);
       const double swept = weight * (motion.displacement[k] - frame_moved(motion.place[k])).dot(motion.mean_normal[k]);
       pushed += swept;
       way_of_surface += std::abs(swept);
       area_of_surface += weight;
     }
-    rate[r] += 2 * constants.volume * (by_walls + by_surface);
-    rate[count + r] += state.pushed_in[i] + 2 * constants.volume * pushed;
-    rate[2 * count + r] += state.taken_away[i];
-    rate[3 * count] += 2 * constants.volume * way_of_surface;
-    rate[3 * count + 1] += 2 * constants.volume * area_of_surface;
+    const auto sum = [&](Sum kind) -> double& { return sums[kinds * static_cast<std::size_t>(r) + kind]; };
+    sum(of_rate) += 2 * constants.volume * (by_walls + by_surface);
+    sum(of_pushed_in) += 2 * constants.volume * pushed;
+    sum(of_change) += 2 * constants.volume * change;
+    if (const std::uint32_t old = state.region[i]; old != EnclosedPast::none) {  // its share of what was there
+      const EnclosedPast& of = state.enclosed_past;
+      sum(of_pushed_in) += of.pushed_in[old] / of.size[old];
+      sum(of_taken_away) += of.taken_away[old] / of.size[old];
+      sum(of_answered) += of.answered[old] / of.size[old];
+      sum(of_square) += of.square[old] / of.size[old];
+    }
+    sums[kinds * count] += 2 * constants.volume * way_of_surface;
+    sums[kinds * count + 1] += 2 * constants.volume * area_of_surface;
   }
-  regions.ranks.sum(std::span(rate));
-  pushed_in.assign(rate.begin() + static_cast<std::ptrdiff_t>(count), rate.begin() + static_cast<std::ptrdiff_t>(2 * count));
-  if (first)
-    taken_away.assign(rate.begin() + static_cast<std::ptrdiff_t>(2 * count), rate.begin() + static_cast<std::ptrdiff_t>(3 * count));
-  way = rate[3 * count];
-  area = rate[3 * count + 1];
+  regions.ranks.sum(std::span(sums));
+  way = sums[kinds * count];
+  area = sums[kinds * count + 1];
   rate.resize(count);
+  past.size = regions.size;
+  for (std::vector<double>* values : {&past.pushed_in, &past.taken_away, &past.answered, &past.square}) values->resize(count);
+  for (std::size_t r = 0; r < count; ++r) {
+    const double* const sum = &sums[kinds * r];
+    rate[r] = sum[of_rate];
+    if (!first) continue;
+    past.pushed_in[r] = sum[of_pushed_in];
+    past.answered[r] = kept * sum[of_answered] - (is_answered ? sum[of_change] * sum[of_taken_away] : 0);
+    past.square[r] = kept * sum[of_square] + (is_answered ? sum[of_taken_away] * sum[of_taken_away] : 0);
+  }
+}
+
+template <int D>
+double SweptVolume<D>::answer(std::size_t region) const {
+  constexpr double least = 0.5, most = 2;
+  const double square = past.square[region];
+  return square > 0 ? std::clamp(past.answered[region] / square, least, most) : 1;
 }
 
 template <int D>
@@ -355,9 +382,9 @@ void SweptVolume<D>::remember(double duration, const Faces<D>& surface, const En
   for (std::size_t k = 0; k < surface.size(); ++k) state.face[k] = surface.area[k] * surface.normal[k];
   for (std::size_t i = 0; i < state.size(); ++i) {
     const int r = regions.any() ? regions.region[i] : -1;
-    state.pushed_in[i] = r >= 0 ? pushed_in[r] / regions.size[r] : 0;
-    state.taken_away[i] = r >= 0 ? taken_away[r] / regions.size[r] : 0;
+    state.region[i] = r >= 0 ? static_cast<std::uint32_t>(r) : EnclosedPast::none;
   }
+  state.enclosed_past = regions.any() ? past : EnclosedPast{};
 }
 
 template <int D>
@@ -366,7 +393,7 @@ void SweptVolume<D>::watch_lag(const Constants<D>& constants, const Window& wind
   if (!regions.any()) return;
   account.way += way;
   double lag = 0;
-  for (const double volume : pushed_in) lag = std::max(lag, std::abs(volume));
+  for (const double volume : past.pushed_in) lag = std::max(lag, std::abs(volume));
   if (account.warned_of_lag || account.way < least_way * constants.spacing * area || lag < tolerated_lag * account.way) return;
   account.warned_of_lag = true;
   if (!regions.ranks.first()) return;

@@ -56,13 +56,12 @@ void find_enclosed_regions_of_ranks(const Domain<D>& domain, const Neighbours<D>
 /// Those of `regions` that get a number, 0, 1, ...; -1: none. Regions of the same number become one.
 void select_regions(const EnclosedRegions& regions, const std::vector<int>& number, EnclosedRegions& selected);
 
-/// What the level of an enclosed pressure takes away of the volume that bodies sweep [m^D/s]: a part of the `rate` that they have under
-/// the load of the last window, a part of what they have pushed in, given as a rate over one window, and a part of what it has taken away
-/// in the last one, `before`, for a motion goes on. Not all of the rate: a body that has to keep its place in the mean of each window
-/// turns its velocity round from one to the next, for ever; and how it answers is known to some tenths. With these parts it dies out for
-/// bodies of any stiffness that answer from half to one and a half times as much as they are taken to, and a body that is driven on lags
-/// by a third of a window at most (tests/coupler/interface_velocity_test.cpp).
-inline double level_taken_away(double rate, double pushed_in, double before) { return 0.65 * rate + 0.25 * pushed_in + 0.25 * before; }
+/// What the level of an enclosed pressure takes away of the volume that bodies sweep [m^D/s]: nearly all of the `rate` that they have under
+/// the load of the last window, and little of what they have pushed in, given as a rate over one window. A part of the rate alone makes of
+/// the enclosed fluid a spring, the stiffer the more nearly it is all: that feeds no motion, of however many modes. With more than all of it
+/// the spring would be one that pushes the wrong way. What has been pushed in is an integral, and feeds slow motion by the square of its
+/// share (tests/coupler/interface_velocity_test.cpp).
+inline double level_taken_away(double rate, double pushed_in) { return 0.95 * rate + 0.01 * pushed_in; }
 
 /// How the faces of the structure have moved since the middle of the last window; where that is not known, since the begin of this one, as
 /// their velocity has it.
@@ -87,17 +86,19 @@ struct SweptVolume {
   /// By region, at the end of the window [m^D/s]. Faces stand where they are in its middle; were it not for `turn`, a surface that goes to
   /// and fro would push half a window of the square of its velocity each time.
   std::vector<double> rate;
-  std::vector<double> pushed_in;  ///< by region, up to the middle of the window, since it is enclosed [m^D]
-  /// By region, of the rate: what the last window has taken away, after the first coupling iteration what this one does [m^D/s].
-  std::vector<double> taken_away;
+  /// Of these regions: what they have pushed in up to the middle of this window, and how they have answered up to the last one.
+  EnclosedPast past;
   double way = 0, area = 0;  ///< in the window, of all regions: what faces of bodies sweep to and fro [m^D], and their area
   FaceMotion<D> motion;      ///< scratch
+  std::vector<double> sums;  ///< scratch
   /// Scratch, the same in all coupling iterations of a window: what a patch of a wall counts for, over the weights with which it is seen.
   std::vector<double> wall_share;
 
-  /// `first`: coupling iteration of the window. Later ones have other velocities at the same places.
-  void find(const Constants<D>& constants, double duration, bool first, const Boundary<D>& boundary, const EnclosedRegions& regions,
-            const State<D>& state);
+  /// `load`: of a coupling iteration. Later ones than the first have other velocities at the same places.
+  void find(const Constants<D>& constants, double duration, const InterfaceCondition<D>& load, const Boundary<D>& boundary,
+            const EnclosedRegions& regions, const State<D>& state);
+  /// How many times as much as it is told the volume of a region changes by a load.
+  double answer(std::size_t region) const;
   /// Into the state, for the window to come.
   void remember(double duration, const Faces<D>& surface, const EnclosedRegions& regions, State<D>& state);
   /// Warns once where what has been pushed in is no longer small beside what bodies have swept: windows are too long for them.

@@ -112,18 +112,15 @@ void assemble_pressure_source(const Constants<D>& constants, double duration, co
   });
   if (system.beside_bodies.any()) {
     const bool first = load.surface_velocity.empty();
-    system.swept.find(constants, duration, first, boundary, system.beside_bodies, state);
-    const std::vector<double>& rate = system.swept.rate;
+    SweptVolume<D>& swept = system.swept;
+    swept.find(constants, duration, load, boundary, system.beside_bodies, state);
     std::vector<double>&wanted = system.swept_wanted, &left = system.swept_left;
-    wanted.resize(rate.size());
-    left.resize(rate.size());
+    wanted.resize(swept.rate.size());
+    left.resize(swept.rate.size());
     for (std::size_t r = 0; r < wanted.size(); ++r) {
-      if (first) {
-        double& taken = system.swept.taken_away[r];  // by now that of the last window
-        taken = level_taken_away(rate[r], system.swept.pushed_in[r] / duration, taken);
-        left[r] = rate[r] - taken;
-      }
-      wanted[r] = rate[r] - left[r];
+      if (first) left[r] = swept.rate[r] - level_taken_away(swept.rate[r], swept.past.pushed_in[r] / duration);
+      wanted[r] = (swept.rate[r] - left[r]) / swept.answer(r);
+      if (first) swept.past.taken_away[r] = wanted[r];
     }
     system.beside_bodies.set_sums(wanted, density / duration, system.source);
   }

@@ -75,6 +75,7 @@ wire::InterfaceParticles to_wire(const InterfaceParticles<D>& particles) {
   message.mutable_image_of()->Assign(particles.image_of.begin(), particles.image_of.end());
   put<D>(message.mutable_image_position(), particles.image_position);
   message.mutable_covered()->Assign(particles.covered.begin(), particles.covered.end());
+  message.set_is_enclosed(particles.is_enclosed);
   return message;
 }
 
@@ -88,7 +89,8 @@ InterfaceParticles<D> from_wire(const wire::InterfaceParticles& message) {
           get(message.divergence()),
           get(message.image_of()),
           get_vectors<D>(message.image_position()),
-          get(message.covered())};
+          get(message.covered()),
+          message.is_enclosed()};
 }
 
 template <int D>
@@ -101,6 +103,7 @@ wire::InterfaceCondition to_wire(const InterfaceCondition<D>& load) {
   put(message.mutable_lump_mass(), load.response.mass);
   put<D>(message.mutable_surface_velocity(), load.surface_velocity);
   message.set_repeats(load.repeats);
+  put<D>(message.mutable_answered_change(), load.answered_change);
   return message;
 }
 
@@ -110,7 +113,8 @@ InterfaceCondition<D> from_wire(const wire::InterfaceCondition& message) {
           get(message.reference_pressure()),
           {get(message.lump()), get(message.share()), get(message.lump_mass())},
           get_vectors<D>(message.surface_velocity()),
-          message.repeats()};
+          message.repeats(),
+          get_vectors<D>(message.answered_change())};
 }
 
 template <int D>

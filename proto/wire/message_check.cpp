@@ -244,7 +244,11 @@ void check_interface_condition(Check& check, const wire::InterfaceCondition& loa
   check_response(check, load, agreement.surface_points.value_or(0));
   check.length("surface_velocity", load.surface_velocity_size(), agreement.projected ? D * agreement.surface_points.value_or(0) : 0,
                agreement.projected ? "dimension times surface points" : "none in the first of a window");
+  if (load.answered_change_size() > 0)
+    check.length("answered_change", load.answered_change_size(), agreement.projected ? 0 : D * agreement.surface_points.value_or(0),
+                 agreement.projected ? "none but in the first of a window" : "none, or dimension times surface points");
   check.finite("force", load.force());
+  check.finite("answered_change", load.answered_change());
   check.finite("surface_velocity", load.surface_velocity());
   check.finite("reference_pressure", load.reference_pressure());
 }

@@ -142,23 +142,27 @@ TEST(InterfaceVelocity, MakesAnErrorOfSecondOrderAndALossOfThird) {
   EXPECT_LT(loss, 5e-4);
 }
 
-/// A mode of omega dt = y that has a volume which enclosed fluid keeps: its load is what takes away taken_away(rate, pushed in, before), by
-/// an answer to it of which the true one is `answers` times as much. A second one, of omega dt = 0.01, takes the part `slow` of the answer.
-/// A state: as Mode, the load and what was taken away of the last window, displacement and velocity of the slow mode.
+/// A mode of omega dt = y that has a volume which enclosed fluid keeps: its load is what takes away taken_away(rate, pushed in), by an
+/// answer to it of which the true one is `answers` times as much. A second one, of omega dt = `y_slow`, takes the part `slow` of the answer.
+/// A state: as Mode, the load of the last window, displacement and velocity of the slow mode.
 template <class TakenAway>
 class HeldMode {
  public:
-  using State = Eigen::Vector<double, 8>;
-  HeldMode(double y, double answers, TakenAway taken_away, double slow = 0)
-      : y_(y), slow_(slow), mobility_(after(State::Zero(), 1)[2] / answers), taken_away_(std::move(taken_away)) {}
+  using State = Eigen::Vector<double, 7>;
+  HeldMode(double y, double answers, TakenAway taken_away, double slow = 0, double y_slow = 0.01)
+      : y_(y), y_slow_(y_slow), slow_(slow), mobility_(after(State::Zero(), 1)[2] / answers), taken_away_(std::move(taken_away)) {}
 
   /// After a window, where the fluid's walls have gone `way`, in its middle, at the speed `speed`.
   State operator()(const State& q, double way = 0, double speed = 0) const {
     const State trial = after(q, q[4]);
-    const double taken = taken_away_(trial[2] - speed, 0.5 * (q[0] + q[6] + trial[0] + trial[6]) - way, q[5]);
-    State next = after(q, q[4] - taken / mobility_);
-    next[5] = taken;
-    return next;
+    const double taken = taken_away_(trial[2] - speed, 0.5 * (q[0] + q[5] + trial[0] + trial[5]) - way);
+    return after(q, q[4] - taken / mobility_);
+  }
+
+  double growth() const {
+    Eigen::Matrix<double, 7, 7> map;
+    for (int column = 0; column < 7; ++column) map.col(column) = (*this)(State::Unit(column));
+    return map.eigenvalues().cwiseAbs().maxCoeff();
   }
 
  private:
@@ -169,77 +173,81 @@ class HeldMode {
   }
   State after(const State& q, double load) const {
     const auto [x, v] = moved(y_, q[0], q[1], (1 - slow_) * load);
-    const auto [x_slow, v_slow] = moved(0.01, q[6], q[7], slow_ * load);
-    const Followed followed = follow_mean(x - q[0] + x_slow - q[6], 0, Followed{q[2], q[3]});
-    return {x, v, followed.given, followed.own, load, q[5], x_slow, v_slow};
+    const auto [x_slow, v_slow] = moved(y_slow_, q[5], q[6], slow_ * load);
+    const Followed followed = follow_mean(x - q[0] + x_slow - q[5], 0, Followed{q[2], q[3]});
+    return {x, v, followed.given, followed.own, load, x_slow, v_slow};
   }
-  double y_, slow_, mobility_;
+  double y_, y_slow_, slow_, mobility_;
   TakenAway taken_away_;
 };
 
-/// Largest factor by which a state grows in a window. From omega dt = `least`.
-double growth_in_enclosed_fluid(double answers, double least, auto&& taken_away, double slow = 0) {
+/// Largest factor by which a state grows in a window: of one mode, from omega dt = `least` to 50, ...
+double growth_in_enclosed_fluid(double answers, double least, auto&& taken_away) {
   double largest = 0;
-  for (double y = least; y < 50; y *= 1.02) {
-    const HeldMode mode(y, answers, taken_away, slow);
-    Eigen::Matrix<double, 8, 8> map;
-    for (int column = 0; column < 8; ++column) map.col(column) = mode(Eigen::Vector<double, 8>::Unit(column));
-    largest = std::max(largest, map.eigenvalues().cwiseAbs().maxCoeff());
-  }
+  for (double y = least; y < 50; y *= 1.02) largest = std::max(largest, HeldMode(y, answers, taken_away).growth());
+  return largest;
+}
+
+/// ... and of two modes, each stiff or not for the windows, that share the answer in every proportion.
+double growth_of_two_modes(double answers, auto&& taken_away) {
+  double largest = 0;
+  for (const double y_slow : {0.001, 0.01, 0.1, 0.5, 1.0, 3.0, 3.3})
+    for (double y = 1.1 * y_slow; y < 50; y *= 1.1)
+      for (const double slow : {0.003, 0.03, 0.2, 0.5, 0.8, 0.97})
+        largest = std::max(largest, HeldMode(y, answers, taken_away, slow, y_slow).growth());
   return largest;
 }
 
 /// Windows by which a mode lags behind the walls, which go on at a constant speed.
 double lag_in_enclosed_fluid(double y, auto&& taken_away) {
   const HeldMode mode(y, 1, taken_away);
-  Eigen::Vector<double, 8> q = Eigen::Vector<double, 8>::Zero();
+  Eigen::Vector<double, 7> q = Eigen::Vector<double, 7>::Zero();
   double sum = 0;
-  for (int n = 0; n < 400; ++n) {
+  for (int n = 0; n < 1000; ++n) {
     q = mode(q, n + 0.5, 1);
-    if (n >= 300) sum += n + 1 - q[0];
+    if (n >= 900) sum += n + 1 - q[0];
   }
   return sum / 100;
 }
 
+double part_of_the_rate(double rate, double) { return 0.95 * rate; }
+
 // Seen to fail: with all of the rate taken away and half of what has been pushed in (1.4 to 3.0).
 TEST(InterfaceVelocity, OfAModeThatEnclosedFluidHoldsDiesOutWhateverItsStiffness) {
-  for (const double answers : {0.5, 0.75, 1.0, 1.25, 1.5}) {
+  for (const double answers : {0.5, 0.75, 0.9, 1.0, 1.03})
     EXPECT_LE(growth_in_enclosed_fluid(answers, 0.001, fluid::level_taken_away), 1 + 1e-9) << answers;
-    EXPECT_LE(growth_in_enclosed_fluid(answers, 0.001,
-                                       [](double rate, double, double before) { return fluid::level_taken_away(rate, 0, before); }),
-              1 + 1e-9);
-  }
 }
 
-// What is known to be wrong with it. Two modes that have a volume, a slow and a stiff one, go to and fro against each other, and the load
-// that keeps their sum is late: what has been pushed in is an integral, and no window takes all of it away. With the rate alone taken away
-// they do not grow, but what is once pushed in stays.
-TEST(InterfaceVelocity, LetsTwoModesThatEnclosedFluidHoldsGrow) {
-  double most = 0, by_rate = 0;
-  for (const double slow : {0.003, 0.03, 0.2, 0.5, 0.8}) {
-    most = std::max(most, growth_in_enclosed_fluid(1, 0.3, fluid::level_taken_away, slow));
-    by_rate = std::max(by_rate, growth_in_enclosed_fluid(
-                                    1, 0.3, [](double rate, double, double) { return 0.65 * rate; }, slow));
-  }
-  std::printf("[ %.3f a window; by the rate alone %.6f ]\n", most, by_rate);
-  EXPECT_NEAR(most, 1.12, 0.02);
-  EXPECT_LE(by_rate, 1 + 1e-6);
+// A part of the rate makes of enclosed fluid a spring that several modes hold. A spring feeds no motion. Seen to fail: with 1.05 times the
+// rate, a spring that pushes the wrong way.
+TEST(InterfaceVelocity, OfSeveralModesThatEnclosedFluidHoldsDoesNotGrow) {
+  for (const double answers : {0.5, 0.9, 1.0, 1.03}) EXPECT_LE(growth_of_two_modes(answers, part_of_the_rate), 1 + 1e-6) << answers;
 }
 
-// A stiff mode has to be loaded anew in every window. Seen to fail: with half of the rate and an eighth of what has been pushed in, and
-// nothing of what was taken away before (12.4 windows).
-TEST(InterfaceVelocity, OfAModeThatEnclosedFluidDrivesOnLagsByAWindowOrTwo) {
-  double most = 0;
-  for (const double y : {0.01, 0.3, 1.0, 3.0, 10.0, 30.0})
-    most = std::max(most, std::abs(lag_in_enclosed_fluid(y, fluid::level_taken_away)));
-  std::printf("[ %.2f windows ]\n", most);
-  EXPECT_LT(most, 0.5);
+// What has been pushed in is an integral, and feeds slow motion, the less the smaller its share and the more nearly all of the rate is
+// taken away. Of the share that is taken 1.6e-4 a window where a slow and a stiff mode have 67 windows a period together; more only of
+// modes whose period is a window.
+// Seen to fail: with 0.65 of the rate and 0.25 of what has been pushed in (1.13).
+TEST(InterfaceVelocity, OfSeveralModesThatEnclosedFluidHoldsHardlyGrowsByWhatIsGivenBack) {
+  const double growth = growth_of_two_modes(1, fluid::level_taken_away);
+  std::printf("[ %.6f a window ]\n", growth);
+  EXPECT_LE(growth, 1.0004);
 }
 
-// Why not all of the rate: a body that keeps its place in the mean of each window turns its velocity round, and with any of the volume
-// given back this grows.
-TEST(InterfaceVelocity, WouldTurnRoundForEverInEnclosedFluidIfAllOfTheRateWereTakenAway) {
-  EXPECT_GT(growth_in_enclosed_fluid(1, 0.01, [](double rate, double pushed_in, double) { return rate + pushed_in / 16; }), 1.04);
+// A stiff mode has to be loaded anew in every window, and what a window leaves of it comes back by what has been pushed in.
+// Seen to fail: with half of the rate (300 windows).
+TEST(InterfaceVelocity, OfAModeThatEnclosedFluidDrivesOnLagsBySomeWindows) {
+  double soft = 0, stiff = 0;
+  for (const double y : {0.01, 0.1, 0.3}) soft = std::max(soft, std::abs(lag_in_enclosed_fluid(y, fluid::level_taken_away)));
+  for (const double y : {1.0, 3.0, 10.0, 30.0}) stiff = std::max(stiff, std::abs(lag_in_enclosed_fluid(y, fluid::level_taken_away)));
+  std::printf("[ %.2f windows; stiff %.1f ]\n", soft, stiff);
+  EXPECT_LT(soft, 0.5);
+  EXPECT_LT(stiff, 20);
+}
+
+// Why the answer is learnt: more than all of the rate turns the velocity round for ever.
+TEST(InterfaceVelocity, WouldTurnRoundForEverInEnclosedFluidIfMoreThanAllOfTheRateWereTakenAway) {
+  EXPECT_GT(growth_in_enclosed_fluid(1.1, 0.01, fluid::level_taken_away), 1.04);
 }
 
 }  // namespace

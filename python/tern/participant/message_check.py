@@ -155,6 +155,9 @@ def check_body(message, dimension, surface_points, interface_particles, projecte
         _response(body, surface_points)
         _length("surface_velocity", body.surface_velocity, dimension * surface_points if projected else 0)
         _numbers("surface_velocity", body.surface_velocity)
+        if body.answered_change:
+            _length("answered_change", body.answered_change, 0 if projected else dimension * surface_points)
+        _numbers("answered_change", body.answered_change)
         _numbers("force", body.force)
         _numbers("reference_pressure", body.reference_pressure)
     elif kind == "interface_force":

@@ -74,9 +74,9 @@ void round_trip(std::size_t n) {
   expect_same_bits<D>(surface.normal, surface2.normal);
   expect_same_bits(surface.area, surface2.area);
 
-  const InterfaceParticles<D> particles{labels(random, n),     vectors<D>(random, n),     vectors<D>(random, n),
-                                        scalars(random, n),    scalars(random, n),        scalars(random, n),
-                                        labels(random, n + 2), vectors<D>(random, n + 2), labels(random, n + 3)};
+  const InterfaceParticles<D> particles{
+      labels(random, n),  vectors<D>(random, n), vectors<D>(random, n),     scalars(random, n),    scalars(random, n),
+      scalars(random, n), labels(random, n + 2), vectors<D>(random, n + 2), labels(random, n + 3), true};
   const auto back = from_wire<D>(through_bytes(to_wire(particles)));
   EXPECT_EQ(particles.id, back.id);
   expect_same_bits<D>(particles.position, back.position);
@@ -87,9 +87,14 @@ void round_trip(std::size_t n) {
   EXPECT_EQ(particles.image_of, back.image_of);
   expect_same_bits<D>(particles.image_position, back.image_position);
   EXPECT_EQ(particles.covered, back.covered);
+  EXPECT_EQ(particles.is_enclosed, back.is_enclosed);
 
-  const InterfaceCondition<D> load{
-      vectors<D>(random, n), scalars(random, n + 1), {{2, 0, 1}, scalars(random, 3), scalars(random, n)}, vectors<D>(random, n + 1), true};
+  const InterfaceCondition<D> load{vectors<D>(random, n),
+                                   scalars(random, n + 1),
+                                   {{2, 0, 1}, scalars(random, 3), scalars(random, n)},
+                                   vectors<D>(random, n + 1),
+                                   true,
+                                   vectors<D>(random, n + 2)};
   const auto load2 = from_wire<D>(through_bytes(to_wire(load)));
   expect_same_bits<D>(load.force, load2.force);
   expect_same_bits(load.reference_pressure, load2.reference_pressure);
@@ -98,6 +103,7 @@ void round_trip(std::size_t n) {
   expect_same_bits(load.response.mass, load2.response.mass);
   expect_same_bits<D>(load.surface_velocity, load2.surface_velocity);
   EXPECT_EQ(load.repeats, load2.repeats);
+  expect_same_bits<D>(load.answered_change, load2.answered_change);
 
   const InterfacePressure<D> pressure{scalars(random, n), vectors<D>(random, n)};
   const auto pressure2 = from_wire<D>(through_bytes(to_wire(pressure)));

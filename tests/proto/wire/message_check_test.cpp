@@ -175,6 +175,14 @@ const BodyFault body_faults[] = {
        samples::fill(m.mutable_interface_condition()->mutable_lump_mass(), {1, 1, 1, 1, 1});
      },
      "lump_mass has 5 entries; lump names at most 4"},
+    {"InterfaceCondition change of the answer length", Kind::kInterfaceCondition, wire::COUPLER,
+     [](auto& m) { m.mutable_interface_condition()->add_answered_change(1); },
+     "answered_change has 1 entries; it must have 4 (none, or dimension times surface points)"},
+    {"InterfaceCondition change of the answer not finite", Kind::kInterfaceCondition, wire::COUPLER,
+     [](auto& m) {
+       samples::fill(m.mutable_interface_condition()->mutable_answered_change(), {1, nan, 1, 1});
+     },
+     "answered_change[1] is nan"},
     {"InterfaceCondition lump there is not", Kind::kInterfaceCondition, wire::COUPLER,
      [](auto& m) { m.mutable_interface_condition()->set_lump(2, 2); }, "lump[2] is 2, but 2 masses of lumps were sent"},
     {"InterfaceCondition share negative", Kind::kInterfaceCondition, wire::COUPLER,
