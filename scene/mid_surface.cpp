@@ -609,7 +609,6 @@ std::vector<SurfaceCell<D>> cells_of(const MidSurface<D>& surface) {
       cell.area *= 0.5;
       cell.edge = std::max(cell.edge, surface.edges[a][end]);
     }
-    if (D == 2 && cell.edge == EdgeKind::hinge) cell.area = 0;
     cell.place = surface.at(s);
     cells.push_back(cell);
   }

@@ -494,12 +494,19 @@ TEST(Shell, HingedLinesSwingAtTheFrequenciesOfThinBeamTheory) {
   EXPECT_GT(0.5 * std::log2(coarse / fine), 1.7);
 }
 
-double first_axial_frequency(int count) {
-  auto model = line(1, 0.01, count, shell_material(1e6, 0), Edge::clamp);
+double first_axial_frequency(int count, Edge edge) {
+  auto model = line(1, 0.01, count, shell_material(1e6, 0), edge);
   for (std::size_t i = 0; i < model.x.size(); ++i) model.is_fixed[2 * i + 1] = true;
   return std::sqrt(model.squared_frequencies(1e-7)[0]) / (0.5 * std::numbers::pi * std::sqrt(1e6 / 1000));
 }
-TEST(Shell, AClampHoldsTheStretch) { EXPECT_NEAR(first_axial_frequency(18), 1, 0.02); }
+// Seen to fail: with no cell of the line at its hinge, where every other particle then gives way (0.78).
+TEST(Shell, AClampAndAHingeHoldTheStretch) {
+  for (const Edge edge : {Edge::clamp, Edge::hinge}) {
+    const double frequency = first_axial_frequency(18, edge);
+    std::printf("[ %.4f ]\n", frequency);
+    EXPECT_NEAR(frequency, 1, 0.02);
+  }
+}
 
 /// Deflection of the middle of a square plate under a pressure, times D/(q L^4).
 double middle_of_a_square(int count, Edge edge) {
