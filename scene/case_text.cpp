@@ -68,14 +68,14 @@ std::string step_limits(const Case& scene, const Estimate& e) {
     text += fmt::format("  {:<16} {:.3g} s = {} dx_s/c_p, c_p = {:.4g} m/s (sub-step)\n", body.name, body.sub_step,
                         scene.structure->numerics.courant, body.wave_speed);
     constexpr double windows_of_a_vibration = 20;
+    const bool by_gravity = e.gravity_step <= e.flow_step;  // whether a body is light or not
     if (const double windows = body.bending_period / e.step; scene.fluid && windows > 0 && windows < windows_of_a_vibration)
       text += fmt::format(
           "  {:<16} its first bending takes about {:.2g} s, {:.2g} windows: vibrations of less than some hundredths of dx die "
           "out; to see them, {} {:.2g}\n",
           "", body.bending_period, windows,
-          e.gravity_step <= e.step * (1 + 1e-9) ? "fluid.numerics.gravity_courant =" : "fluid.numerics.courant =",
-          (e.gravity_step <= e.step * (1 + 1e-9) ? scene.fluid->numerics.gravity_courant : scene.fluid->numerics.courant) * windows /
-              windows_of_a_vibration);
+          by_gravity ? "fluid.numerics.gravity_courant =" : "fluid.numerics.courant =",
+          (by_gravity ? scene.fluid->numerics.gravity_courant : scene.fluid->numerics.courant) * windows / windows_of_a_vibration);
   }
   if (scene.structure)
     text += fmt::format(
