@@ -68,7 +68,8 @@ std::string step_limits(const Case& scene, const Estimate& e) {
     text += fmt::format("  {:<16} {:.3g} s = {} dx_s/c_p, c_p = {:.4g} m/s (sub-step)\n", body.name, body.sub_step,
                         scene.structure->numerics.courant, body.wave_speed);
     constexpr double windows_of_a_vibration = 20;
-    const bool by_gravity = e.gravity_step <= e.flow_step;  // whether a body is light or not
+    // In fluid at rest the speed that is reckoned with binds nothing, and whether a body is light does not matter.
+    const bool by_gravity = std::isfinite(e.gravity_step) && (e.settled || e.gravity_step <= e.flow_step);
     if (const double windows = body.bending_period / e.step; scene.fluid && windows > 0 && windows < windows_of_a_vibration)
       text += fmt::format(
           "  {:<16} its first bending takes about {:.2g} s, {:.2g} windows: vibrations of less than some hundredths of dx die "
