@@ -3,8 +3,8 @@
 
 namespace tern {
 
-/// What the fluid is given of the motion of a surface point or of a wall at the end of a window: the velocity [m/s] it has to follow, and the velocity
-/// of which the mean over the window was made.
+/// What the fluid is given of the motion of a surface point or of a wall at the end of a window: the velocity [m/s] it has to follow, and
+/// the velocity of which the mean over the window was made.
 template <class Velocity>
 struct FollowedVelocity {
   Velocity given, own;

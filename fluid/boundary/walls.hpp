@@ -92,8 +92,8 @@ class Walls {
 
   /// Places moving walls at the middle of the window [begin, begin + duration] [s]: once per window, in the order of time. The
   /// velocity of a patch is that of a rigid body that shifts and turns at the rates that followed_velocity() makes of the mean ones; its
-  /// acceleration is the change from the velocity before, in the first window from that of its begin. `followed`: of the window before; set to that of this
-  /// one. Returns the largest acceleration of a patch along its normal [m/s^2].
+  /// acceleration is the change from the velocity before, in the first window from that of its begin. `followed`: of the window before;
+  /// set to that of this one. Returns the largest acceleration of a patch along its normal [m/s^2].
   double move_over(double begin, double duration, FollowedWalls<D>& followed);
 
  private:

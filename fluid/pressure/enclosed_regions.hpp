@@ -56,11 +56,11 @@ void find_enclosed_regions_of_ranks(const Domain<D>& domain, const Neighbours<D>
 /// Those of `regions` that get a number, 0, 1, ...; -1: none. Regions of the same number become one.
 void select_regions(const EnclosedRegions& regions, const std::vector<int>& number, EnclosedRegions& selected);
 
-/// What the level of an enclosed pressure takes away of the volume that bodies sweep [m^D/s]: nearly all of the `rate` that they have under
-/// the load of the last window, and little of what they have pushed in, given as a rate over one window. A part of the rate alone makes of
-/// the enclosed fluid a spring, the stiffer the more nearly it is all: that feeds no motion, of however many modes. With more than all of it
-/// the spring would be one that pushes the wrong way. What has been pushed in is an integral, and feeds slow motion by the square of its
-/// share (tests/coupler/interface_velocity_test.cpp).
+/// What the level of an enclosed pressure takes away of the volume that bodies sweep [m^D/s]: nearly all of the `rate` that is theirs
+/// under the load of the last window, and little of what they have pushed in, given as a rate over one window. A part of the rate alone
+/// makes of the enclosed fluid a spring, the stiffer the more nearly it is all: that feeds no motion, of however many modes. With more than
+/// all of it the spring would be one that pushes the wrong way. What has been pushed in is an integral, and feeds slow motion by the square
+/// of its share (tests/coupler/interface_velocity_test.cpp).
 inline double level_taken_away(double rate, double pushed_in) { return 0.95 * rate + 0.01 * pushed_in; }
 
 /// How the faces of the structure have moved since the middle of the last window; where that is not known, since the begin of this one, as

@@ -143,7 +143,7 @@ TEST(InterfaceVelocity, MakesAnErrorOfSecondOrderAndALossOfThird) {
 }
 
 /// A mode of omega dt = y that has a volume which enclosed fluid keeps: its load is what takes away taken_away(rate, pushed in), by an
-/// answer to it of which the true one is `answers` times as much. A second one, of omega dt = `y_slow`, takes the part `slow` of the answer.
+/// answer to it of which the true one is `answers` times as much. A second one, of omega dt = `y_slow`, takes the part `slow` of it.
 /// A state: as Mode, the load of the last window, displacement and velocity of the slow mode.
 template <class TakenAway>
 class HeldMode {
