@@ -225,13 +225,13 @@ TEST(InterfaceVelocity, OfSeveralModesThatEnclosedFluidHoldsDoesNotGrow) {
 }
 
 // What has been pushed in is an integral, and feeds slow motion, the less the smaller its share and the more nearly all of the rate is
-// taken away. Of the share that is taken 1.6e-4 a window where a slow and a stiff mode have 67 windows a period together; more only of
-// modes whose period is a window.
+// taken away. Of the share that is taken 5e-4 a window where a slow and a stiff mode have 62 windows a period together; more only of modes
+// whose period is a window.
 // Seen to fail: with 0.65 of the rate and 0.25 of what has been pushed in (1.13).
 TEST(InterfaceVelocity, OfSeveralModesThatEnclosedFluidHoldsHardlyGrowsByWhatIsGivenBack) {
   const double growth = growth_of_two_modes(1, fluid::level_taken_away);
   std::printf("[ %.6f a window ]\n", growth);
-  EXPECT_LE(growth, 1.0004);
+  EXPECT_LE(growth, 1.0008);
 }
 
 // A stiff mode has to be loaded anew in every window, and what a window leaves of it comes back by what has been pushed in.
