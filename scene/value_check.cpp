@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "base/error.hpp"
@@ -20,6 +21,15 @@ void wrong_type(const Parameter& p, const Setting& value, const std::string& wan
 
 namespace {
 
+/// What is to be written for a text that means a number, ".5" or "0.5"; empty for all others.
+std::string number_of(const Setting& value) {
+  if (value.type != Type::text || value.text.empty()) return "";
+  const char* const end = value.text.data() + value.text.size();
+  double number = 0;
+  const auto [read, error] = std::from_chars(value.text.data(), end, number);
+  return error == std::errc() && read == end && std::isfinite(number) ? fmt::format("; write {}", number) : "";
+}
+
 void refuse_outside(const Parameter& p, const Setting& value, double x) {
   const bool low = p.range.lowest_excluded ? x <= p.range.lowest : x < p.range.lowest;
   const bool high = p.range.highest_excluded ? x >= p.range.highest : x > p.range.highest;
@@ -34,7 +44,7 @@ void refuse_outside(const Parameter& p, const Setting& value, double x) {
 void check_number(const Parameter& p, const Setting& value) {
   const bool whole = value.type == Type::integer;
   if (p.type == ParameterType::integer && !whole) wrong_type(p, value, "a whole number " + describe(p.range));
-  if (!whole && value.type != Type::number) wrong_type(p, value, "a number " + describe(p.range));
+  if (!whole && value.type != Type::number) wrong_type(p, value, "a number " + describe(p.range) + number_of(value));
   refuse_outside(p, value, value.number);
 }
 

@@ -169,6 +169,7 @@ TEST_F(CaseFile, TakesOverridesFromTheCommandLineAndValidatesThem) {
   expect_refused(small_case, {"--set fluid.spacng: unknown key", "'spacing'?"}, {{{"fluid.spacng", "1"}}, ""});
   expect_refused(small_case, {"--set fluid.density", "from 1e-09 to 1e+09"}, {{{"fluid.density", "-1"}}, ""});
   expect_refused(small_case, {"--set title.x", "not a table"}, {{{"title.x", "1"}}, ""});
+  expect_refused(small_case, {"has to be a number", "; write 0.035."}, {{{"fluid.spacing", ".035"}}, ""});
   expect_refused(small_case, {"dimension is 2.0, but has to be a whole number"}, {{{"dimension", "2.0"}}, ""});  // seen to fail: "is 2"
   // Seen to fail: with a new table made of what names no element.
   for (const char* name : {"lid", "1"})
