@@ -23,7 +23,7 @@ class Repeat:
     @property
     def note(self):
         return (f"Windows are taken back to t = {self.taken_back[-1]['time_s']:.6g} s and repeated, 1/{2**self.halvings} as long "
-                f"({self.longest:.3g} s).")
+                f"({self.longest:.3g} s). The run goes on so by itself: no setting has to be changed for it.")
 
 
 def _longest_window(out, since, last):
