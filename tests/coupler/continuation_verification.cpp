@@ -139,12 +139,17 @@ TEST(Continuation, GivesTheSameBitsWithEveryIntegratorOfTheStructure) {
     }
 }
 
-TEST(Continuation, GivesTheSameBitsWithMovingWallsAndInASealedFluid) {
+// Seen to fail: without the rates that have been followed of walls, without what has been learnt of an enclosed region, and without the
+// change that its bodies answered with in the last window.
+TEST(Continuation, GivesTheSameBitsWithMovingWallsAndInAnEnclosedOrSealedFluid) {
   Case moving = plate(Coupling::one_pass);
   moving.walls[0].motion.emplace();
   moving.walls[0].motion->displacement = {Expression("0.002*sin(20*t)"), Expression(0.0), Expression(0.0)};
   expect_continuation<2>(moving, "moving walls");
   expect_continuation<2>(case_of({0.1, 4, 1e7, 2, Coupling::automatic, 1, true}), "sealed");
+  Case enclosed = case_of({1, 4, 1e6, 1, Coupling::automatic, 1, true});
+  enclosed.gravity[1] = Expression("-9.81*(1 + 0.2*sin(40*t))");
+  expect_continuation<2>(enclosed, "enclosed");
 }
 
 TEST(Continuation, GivesTheSameBitsInThreeDimensions) {
