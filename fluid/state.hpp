@@ -92,7 +92,7 @@ struct State {
   double body_speed = 0;                 ///< largest of the structure's surface where it was wet in the last window [m/s]
   std::vector<Vector<D>> face;           ///< A n of the structure's surface in the last window [m^(D-1)]
   std::vector<Vector<D>> face_position;  ///< of its points then, on their way (FaceMotion::place) [m]
-  double last_duration = 0;              ///< of the last window [s]
+  double last_duration = 0;              ///< of the last window [s]; 0: there was none
   bool has_pressure = false;             ///< there was a pressure solve
   double left_share = 0;                 ///< what the first solve of the last window left behind, of its source; 0: not known
   bool fills_enclosure = false;          ///< all fluid is enclosed by fixed walls: it has no free surface and cannot get one

@@ -15,7 +15,7 @@ Boundary<D>::Boundary(const Case& scene, const Constants<D>& constants, bool who
 
 template <int D>
 void move_walls(const Constants<D>& constants, const Window& window, Boundary<D>& boundary, State<D>& state) {
-  state.wall_acceleration = boundary.walls.move_over(window.begin, window.duration, state.walls);
+  state.wall_acceleration = boundary.walls.move_over(window.begin, window.duration, state.last_duration, state.walls);
   boundary.wall_finder.fill(boundary.walls.faces(), constants.faces.support());
   boundary.space_before_walls.assign(boundary.walls.faces().size(), -1);
   boundary.clipped_walls.reset();

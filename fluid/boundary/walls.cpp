@@ -201,14 +201,14 @@ std::size_t Walls<D>::wall_of(int k) const {
 }
 
 template <int D>
-double Walls<D>::move_over(double begin, double duration, FollowedWalls<D>& followed) {
-  const bool first = followed.last_duration == 0;
+double Walls<D>::move_over(double begin, double duration, double last_duration, FollowedWalls<D>& followed) {
+  const bool first = last_duration == 0;
   if (first) {
     for (auto* rates : {&followed.shift_rate, &followed.own_shift_rate}) rates->assign(walls_.size(), Vector<D>::Zero());
     for (auto* rates : {&followed.turn_rate, &followed.own_turn_rate}) rates->assign(walls_.size(), 0);
     followed.velocity.assign(faces_.size(), Vector<D>::Zero());
   }
-  const double ratio = first ? 1 : duration / followed.last_duration;
+  const double ratio = first ? 1 : duration / last_duration;
   const auto follow = [&]<class Rate>(const Rate& mean, Rate& given, Rate& own) {
     const FollowedVelocity<Rate> next = followed_velocity<Rate>(mean, {given, own}, ratio);
     given = next.given;
@@ -249,7 +249,6 @@ double Walls<D>::move_over(double begin, double duration, FollowedWalls<D>& foll
       faces_.velocity[k] = followed.velocity[k] = velocity;
     }
   }
-  followed.last_duration = duration;
   return largest;
 }
 

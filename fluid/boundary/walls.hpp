@@ -35,7 +35,6 @@ struct FollowedWalls {
   std::vector<Vector<D>> shift_rate, own_shift_rate;
   std::vector<double> turn_rate, own_turn_rate;
   std::vector<Vector<D>> velocity;  ///< of each patch [m/s]
-  double last_duration = 0;         ///< of the last window [s]; 0: there was none
 
   /// The list of the members: visit(name, member of each) for every one.
   template <class Visit, class... Same>
@@ -45,7 +44,6 @@ struct FollowedWalls {
     visit("turn_rate", all.turn_rate...);
     visit("own_turn_rate", all.own_turn_rate...);
     visit("velocity", all.velocity...);
-    visit("last_duration", all.last_duration...);
   }
 };
 
@@ -92,9 +90,10 @@ class Walls {
 
   /// Places moving walls at the middle of the window [begin, begin + duration] [s]: once per window, in the order of time. The
   /// velocity of a patch is that of a rigid body that shifts and turns at the rates that followed_velocity() makes of the mean ones; its
-  /// acceleration is the change from the velocity before, in the first window from that of its begin. `followed`: of the window before;
-  /// set to that of this one. Returns the largest acceleration of a patch along its normal [m/s^2].
-  double move_over(double begin, double duration, FollowedWalls<D>& followed);
+  /// acceleration is the change from the velocity before, in the first window from that of its begin. `last_duration`: of the window
+  /// before [s], 0 in the first. `followed`: of the window before; set to that of this one. Returns the largest acceleration of a patch
+  /// along its normal [m/s^2].
+  double move_over(double begin, double duration, double last_duration, FollowedWalls<D>& followed);
 
  private:
   void find_lowest();
