@@ -17,7 +17,7 @@ Fluid<D>::Fluid(const Case& scene, const Ranks& ranks, const StartParticles<D>& 
       domain_(ranks, reference_),
       reports_divergence_(scene.coupling.vem_coefficient.has_value()),
       foretells_interface_(scene.coupling.scheme != InterfaceScheme::fsa),
-      boundary_(scene, reference_.constants, ranks.alone()),
+      boundary_(scene, reference_.constants, ranks.alone(), {ranks.own(), ranks.count()}),
       system_(reference_.period) {
   const auto [first, last] = domain_.equal_share(start.size());
   state_ = initial_state(scene, start, first, last);
@@ -40,8 +40,13 @@ const typename Fluid<D>::AllWalls& Fluid<D>::all_walls() const {
     all_walls_ = std::make_unique<AllWalls>(boundary_.walls.in_whole());
     all_walls_->finder.fill(all_walls_->walls.faces(), constants().faces.support());
   }
-  if (std::exchange(all_walls_->window, windows_) != windows_)
-    all_walls_->clipped.clip(all_walls_->walls.faces(), all_walls_->finder, boundary_.surface);
+  if (std::exchange(all_walls_->window, windows_) == windows_) return *all_walls_;
+  if (boundary_.walls.moving()) {
+    all_walls_->walls.move_as(boundary_.walls);
+    all_walls_->finder.fill(all_walls_->walls.faces(), constants().faces.support());
+    all_walls_->clipped.reset();
+  }
+  all_walls_->clipped.clip(all_walls_->walls.faces(), all_walls_->finder, boundary_.surface);
   return *all_walls_;
 }
 

@@ -137,13 +137,13 @@ class Fluid {
   Vector<D> gravity_at(double t, const Vector<D>& x) const { return reference_.gravity.at(t, x); }  ///< [m/s^2]
 
  private:
-  /// What gauges look at on a rank that has a part of the walls. These do not move.
+  /// What gauges look at on a rank that has a part of the walls.
   struct AllWalls {
     explicit AllWalls(Walls<D> whole) : walls(std::move(whole)) {}
     Walls<D> walls;
     FaceFinder<D> finder;
     ClippedWalls<D> clipped;
-    std::int64_t window = -1;  ///< as of which the structure has clipped them
+    std::int64_t window = -1;  ///< as of which they stand and the structure has clipped them
   };
   const AllWalls& all_walls() const;
 

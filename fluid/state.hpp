@@ -88,6 +88,7 @@ struct State {
   std::vector<ParticleClass> particle_class;  ///< of the last step
 
   FollowedWalls<D> walls;                ///< of the last window, if any wall moves
+  double wall_speed = 0;                 ///< largest of a patch of them [m/s]
   double wall_acceleration = 0;          ///< largest of a patch, along its normal [m/s^2]
   double body_speed = 0;                 ///< largest of the structure's surface where it was wet in the last window [m/s]
   std::vector<Vector<D>> face;           ///< A n of the structure's surface in the last window [m^(D-1)]
@@ -122,6 +123,7 @@ struct State {
     visit("id", all.id...);
     visit("particle_class", all.particle_class...);
     visit("walls", all.walls...);
+    visit("wall_speed", all.wall_speed...);
     visit("wall_acceleration", all.wall_acceleration...);
     visit("body_speed", all.body_speed...);
     visit("face", all.face...);

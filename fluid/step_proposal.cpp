@@ -11,7 +11,7 @@ namespace tern::fluid {
 template <int D>
 StepProposal propose_step(const Reference<D>& reference, double fastest, const State<D>& state) {
   const Constants<D>& constants = reference.constants;
-  const double speed = std::max({fastest, largest_speed(state.walls.velocity), state.body_speed, reference.speed_floor});
+  const double speed = std::max({fastest, state.wall_speed, state.body_speed, reference.speed_floor});
   StepProposal proposal{1e300, "none"};
   if (speed > 0) proposal = {constants.numerics.courant * constants.spacing / speed, "velocity"};
   for (const auto& [acceleration, limit] : {std::pair(reference.gravity_size, "gravity"), std::pair(state.wall_acceleration, "walls")}) {

@@ -64,7 +64,7 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
   const Constants<D>& constants = reference_.constants;
   if (boundary_.walls.moving()) {
     state_.evaluations.moving_walls += static_cast<long>(boundary_.walls.faces().size());
-    move_walls(constants, window_, boundary_, state_);
+    move_walls(constants, domain_.ranks(), window_, boundary_, state_);
   }
   state_.evaluations.structure_surface += static_cast<long>(surface.position.size());
   hold_walls<D>(domain_, constants, reference_.period, prediction_.position, surface.position, boundary_);

@@ -147,13 +147,16 @@ Placement<D> placement(const RigidMotion& motion, double t) {
     at = motion.table->at(t);
   else
     at = {motion.displacement[0](t), motion.displacement[1](t), motion.displacement[2](t), motion.rotation(t)};
+  return placed_at<D>(motion, Vector<D>(at.data()), at[3]);
+}
+
+template <int D>
+Placement<D> placed_at(const RigidMotion& motion, const Vector<D>& shift, double angle) {
   Placement<D> place;
-  for (int c = 0; c < D; ++c) {
-    place.pivot[c] = motion.pivot[c];
-    place.shift[c] = at[c];
-  }
-  place.angle = at[3];
-  if (at[3] != 0) place.turn = turn_by<D>(at[3], motion.axis);
+  place.pivot = Vector<D>(motion.pivot.data());
+  place.shift = shift;
+  place.angle = angle;
+  if (angle != 0) place.turn = turn_by<D>(angle, motion.axis);
   return place;
 }
 
@@ -161,5 +164,7 @@ template Matrix<2> turn_by<2>(double, const std::array<double, 3>&);
 template Matrix<3> turn_by<3>(double, const std::array<double, 3>&);
 template Placement<2> placement<2>(const RigidMotion&, double);
 template Placement<3> placement<3>(const RigidMotion&, double);
+template Placement<2> placed_at<2>(const RigidMotion&, const Vector<2>&, double);
+template Placement<3> placed_at<3>(const RigidMotion&, const Vector<3>&, double);
 
 }  // namespace tern

@@ -64,5 +64,8 @@ Matrix<D> turn_by(double angle, const std::array<double, 3>& axis);
 
 template <int D>
 Placement<D> placement(const RigidMotion& motion, double t);
+/// Shifted [m] and turned [rad] by so much.
+template <int D>
+Placement<D> placed_at(const RigidMotion& motion, const Vector<D>& shift, double angle);
 
 }  // namespace tern

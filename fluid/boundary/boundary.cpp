@@ -8,15 +8,19 @@
 namespace tern::fluid {
 
 template <int D>
-Boundary<D>::Boundary(const Case& scene, const Constants<D>& constants, bool whole)
-    : walls(scene, constants.spacing, constants.faces.support(), whole), space_before_walls(walls.faces().size(), -1) {
+Boundary<D>::Boundary(const Case& scene, const Constants<D>& constants, bool whole, PatchShare share)
+    : walls(scene, constants.spacing, constants.faces.support(), whole, share), space_before_walls(walls.faces().size(), -1) {
   wall_finder.fill(walls.faces(), constants.faces.support());
 }
 
 template <int D>
-void move_walls(const Constants<D>& constants, const Window& window, Boundary<D>& boundary, State<D>& state) {
-  state.wall_acceleration = boundary.walls.move_over(window.begin, window.duration, state.last_duration, state.walls);
-  boundary.wall_finder.fill(boundary.walls.faces(), constants.faces.support());
+void move_walls(const Constants<D>& constants, const Ranks& ranks, const Window& window, Boundary<D>& boundary, State<D>& state) {
+  const WallRates rates = boundary.walls.move_over(window.begin, window.duration, state.last_duration, state.walls);
+  double largest[] = {rates.speed, rates.acceleration};
+  if (!boundary.walls.whole()) ranks.most(std::span<double>(largest));
+  state.wall_speed = largest[0];
+  state.wall_acceleration = largest[1];
+  boundary.wall_finder.fill(boundary.walls.faces(), constants.faces.support(), boundary.walls.lowest());
   boundary.space_before_walls.assign(boundary.walls.faces().size(), -1);
   boundary.clipped_walls.reset();
 }
@@ -94,7 +98,7 @@ void set_surface_velocity(const std::vector<Vector<D>>& velocity, const std::vec
 
 #define TERN_INSTANTIATE(D)                                                                                                              \
   template struct Boundary<D>;                                                                                                           \
-  template void move_walls<D>(const Constants<D>&, const Window&, Boundary<D>&, State<D>&);                                              \
+  template void move_walls<D>(const Constants<D>&, const Ranks&, const Window&, Boundary<D>&, State<D>&);                                \
   template void set_surface<D>(const Constants<D>&, const Surface<D>&, Boundary<D>&);                                                    \
   template void see_boundary<D>(const Constants<D>&, const Period<D>&, const std::vector<Vector<D>>&, Boundary<D>&, Neighbours<D>&);     \
   template void sum_over_hidden_side<D>(const Constants<D>&, const Ranks&, const std::vector<Vector<D>>&, const std::vector<Vector<D>>&, \

@@ -19,8 +19,8 @@ namespace tern::fluid {
 
 template <int D>
 struct Boundary {
-  /// `whole`: with all patches of all walls, as in one process.
-  Boundary(const Case& scene, const Constants<D>& constants, bool whole = true);
+  /// `whole`: with all patches of all walls, as in one process; else `share` is that of this rank in looking how fast they move.
+  Boundary(const Case& scene, const Constants<D>& constants, bool whole = true, PatchShare share = {});
 
   Walls<D> walls;                           ///< as they are without a structure
   HeldWalls<D> held;                        ///< which patches of them there are, where there are several ranks
@@ -47,7 +47,7 @@ struct Boundary {
 
 /// Places moving walls at the middle of the window; their velocity in the window before becomes that in this one, in the state.
 template <int D>
-void move_walls(const Constants<D>& constants, const Window& window, Boundary<D>& boundary, State<D>& state);
+void move_walls(const Constants<D>& constants, const Ranks& ranks, const Window& window, Boundary<D>& boundary, State<D>& state);
 
 /// Takes over the surface of the structure at the middle of the window and clips the walls at which it stands.
 template <int D>

@@ -14,24 +14,21 @@ namespace tern::fluid {
 template <int D>
 struct Boundary;
 
-/// Where a rank has the patches of walls.
+/// Where a rank has the patches of walls, as they are at t = 0: of those at rest, then of each that moves (Wall::frame). Boxes around its
+/// particles, around the structure, and the images of both: a patch is held together with its images beyond the end of a period.
 template <int D>
-struct WallBoxes {
-  Bounds<D> particles = Bounds<D>::nowhere(), structure = Bounds<D>::nowhere();
-
-  /// Both, and their images: a patch is held together with its images beyond the end of a period.
-  std::vector<Bounds<D>> with_images(const Period<D>& period) const;
-};
+using WallBoxes = std::vector<std::vector<Bounds<D>>>;
 
 template <int D>
 struct HeldWalls {
-  WallBoxes<D> own;
-  std::vector<std::vector<Bounds<D>>> of_ranks;  ///< of each rank, with images
-  std::int64_t cuts = -1;                        ///< of space, as of which these are
-  std::int64_t changes = 0;                      ///< how often any rank has found its patches anew
+  WallBoxes<D> own;                    ///< empty: none is held yet
+  std::vector<WallBoxes<D>> of_ranks;  ///< of each rank
+  std::int64_t cuts = -1;              ///< of space, as of which these are
+  std::int64_t changes = 0;            ///< how often any rank has found its patches anew
 };
 
-/// Finds the patches anew where space was cut anew, or particles or structure have come to where some are not held. `position`: of own
+/// Finds the patches anew where space was cut anew, or particles or structure have come to where some of a wall are not held, or a wall has
+/// moved that far. `position`: of own
 /// particles and ghosts; `surface`: of the structure. Sums over the patches that own particles see have the bits that they have with
 /// all patches. All ranks call it in each window. Does nothing where walls are whole.
 template <int D>

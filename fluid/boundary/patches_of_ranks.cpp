@@ -15,7 +15,9 @@ void share_patches(const Domain<D>& domain, const Constants<D>& constants, const
   const double reach = constants.faces.support() + constants.spacing;
   std::vector<std::vector<int>> give(static_cast<std::size_t>(domain.ranks().count())), take(give.size());
   const auto holds = [&](int rank, int k) {
-    return boundary.walls.whole() || lies_in_any(boundary.held.of_ranks[static_cast<std::size_t>(rank)], walls.position[k]);
+    const int frame = boundary.walls.all()[boundary.walls.wall_of(k)].frame;
+    return boundary.walls.whole() || lies_in_any(boundary.held.of_ranks[static_cast<std::size_t>(rank)][static_cast<std::size_t>(frame)],
+                                                 boundary.walls.reference(static_cast<std::size_t>(k)));
   };
   std::vector<int> needs;
   for (int k = 0, next; k < count; k = next) {

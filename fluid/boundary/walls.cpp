@@ -59,33 +59,37 @@ void for_each_patch(const WallCase& wall, const DomainEnds& ends, double patch, 
 }  // namespace
 
 template <int D>
-Walls<D>::Walls(const Case& scene, double fluid_spacing, double support, bool whole)
+Walls<D>::Walls(const Case& scene, double fluid_spacing, double support, bool whole, PatchShare share)
     : patch_(0.5 * fluid_spacing), support_(support), ends_{scene.periodic, scene.domain_min, scene.domain_max}, whole_(whole) {
+  int frame = 0;
   for (const WallCase& wall : scene.walls) {
     moving_ = moving_ || wall.motion.has_value();
     any_two_sided_ = any_two_sided_ || !wall.container;
     may_have_corners_ =
         may_have_corners_ || !wall.container || (wall.shape.kind != Shape::Kind::box && wall.shape.kind != Shape::Kind::ball);
-    walls_.push_back({wall, 0, 0, {}, 0, Vector<D>::Zero()});
+    walls_.push_back({wall, wall.motion ? ++frame : 0, 0, 0, {}, {}});
   }
-  whole_ = whole_ || moving_;
   if (!moving_ && !std::count(ends_.periodic.begin(), ends_.periodic.begin() + D, true)) find_planes();
-  whole_ ? hold_all() : find_lowest();
-  if (!moving_) return;
-  reference_ = faces_.position;
-  reference_normal_ = faces_.normal;
+  whole_ ? hold_all() : look_at_all(share);
 }
 
 template <int D>
-void Walls<D>::find_lowest() {
-  for (const Wall<D>& wall : walls_)
-    for_each_patch<D>(wall.scene, ends_, patch_, support_, {Bounds<D>::everywhere()},
-                      [&](const Vector<D>& x, const Vector<D>&, double, std::int64_t, bool) { lowest_ = lowest_.cwiseMin(x); });
+void Walls<D>::look_at_all(PatchShare share) {
+  std::int64_t number = -share.first;
+  for (std::size_t w = 0; w < walls_.size(); ++w)
+    for_each_patch<D>(walls_[w].scene, ends_, patch_, support_, {Bounds<D>::everywhere()},
+                      [&](const Vector<D>& x, const Vector<D>& normal, double, std::int64_t, bool) {
+                        lowest_ = lowest_.cwiseMin(x);
+                        if (!walls_[w].scene.motion || number++ % share.every != 0) return;
+                        watched_.position.push_back(x);
+                        watched_.normal.push_back(normal);
+                        watched_.wall.push_back(static_cast<int>(w));
+                      });
 }
 
 template <int D>
 void Walls<D>::hold_all() {
-  hold({Bounds<D>::everywhere()}, Bounds<D>::everywhere());
+  hold(std::vector<std::vector<Bounds<D>>>(walls_.size(), {Bounds<D>::everywhere()}), Bounds<D>::everywhere());
 }
 
 template <int D>
@@ -97,14 +101,22 @@ Walls<D> Walls<D>::in_whole() const {
 }
 
 template <int D>
-void Walls<D>::hold(const std::vector<Bounds<D>>& boxes, const Bounds<D>& near) {
+void Walls<D>::move_as(const Walls& other) {
+  for (std::size_t w = 0; w < walls_.size(); ++w) walls_[w].now = other.walls_[w].now, walls_[w].before = other.walls_[w].before;
+  duration_ = other.duration_;
+  place_patches();
+}
+
+template <int D>
+void Walls<D>::hold(const std::vector<std::vector<Bounds<D>>>& boxes_of_walls, const Bounds<D>& near) {
   faces_ = {};
   slip_.clear();
   std::vector<std::int64_t> numbers;
-  for (Wall<D>& wall : walls_) {
+  for (std::size_t w = 0; w < walls_.size(); ++w) {
+    Wall<D>& wall = walls_[w];
     wall.first = faces_.size();
     int original = 0;
-    for_each_patch<D>(wall.scene, ends_, patch_, support_, boxes,
+    for_each_patch<D>(wall.scene, ends_, patch_, support_, boxes_of_walls[w],
                       [&](const Vector<D>& x, const Vector<D>& normal, double area, std::int64_t number, bool image) {
                         if (!image) original = static_cast<int>(faces_.size());
                         faces_.position.push_back(x);
@@ -122,6 +134,10 @@ void Walls<D>::hold(const std::vector<Bounds<D>>& boxes, const Bounds<D>& near) 
   for (auto* v : {&faces_.position, &faces_.velocity, &faces_.normal}) v->shrink_to_fit();
   for (auto* v : {&faces_.area, &faces_.normal_acceleration}) v->shrink_to_fit();
   hold_planes(near, numbers);
+  if (!moving_) return;
+  reference_ = faces_.position;
+  reference_normal_ = faces_.normal;
+  place_patches();
 }
 
 template <int D>
@@ -200,13 +216,45 @@ std::size_t Walls<D>::wall_of(int k) const {
   return static_cast<std::size_t>(std::upper_bound(walls_.begin(), walls_.end(), static_cast<std::size_t>(k), behind) - walls_.begin());
 }
 
+namespace {
+
+/// A patch of a wall that moves, in the window.
 template <int D>
-double Walls<D>::move_over(double begin, double duration, double last_duration, FollowedWalls<D>& followed) {
+struct MovedPatch {
+  Vector<D> position, normal, velocity;
+  double normal_acceleration;
+
+  /// `duration`: of the window [s]; 0: there is none yet.
+  MovedPatch(const Wall<D>& wall, const Vector<D>& reference, const Vector<D>& reference_normal, double duration)
+      : position(wall.now.place(reference)), normal(wall.now.place.turn * reference_normal), velocity(wall.velocity(position)) {
+    // The change of the patch's own velocity has the tangential and the centripetal part of its acceleration.
+    const Vector<D> velocity_before = wall.before.velocity(wall.scene.motion->axis, wall.before.place(reference));
+    normal_acceleration = duration > 0 ? (velocity - velocity_before).dot(normal) / duration : 0;
+  }
+};
+
+}  // namespace
+
+template <int D>
+void Walls<D>::place_patches() {
+  for (const Wall<D>& wall : walls_) {
+    if (!wall.scene.motion) continue;
+    for (std::size_t k = wall.first; k < wall.last; ++k) {
+      const MovedPatch<D> patch(wall, reference_[k], reference_normal_[k], duration_);
+      faces_.position[k] = patch.position;
+      faces_.normal[k] = patch.normal;
+      faces_.velocity[k] = patch.velocity;
+      faces_.normal_acceleration[k] = patch.normal_acceleration;
+    }
+  }
+}
+
+template <int D>
+WallRates Walls<D>::move_over(double begin, double duration, double last_duration, FollowedWalls<D>& followed) {
   const bool first = last_duration == 0;
   if (first) {
     for (auto* rates : {&followed.shift_rate, &followed.own_shift_rate}) rates->assign(walls_.size(), Vector<D>::Zero());
-    for (auto* rates : {&followed.turn_rate, &followed.own_turn_rate}) rates->assign(walls_.size(), 0);
-    followed.velocity.assign(faces_.size(), Vector<D>::Zero());
+    for (auto* numbers : {&followed.turn_rate, &followed.own_turn_rate, &followed.angle}) numbers->assign(walls_.size(), 0);
   }
   const double ratio = first ? 1 : duration / last_duration;
   const auto follow = [&]<class Rate>(const Rate& mean, Rate& given, Rate& own) {
@@ -215,39 +263,44 @@ double Walls<D>::move_over(double begin, double duration, double last_duration, 
     own = next.own;
     return next.given;
   };
-  double largest = 0;
   for (std::size_t w = 0; w < walls_.size(); ++w) {
     Wall<D>& wall = walls_[w];
     if (!wall.scene.motion) continue;
     const auto place_at = [&](double time) { return placement<D>(*wall.scene.motion, time); };
-    const Placement<D> before = place_at(begin), after = place_at(begin + duration);
-    wall.place = place_at(begin + 0.5 * duration);
-    for (std::size_t k = wall.first; k < wall.last; ++k) {
-      faces_.position[k] = wall.place(reference_[k]);
-      faces_.normal[k] = wall.place.turn * reference_normal_[k];
-    }
+    const Placement<D> at_begin = place_at(begin), at_end = place_at(begin + duration);
+    wall.now.place = place_at(begin + 0.5 * duration);
+    // Not of the mean velocity of the patch itself: the chord of an arc is shorter than the way along it.
+    const Vector<D> mean_shift_rate = (at_end.shift - at_begin.shift) / duration;
+    const double mean_turn_rate = (at_end.angle - at_begin.angle) / duration;
     if (first) {
       // Of the motion through three places, as if it had gone on so before: `own` is of a third of a window before `given`.
-      const Vector<D> change = 4 * (after.shift - 2 * wall.place.shift + before.shift) / duration;
-      const double turn_change = 4 * (after.angle - 2 * wall.place.angle + before.angle) / duration;
-      wall.shift_rate = followed.shift_rate[w] = (after.shift - before.shift) / duration - 0.5 * change;
-      wall.turn_rate = followed.turn_rate[w] = (after.angle - before.angle) / duration - 0.5 * turn_change;
-      followed.own_shift_rate[w] = wall.shift_rate - change / 3;
-      followed.own_turn_rate[w] = wall.turn_rate - turn_change / 3;
-      for (std::size_t k = wall.first; k < wall.last; ++k) followed.velocity[k] = wall.velocity(faces_.position[k]);
+      const Vector<D> change = 4 * (at_end.shift - 2 * wall.now.place.shift + at_begin.shift) / duration;
+      const double turn_change = 4 * (at_end.angle - 2 * wall.now.place.angle + at_begin.angle) / duration;
+      followed.shift_rate[w] = mean_shift_rate - 0.5 * change;
+      followed.turn_rate[w] = mean_turn_rate - 0.5 * turn_change;
+      followed.own_shift_rate[w] = followed.shift_rate[w] - change / 3;
+      followed.own_turn_rate[w] = followed.turn_rate[w] - turn_change / 3;
+      followed.angle[w] = wall.now.place.angle;
     }
-    // Not of the mean velocity of the patch itself: the chord of an arc is shorter than the way along it.
-    const Vector<D> mean_shift_rate = (after.shift - before.shift) / duration;
-    const double mean_turn_rate = (after.angle - before.angle) / duration;
-    wall.shift_rate = follow(mean_shift_rate, followed.shift_rate[w], followed.own_shift_rate[w]);
-    wall.turn_rate = follow(mean_turn_rate, followed.turn_rate[w], followed.own_turn_rate[w]);
-    for (std::size_t k = wall.first; k < wall.last; ++k) {
-      // The change of the patch's own velocity has the tangential and the centripetal part of its acceleration.
-      const Vector<D> velocity = wall.velocity(faces_.position[k]);
-      faces_.normal_acceleration[k] = (velocity - followed.velocity[k]).dot(faces_.normal[k]) / duration;
-      largest = std::max(largest, std::abs(faces_.normal_acceleration[k]));
-      faces_.velocity[k] = followed.velocity[k] = velocity;
-    }
+    // Where it had been shifted to does not matter: all of it has the same shift rate.
+    wall.before.place = placed_at<D>(*wall.scene.motion, Vector<D>::Zero(), followed.angle[w]);
+    wall.before.shift_rate = followed.shift_rate[w];
+    wall.before.turn_rate = followed.turn_rate[w];
+    wall.now.shift_rate = follow(mean_shift_rate, followed.shift_rate[w], followed.own_shift_rate[w]);
+    wall.now.turn_rate = follow(mean_turn_rate, followed.turn_rate[w], followed.own_turn_rate[w]);
+    followed.angle[w] = wall.now.place.angle;
+  }
+  duration_ = duration;
+  place_patches();
+  WallRates largest;
+  const auto add = [&](const Vector<D>& velocity, double normal_acceleration) {
+    largest.speed = std::max(largest.speed, velocity.norm());
+    largest.acceleration = std::max(largest.acceleration, std::abs(normal_acceleration));
+  };
+  for (std::size_t k = 0; whole_ && k < faces_.size(); ++k) add(faces_.velocity[k], faces_.normal_acceleration[k]);
+  for (std::size_t k = 0; k < watched_.wall.size(); ++k) {
+    const MovedPatch<D> patch(walls_[watched_.wall[k]], watched_.position[k], watched_.normal[k], duration);
+    add(patch.velocity, patch.normal_acceleration);
   }
   return largest;
 }

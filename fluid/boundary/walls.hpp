@@ -13,28 +13,39 @@
 
 namespace tern::fluid {
 
+/// Where a wall that moves is at the middle of a window, and how it moves at its end.
+template <int D>
+struct WallMotion {
+  Placement<D> place;
+  double turn_rate = 0;                      ///< [rad/s]
+  Vector<D> shift_rate = Vector<D>::Zero();  ///< [m/s]
+
+  /// Of the rigid body at x [m/s]. `axis`: of the turn, in 3D.
+  Vector<D> velocity(const std::array<double, 3>& axis, const Vector<D>& x) const {
+    return shift_rate + turning_velocity<D>(turn_rate, axis, Vector<D>(x - place.pivot - place.shift));
+  }
+};
+
 /// One wall of the scene: where it is, and which patches are its own.
 template <int D>
 struct Wall {
   WallCase scene;
+  int frame = 0;                    ///< 0: at rest; else its number among those that move, from 1 on
   std::size_t first = 0, last = 0;  ///< its patches: first .. last - 1
-  Placement<D> place;
-  double turn_rate = 0;                      ///< at the end of the window [rad/s]
-  Vector<D> shift_rate = Vector<D>::Zero();  ///< likewise [m/s]
+  WallMotion<D> now, before;        ///< in the window and in the one before
 
   /// Of the rigid body at x, at the end of the window; 0 where the wall does not move [m/s].
-  Vector<D> velocity(const Vector<D>& x) const {
-    if (!scene.motion) return Vector<D>::Zero();
-    return shift_rate + turning_velocity<D>(turn_rate, scene.motion->axis, Vector<D>(x - place.pivot - place.shift));
-  }
+  Vector<D> velocity(const Vector<D>& x) const { return scene.motion ? now.velocity(scene.motion->axis, x) : Vector<D>(Vector<D>::Zero()); }
+  /// Where the point that is now at x was at t = 0.
+  Vector<D> reference(const Vector<D>& x) const { return scene.motion ? now.place.reference(x) : x; }
 };
 
-/// What the fluid has followed of the motion of walls: FollowedVelocity of each wall, of its shift [m/s] and of its turn [rad/s].
+/// What the fluid has followed of the motion of walls: FollowedVelocity of each wall, of its shift [m/s] and of its turn [rad/s], and the
+/// angle at which it stood [rad].
 template <int D>
 struct FollowedWalls {
   std::vector<Vector<D>> shift_rate, own_shift_rate;
-  std::vector<double> turn_rate, own_turn_rate;
-  std::vector<Vector<D>> velocity;  ///< of each patch [m/s]
+  std::vector<double> turn_rate, own_turn_rate, angle;
 
   /// The list of the members: visit(name, member of each) for every one.
   template <class Visit, class... Same>
@@ -43,8 +54,18 @@ struct FollowedWalls {
     visit("own_shift_rate", all.own_shift_rate...);
     visit("turn_rate", all.turn_rate...);
     visit("own_turn_rate", all.own_turn_rate...);
-    visit("velocity", all.velocity...);
+    visit("angle", all.angle...);
   }
+};
+
+/// Of all patches of walls: the largest speed [m/s] and acceleration along the normal [m/s^2].
+struct WallRates {
+  double speed = 0, acceleration = 0;
+};
+
+/// Which of some patches are looked at: every so many one, from `first` on.
+struct PatchShare {
+  int first = 0, every = 1;
 };
 
 /// Of the domain of a case: where it ends, and whether it repeats itself there.
@@ -57,18 +78,20 @@ template <int D>
 class Walls {
  public:
   /// Patches of half a fluid spacing. Those that an elastic body covers are patches too: it may leave. In a periodic direction the
-  /// patches nearer to the end of the period than `support` have images beyond it. `whole`: with all patches; where walls move they are
-  /// always there, and else there are none until hold().
-  Walls(const Case& scene, double fluid_spacing, double support, bool whole = true);
+  /// patches nearer to the end of the period than `support` have images beyond it. `whole`: with all patches; else there are none until
+  /// hold(), and move_over() looks at the rates of this share of them.
+  Walls(const Case& scene, double fluid_spacing, double support, bool whole = true, PatchShare share = {});
 
   /// All patches are here.
   bool whole() const { return whole_; }
-  /// Of walls that are not whole: from now on those patches that lie in one of these boxes, each with its images, in the order of all.
-  /// Of the grid of a plane wall only those in the box `near` can be found by their place, which is one of the boxes.
-  void hold(const std::vector<Bounds<D>>& boxes, const Bounds<D>& near);
+  /// Of walls that are not whole: from now on those patches that lay in one of the boxes of their wall at t = 0, each with its images, in
+  /// the order of all. Of the grid of a plane wall only those in the box `near` can be found by their place, which is one of the boxes.
+  void hold(const std::vector<std::vector<Bounds<D>>>& boxes_of_walls, const Bounds<D>& near);
   /// The same walls with all patches.
   Walls in_whole() const;
-  /// The lowest coordinates of all patches, where these walls are not whole.
+  /// Places the patches as `other` has them, of the same scene.
+  void move_as(const Walls& other);
+  /// The lowest coordinates that patches have at t = 0, where these walls are not whole.
   const Vector<D>* lowest() const { return whole_ ? nullptr : &lowest_; }
 
   const Faces<D>& faces() const { return faces_; }
@@ -83,6 +106,8 @@ class Walls {
   const std::vector<Wall<D>>& all() const { return walls_; }
   /// Number of the wall in it that has patch k.
   std::size_t wall_of(int k) const;
+  /// Where patch k was at t = 0.
+  const Vector<D>& reference(std::size_t k) const { return moving_ ? reference_[k] : faces_.position[k]; }
   /// Sides of box-shaped containers, in 3D where no wall moves and nothing is periodic, ...
   const std::vector<PlaneWall>& planes() const { return planes_; }
   /// ... and the numbers of the other walls.
@@ -91,13 +116,18 @@ class Walls {
   /// Places moving walls at the middle of the window [begin, begin + duration] [s]: once per window, in the order of time. The
   /// velocity of a patch is that of a rigid body that shifts and turns at the rates that followed_velocity() makes of the mean ones; its
   /// acceleration is the change from the velocity before, in the first window from that of its begin. `last_duration`: of the window
-  /// before [s], 0 in the first. `followed`: of the window before; set to that of this one. Returns the largest acceleration of a patch
-  /// along its normal [m/s^2].
-  double move_over(double begin, double duration, double last_duration, FollowedWalls<D>& followed);
+  /// before [s], 0 in the first. `followed`: of the window before; set to that of this one.
+  WallRates move_over(double begin, double duration, double last_duration, FollowedWalls<D>& followed);
 
  private:
-  void find_lowest();
+  /// Patches of walls that move, as at t = 0.
+  struct Watched {
+    std::vector<Vector<D>> position, normal;
+    std::vector<int> wall;
+  };
+  void look_at_all(PatchShare share);
   void hold_all();
+  void place_patches();
   void find_planes();
   /// `numbers`: of the patches, each in its wall (visit_surface()).
   void hold_planes(const Bounds<D>& near, const std::vector<std::int64_t>& numbers);
@@ -106,6 +136,8 @@ class Walls {
   DomainEnds ends_;
   bool whole_;
   Vector<D> lowest_ = Vector<D>::Constant(1e300);
+  Watched watched_;      ///< where walls are not whole
+  double duration_ = 0;  ///< of the window [s]; 0 before the first
   std::vector<Wall<D>> walls_;
   std::vector<Vector<D>> reference_, reference_normal_;  ///< of walls that move; empty: none does
   std::vector<std::uint8_t> slip_;

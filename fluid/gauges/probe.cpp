@@ -216,7 +216,7 @@ bool Probe<D>::covered(const Vector<D>& x) const {
 template <int D>
 bool Probe<D>::obstructed(const Vector<D>& x) const {
   for (const Wall<D>& wall : fluid_.walls().all())
-    if (!wall.scene.container && contains<D>(wall.scene.shape, wall.place.reference(x))) return true;
+    if (!wall.scene.container && contains<D>(wall.scene.shape, wall.reference(x))) return true;
   return covered(x);
 }
 
@@ -224,7 +224,7 @@ template <int D>
 bool Probe<D>::solid(const Vector<D>& x) const {
   if (obstructed(x)) return true;
   for (const auto& [wall, shape] : containers_)
-    if (signed_distance<D>(shape, wall->place.reference(x)) >= 0) return true;
+    if (signed_distance<D>(shape, wall->reference(x)) >= 0) return true;
   return false;
 }
 
@@ -314,7 +314,7 @@ Vector<D> Probe<D>::friction(const Wall<D>& wall, const Faces<D>& faces, std::si
   for_particles_before(faces.position[k], faces.normal[k], [&](int i, const Vector<D>& d, double) {
     const double height = seen_height(constants, d.dot(faces.normal[k]));
     Vector<D> of_wall = faces.velocity[k];
-    if (wall.scene.motion) of_wall += turning_velocity<D>(wall.turn_rate, wall.scene.motion->axis, d);
+    if (wall.scene.motion) of_wall += turning_velocity<D>(wall.now.turn_rate, wall.scene.motion->axis, d);
     force += constants.faces.surface_weight(d.norm()) / height * (fluid_.state().velocity[i] - of_wall);
   });
   return 2 * constants.viscosity * constants.mass * faces.area[k] * force;
@@ -344,7 +344,7 @@ void Probe<D>::for_contacts(const Wall<D>& wall, bool spray, Visit&& visit) cons
 template <int D>
 std::optional<double> Probe<D>::sensor(const Wall<D>& wall, const Vector<D>& at, double diameter) const {
   const Faces<D>& faces = fluid_.walls().faces();
-  const Vector<D> centre = wall.place(at);
+  const Vector<D> centre = wall.now.place(at);
   const auto squared = [&](std::size_t k, const Vector<D>& x) { return (faces.position[k] - x).squaredNorm(); };
   std::size_t middle = wall.first;
   for (std::size_t k = wall.first; k < wall.last; ++k)
@@ -383,7 +383,7 @@ std::optional<double> Probe<D>::sensor(const Wall<D>& wall, const Vector<D>& at,
 template <int D>
 std::optional<WallForce<D>> Probe<D>::force(const Wall<D>& wall, const Vector<D>& at) const {
   const Faces<D>& faces = *fluid_.faces()[0].first;  // as bodies leave them
-  const Vector<D> about = wall.place(at);
+  const Vector<D> about = wall.now.place(at);
   WallForce<D> total;
   const auto add = [&](std::size_t k, const Vector<D>& force) {
     const Vector<D> arm = faces.position[k] - about;

@@ -72,8 +72,8 @@ Totals<D> add_up(const Ranks& ranks, const Totals<D>& own) {
     Traffic::for_each_field([&](const char*, auto& count) { visit(count); }, all.traffic);
     Evaluations::for_each_field([&](const char*, auto& count) { visit(count); }, all.evaluations);
   };
-  // Every rank moves all walls and has the whole surface of the structure.
-  if (!ranks.first()) all.evaluations.moving_walls = all.evaluations.structure_surface = 0;
+  // Every rank has the whole surface of the structure.
+  if (!ranks.first()) all.evaluations.structure_surface = 0;
   for_each_sum([&](auto& value) { sums.push_back(static_cast<double>(value)); });
   std::vector<double> most{own.largest_speed, own.largest_bulk_speed, static_cast<double>(own.particles)};
   if (all.extent)

@@ -34,7 +34,7 @@ void check_speed(const Ranks& ranks, const Window& window, const Prediction<D>& 
   }
   if (squares > 0)
     state.reference_speed = std::max(state.reference_speed, std::sqrt(squares / static_cast<double>(surface_velocity.size())));
-  state.reference_speed = std::max(state.reference_speed, largest_speed(state.walls.velocity));
+  state.reference_speed = std::max(state.reference_speed, state.wall_speed);
   const double reference = state.reference_speed > 0 ? state.reference_speed : 1.0;
   const double fastest = std::sqrt(ranks.most(ordered_max(static_cast<std::ptrdiff_t>(state.size()), 0.0, [&](std::ptrdiff_t i) {
     const double squared = prediction.velocity[i].squaredNorm();

@@ -234,8 +234,7 @@ bool is_covered(const Walls<D>& walls, const std::vector<Shape>& shapes, double 
   const std::vector<Wall<D>>& all = walls.all();
   for (std::size_t w = 0; w < all.size(); ++w) {
     if (w == walls.wall_of(static_cast<int>(k))) continue;
-    const Vector<D> at_rest = all[w].scene.motion ? all[w].place.reference(x) : x;
-    if ((signed_distance<D>(shapes[w], at_rest) < 0) != all[w].scene.container) return true;
+    if ((signed_distance<D>(shapes[w], all[w].reference(x)) < 0) != all[w].scene.container) return true;
   }
   return false;
 }
@@ -246,11 +245,17 @@ template <int D>
 void find_shares_of_walls(const Constants<D>& constants, const Boundary<D>& boundary, const EnclosedRegions& regions,
                           std::vector<double>& share) {
   const FaceRows& rows = boundary.wall_rows;
-  share.assign(boundary.walls.faces().size(), 0);
+  const Faces<D>& faces = boundary.walls.faces();
+  share.assign(faces.size(), 0);
   for (std::size_t i = 0; i < regions.region.size(); ++i)
     for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry)
-      share[rows.face[entry]] += 2 * constants.volume * rows.weight[entry] / boundary.walls.faces().area[rows.face[entry]];
-  regions.ranks.sum(std::span(share));
+      share[rows.face[entry]] += 2 * constants.volume * rows.weight[entry] / faces.area[rows.face[entry]];
+  // An image of a patch is the patch again, that other particles see.
+  for (std::size_t k = 0; k < share.size(); ++k)
+    if (const auto original = static_cast<std::size_t>(faces.original[k]); original != k) share[original] += share[k];
+  boundary.patches.collect(share, [](double& own, double other) { own += other; });
+  boundary.patches.update(share);
+  for (std::size_t k = 0; k < share.size(); ++k) share[k] = share[faces.original[k]];
   std::vector<Shape> shapes;
   for (const Wall<D>& wall : boundary.walls.all()) shapes.push_back(without_open_faces(wall.scene));
   for (std::size_t k = 0; k < share.size(); ++k)
@@ -260,7 +265,7 @@ void find_shares_of_walls(const Constants<D>& constants, const Boundary<D>& boun
 /// How far the point of a wall that is now at x has come since the wall was at `before` [m].
 template <int D>
 Vector<D> moved(const Wall<D>& wall, const Placement<D>& before, const Vector<D>& x) {
-  return wall.scene.motion ? Vector<D>(x - before(wall.place.reference(x))) : Vector<D>(Vector<D>::Zero());
+  return wall.scene.motion ? Vector<D>(x - before(wall.reference(x))) : Vector<D>(Vector<D>::Zero());
 }
 
 }  // namespace

@@ -17,6 +17,15 @@
 namespace tern::fluid::testing {
 namespace {
 
+/// With all patches of walls that move, found in the order in which a part of them is: by cells that do not move.
+template <int D>
+void hold_all(const Fluid<D>& fluid, Boundary<D>& boundary) {
+  const std::vector<Bounds<D>> everywhere(2, Bounds<D>::everywhere());
+  boundary.held.own.assign(1 + boundary.walls.all().size(), everywhere);
+  boundary.held.cuts = fluid.domain().cuts();
+  boundary.walls.hold(WallBoxes<D>(boundary.walls.all().size(), everywhere), everywhere[0]);
+}
+
 /// What particles at some places see of the walls and of a structure.
 template <int D>
 void look(const Fluid<D>& fluid, const std::vector<Vector<D>>& position, const Surface<D>& surface, Boundary<D>& boundary) {
@@ -34,7 +43,8 @@ bool same_bits(const V& a, const V& b) {
   return std::memcmp(&a, &b, sizeof(V)) == 0;
 }
 
-/// A part that is a fifth of the length of the water, on its way along x by 0.3 spacings at a time.
+/// A part that is a fifth of the length of the water, on its way along x by 0.3 spacings at a time. Where walls move, water goes along with
+/// the first of them.
 template <int D>
 void expect_the_sums_of_all_patches(const Case& c, const Surface<D>& surface) {
   Fluid<D> fluid(c);
@@ -43,12 +53,24 @@ void expect_the_sums_of_all_patches(const Case& c, const Surface<D>& surface) {
   const auto& all = fluid.state().position;
   const Bounds<D> water = Bounds<D>::around(std::span<const Vector<D>>(all));
   const double length = water.max[0] - water.min[0], dx = c.fluid->spacing;
-  Boundary<D> whole(c, fluid.constants()), part(c, fluid.constants(), false);
-  std::size_t most_held = 0, with_wall = 0, with_structure = 0, by_place = 0, changes = 0;
+  const bool moving = c.walls[0].motion.has_value();
+  Boundary<D> whole(c, fluid.constants(), !moving), part(c, fluid.constants(), false);
+  if (moving) hold_all(fluid, whole);
+  State<D> of_whole = fluid.state(), of_part = fluid.state();
+  Window window{0, 0.01};
+  std::size_t most_held = 0, with_wall = 0, with_structure = 0, by_place = 0, changes = 0, moved = 0;
   for (double from = water.min[0]; from < water.max[0] - 0.2 * length; from += 0.3 * dx) {
     std::vector<Vector<D>> position;
+    if (moving) {
+      move_walls(fluid.constants(), Ranks{}, window, whole, of_whole);
+      move_walls(fluid.constants(), Ranks{}, window, part, of_part);
+      of_whole.last_duration = of_part.last_duration = window.duration;
+      window.begin += window.duration;
+      EXPECT_EQ(of_whole.wall_speed, of_part.wall_speed);
+      EXPECT_EQ(of_whole.wall_acceleration, of_part.wall_acceleration);
+    }
     for (const Vector<D>& x : all)
-      if (x[0] >= from && x[0] <= from + 0.2 * length) position.push_back(x);
+      if (x[0] >= from && x[0] <= from + 0.2 * length) position.push_back(moving ? whole.walls.all()[0].now.place(x) : x);
     look(fluid, position, surface, whole);
     look(fluid, position, surface, part);
     most_held = std::max(most_held, part.walls.faces().size());
@@ -76,7 +98,9 @@ void expect_the_sums_of_all_patches(const Case& c, const Surface<D>& surface) {
     EXPECT_EQ(others, 0u) << "of " << position.size() << " particles from x = " << from << " on";
     EXPECT_EQ(whole.covered_faces, part.covered_faces);
     EXPECT_EQ(whole.surface_rows.wet, part.surface_rows.wet);
+    for (std::size_t k = 0; k < part.walls.faces().size(); ++k) moved += part.walls.faces().normal_acceleration[k] != 0;
   }
+  EXPECT_EQ(moved > 0, moving);
   std::printf("%zu of %zu patches held at most, found anew %zu times; %zu particles saw walls, %zu a plane, %zu the structure\n", most_held,
               whole.walls.faces().size(), changes, with_wall, by_place, with_structure);
   EXPECT_LT(most_held, 0.75 * static_cast<double>(whole.walls.faces().size()));
@@ -121,6 +145,33 @@ TEST(HeldWalls, HaveTheSumsOfAllPatchesInAPeriod) {
   Case c = scene(2, 0.02, {box({0, 0, 0}, {2, 0.3, 0})}, {tank({0, 0, 0}, {2, 1, 0}), obstacle({1.9, 0, 0}, {2.1, 0.1, 0})});
   make_periodic(c, {0, -1, 0}, {2, 2, 1}, "x");
   expect_the_sums_of_all_patches<2>(c, {});
+}
+
+/// Rolls by a tenth, and goes 0.4 to and fro.
+WallCase rolling(WallCase wall) {
+  wall.motion.emplace().rotation = Expression("0.1*sin(3*t)");
+  wall.motion->displacement[0] = Expression("0.4*sin(t)");
+  wall.motion->pivot = {1, 0.1, 0};
+  return wall;
+}
+
+// Seen to fail: with boxes around where the walls are now (a tenth of the patches missing); with what is held never found anew; with the
+// velocity of the window before left out of a patch that is new.
+TEST(HeldWalls, HaveTheSumsOfAllPatchesThatMove) {
+  Case c = scene(2, 0.02, {box({0, 0, 0}, {2, 0.3, 0})}, {rolling(tank({0, 0, 0}, {2, 1, 0})), obstacle({-3, -1, 0}, {5, -0.9, 0})});
+  for (double x = 0.13; x < 1.9; x += 0.213) c.walls.push_back(rolling(obstacle({x, 0, 0}, {x + 0.03, 0.06, 0})));
+  WallCase paddle = obstacle({0.9, 0.1, 0}, {0.95, 0.5, 0});  // of its own
+  paddle.motion.emplace().rotation = Expression("2*t");
+  paddle.motion->pivot = {0.92, 0.2, 0};
+  c.walls.push_back(paddle);
+  expect_the_sums_of_all_patches<2>(c, {});
+  expect_the_sums_of_all_patches<2>(c, plate<2>(box({1.29, -0.02, 0}, {1.31, 0.4, 0}), 0.005));
+}
+
+TEST(HeldWalls, HaveTheSumsOfAllPatchesThatMoveIn3D) {
+  const Case c = scene(3, 0.05, {box({0, 0, 0}, {2, 0.4, 0.6})},
+                       {rolling(tank({0, 0, 0}, {2, 1, 0.6})), rolling(obstacle({0.8, 0, 0.2}, {1, 0.3, 0.4}))});
+  expect_the_sums_of_all_patches<3>(c, {});
 }
 
 TEST(HeldWalls, HaveTheSumsOfAllPatchesIn3D) {
