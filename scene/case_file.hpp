@@ -114,7 +114,6 @@ struct LoadCase {
 struct StructureNumerics {
   double smoothing_length_ratio;  ///< h0/dx_s
   double riemann_diffusion;       ///< chi of the complete-Riemann diffusion; 0 = off
-  double hourglass_penalty;       ///< alpha of the zero-energy-mode penalty; 0 = off
   double courant;                 ///< dx_s/(c_p + |v|max) fraction
   Integrator integrator;          ///< explicit where a case built in code does not say another
 };

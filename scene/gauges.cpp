@@ -50,8 +50,8 @@ bool has_structure_loads(const StructureCase& structure) {
 }
 
 std::vector<std::string> structure_energy_columns(const Case& scene) {
-  std::vector<std::string> columns{"structure_kinetic_J",   "structure_strain_J",  "structure_potential_J",
-                                   "structure_diffusion_J", "structure_penalty_J", "interface_work_on_structure_J"};
+  std::vector<std::string> columns{"structure_kinetic_J", "structure_strain_J", "structure_potential_J", "structure_diffusion_J",
+                                   "interface_work_on_structure_J"};
   if (has_structure_loads(*scene.structure))
     columns.insert(columns.end(), {"structure_damping_J", "load_work_on_structure_J", "clamp_work_on_structure_J"});
   return columns;

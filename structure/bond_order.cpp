@@ -52,8 +52,7 @@ void check_bond_order(const Reference<D>& reference, const State<D>& state, cons
   const Body& body = reference.bodies[reference.particle_body[particle]];
   throw NumericalFailure(fmt::format(
       "Structure particles {} and {} of body '{}', near ({}) m, have passed through each other at t = {:.6g} s. Likely cause: a load "
-      "that the material cannot carry at this resolution, beside a clamp or an edge. Refine [structure] spacing ({:.3g} m), or raise "
-      "structure.numerics.hourglass_penalty.",
+      "that the material cannot carry at this resolution, beside a clamp or an edge. Refine [structure] spacing ({:.3g} m).",
       particle, particle_of(second), body.name, place, seconds(state.time), body.spacing));
 }
 

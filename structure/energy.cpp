@@ -41,7 +41,6 @@ Energies energies_of(const Reference<D>& reference, const State<D>& state, const
   }
   e.strain += shell_strain_energy(reference, work);
   for (const Lanes& loss : state.diffusion_loss) e.diffusion += sum(loss);
-  for (const Lanes& stored : state.penalty_store) e.penalty += sum(stored);
   for (const Lanes& loss : state.damping_loss) e.damping += sum(loss);
   e.potential = -state.gravity_work;
   e.interface_work = state.interface_work;

@@ -65,7 +65,7 @@ template <int D>
   throw NumericalFailure(
       fmt::format("Structure particle {} of body '{}' at ({}) m has J = det F = {:.4g} at t = {:.6g} s, but volume must stay positive; "
                   "its stress one sub-step before was {:.3g} Pa (norm of P). Likely cause: {}. Refine [structure] spacing ({:.3g} m), "
-                  "lower structure.numerics.courant, or raise structure.numerics.riemann_diffusion or hourglass_penalty.",
+                  "lower structure.numerics.courant, or raise structure.numerics.riemann_diffusion.",
                   particle, body.name, place, j, time_s, std::sqrt(squared), likely_cause(state, body, row, j), body.spacing));
 }
 

@@ -264,7 +264,6 @@ void add_blocks(const std::vector<Cell<D>>& cells, const StructureNumerics& nume
         for (int a = 0; a < D; ++a) entry.pair.half_offset[a][lane] = 0.5 * x[a];
         if (!is_free && other != free_particle) continue;
         const double r = x.norm();
-        entry.pair.penalty[lane] = numerics.hourglass_penalty * body.material.young_modulus * volume * volume * kernel.value(r) / (r * r);
         entry.pair.diffusion[lane] = numerics.riemann_diffusion * body.material.density * volume * volume * kernel.gradient_weight(r) * r;
       }
     }
@@ -374,7 +373,6 @@ Reference<D> build_reference(const StructureCase& structure) {
   }
   first_row.push_back(next_row);
 
-  reference.has_penalty = has_solid && structure.numerics.hourglass_penalty > 0;
   reference.has_diffusion = structure.numerics.riemann_diffusion > 0;
   reference.rows = static_cast<std::size_t>(next_row) + margin_rows;
   for (auto& axis : reference.position) axis.assign(reference.rows, 0);

@@ -44,7 +44,6 @@ struct Neighbour {
 template <int D>
 struct Pair {
   Lanes half_offset[D];  ///< (X_j - X_i)/2 [m]
-  Lanes penalty;         ///< alpha E V_i V_j w_ij / |X_ij|^2
   Lanes diffusion;       ///< chi rho_0 V_i V_j |w'_ij|
 };
 
@@ -120,7 +119,7 @@ struct Reference {
   std::vector<UnseenField<D>> unseen;  ///< what neighbours do not say of second derivatives, of all stencils
   std::vector<Clamp> clamps;
   std::vector<ShellBody<D>> shells;
-  bool has_penalty = false, has_diffusion = false, has_damping = false;
+  bool has_diffusion = false, has_damping = false;
 
   /// The shell that the body is; null when it is a solid.
   const ShellBody<D>* shell_of(const Body& body) const { return body.shell < 0 ? nullptr : &shells[body.shell]; }

@@ -104,7 +104,7 @@ std::vector<double> stable_steps_at_rest(const Reference<D>& reference) {
     const double scale = largest > 0 ? shift * spacing / largest : 0;
     for (int c = 0; c < D; ++c)
       for (std::size_t row = 0; row < reference.rows; ++row) state.displacement[c][row] = scale * x[c][row];
-    internal_forces(reference, 0, 0, state, work);
+    internal_forces(reference, 0, state, work);
     for (int c = 0; c < D; ++c)
       for (std::size_t row = 0; row < reference.rows; ++row) force[c][row] = scale > 0 ? state.internal_force[c][row] / scale : 0;
   });
@@ -113,7 +113,7 @@ std::vector<double> stable_steps_at_rest(const Reference<D>& reference) {
   if (reference.has_diffusion)
     decays = largest_eigenvalues<D>(reference, [&](const RowVectors<D>& x, RowVectors<D>& force) {
       state.velocity = x;
-      internal_forces(reference, 0, 0, state, work);
+      internal_forces(reference, 0, state, work);
       force = state.internal_force;
     });
   std::vector<double> result;

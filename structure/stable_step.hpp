@@ -7,7 +7,7 @@
 
 namespace tern::structure {
 
-/// Longest stable step of undamped and damped motions: with the largest frequency `omega` [1/s] of the elastic and penalty forces and
+/// Longest stable step of undamped and damped motions: with the largest frequency `omega` [1/s] of the elastic forces and
 /// the largest rate `decay` [1/s] of the diffusion, which acts with the velocity of half a step before. Of the mode v' = -omega^2 x -
 /// decay v the map of a step has its eigenvalues within the unit circle for dt^2 omega^2 + 2 dt decay < 4.
 double longest_stable_step(double omega, double decay);

@@ -22,7 +22,7 @@ struct State {
   RowVectors<D> velocity;           ///< [m/s]
   std::vector<double> clamp_angle;  ///< by which each of Reference::clamps is turned [rad]
   std::vector<double> clamp_spin;   ///< and turns, from the last time it was aimed [rad/s]
-  RowVectors<D> internal_force;     ///< elastic + diffusion + penalty at `displacement` [N/m^(3-D)]
+  RowVectors<D> internal_force;     ///< elastic + diffusion at `displacement` [N/m^(3-D)]
   RowVectors<D> external_force;     ///< all that acts from outside, constant over a window: of the last one [N/m^(3-D)]
   bool force_is_elastic = false;    ///< internal_force is the elastic part alone
   bool undisturbed = true;          ///< as it was built: nothing has moved or loaded it yet
@@ -34,7 +34,6 @@ struct State {
   std::vector<Lanes> diffusion_loss;   ///< per block: energy dissipated by the diffusion in its pairs
   std::vector<Lanes> diffusion_power;  ///< what it dissipates at the present velocity
   std::vector<Lanes> diffusion_brake;  ///< and by how much less with every second that the present forces act
-  std::vector<Lanes> penalty_store;    ///< per block: energy taken up by the penalty in its pairs
   std::vector<Lanes> damping_loss;     ///< per block: energy dissipated by the mass damping; empty without
 
   /// The list of the members: visit(name, member of each state) for every one.
@@ -57,7 +56,6 @@ struct State {
     visit("diffusion_loss", state.diffusion_loss...);
     visit("diffusion_power", state.diffusion_power...);
     visit("diffusion_brake", state.diffusion_brake...);
-    visit("penalty_store", state.penalty_store...);
     visit("damping_loss", state.damping_loss...);
   }
 };
@@ -94,7 +92,6 @@ struct Workspace {
   RowMatrices<D> diffusion_stress;       ///< what the diffusion adds to P for its reconstruction [Pa]
   RowMatrices<D> stress;                 ///< first Piola-Kirchhoff P [Pa]
   RowVectors<D> drag;                    ///< force of the diffusion on the first row of each pair: array of rows per pair slot
-  RowVectors<D> pull;                    ///< the same of the penalty
   std::vector<ShellWork<D>> shells;
   Evaluations evaluations;
 };
@@ -109,7 +106,6 @@ State<D> state_at_rest(const Reference<D>& reference, std::size_t surface_points
   state.load.force.assign(surface_points, Vector<D>::Zero());
   for (auto* values : {&state.diffusion_loss, &state.diffusion_power, &state.diffusion_brake})
     values->assign(reference.blocks.size(), broadcast(0));
-  state.penalty_store.assign(reference.blocks.size(), broadcast(0));
   if (reference.has_damping) state.damping_loss.assign(reference.blocks.size(), broadcast(0));
   return state;
 }
@@ -131,8 +127,6 @@ Workspace<D> workspace_for(const Reference<D>& reference) {
   }
   if (reference.has_diffusion)
     for (auto& axis : work.drag) axis.assign(reference.rows * reference.pair_slots, 0);
-  if (reference.has_penalty)
-    for (auto& axis : work.pull) axis.assign(reference.rows * reference.pair_slots, 0);
   for (const ShellBody<D>& shell : reference.shells) {
     ShellWork<D>& own = work.shells.emplace_back();
     own.x.resize(shell.layer.size());

@@ -77,7 +77,7 @@ struct Structure<D>::Parts {
   }
 
   /// Internal force of the present state with everything explicit steps need.
-  void all_forces() { internal_forces(reference, seconds(state.time), 0, state, work); }
+  void all_forces() { internal_forces(reference, seconds(state.time), state, work); }
 
   std::array<double, 3> place(std::int32_t row) const {
     std::array<double, 3> x{};

@@ -15,14 +15,13 @@
 
 namespace tern::structure {
 
-/// Energy account of all bodies [J/m^(3-D)]. Balance: kinetic + strain + potential + penalty + diffusion + damping
+/// Energy account of all bodies [J/m^(3-D)]. Balance: kinetic + strain + potential + diffusion + damping
 /// - interface_work - load_work - clamp_work = its value at t = 0, to the error of the time integration.
 struct Energies {
   double kinetic = 0;
   double strain = 0;
   double potential = 0;       ///< minus the work of gravity since t = 0
   double diffusion = 0;       ///< dissipated by the Riemann diffusion since t = 0, >= 0
-  double penalty = 0;         ///< taken up by the hourglass penalty since t = 0
   double interface_work = 0;  ///< done on the structure by the surface load since t = 0
   double damping = 0;         ///< dissipated by the mass damping since t = 0, >= 0
   double load_work = 0;       ///< done on the structure by the [[structure.load]]s since t = 0
@@ -43,7 +42,7 @@ struct MaterialPoint {
 
 /// How often each term was evaluated, in rows of particles, since construction. What a case leaves out counts nothing.
 struct Evaluations {
-  long elastic_force = 0, riemann_diffusion = 0, hourglass_penalty = 0, loads = 0, moving_clamps = 0;
+  long elastic_force = 0, riemann_diffusion = 0, loads = 0, moving_clamps = 0;
   long windows_at_rest = 0;
 
   /// The list of the members: visit(name, member of each) for every one.
@@ -51,7 +50,6 @@ struct Evaluations {
   static void for_each_field(Visit&& visit, Same&... all) {
     visit("elastic_force", all.elastic_force...);
     visit("riemann_diffusion", all.riemann_diffusion...);
-    visit("hourglass_penalty", all.hourglass_penalty...);
     visit("loads", all.loads...);
     visit("moving_clamps", all.moving_clamps...);
     visit("windows_at_rest", all.windows_at_rest...);

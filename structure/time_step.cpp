@@ -9,14 +9,14 @@
 namespace tern::structure {
 
 template <int D>
-void internal_forces(const Reference<D>& reference, double time_s, double dt, State<D>& state, Workspace<D>& work) {
+void internal_forces(const Reference<D>& reference, double time_s, State<D>& state, Workspace<D>& work) {
   deformation_gradient(reference, state, work);           // F_i, K_i, and l_i for the reconstruction
   first_piola_kirchhoff(reference, state, time_s, work);  // P, Q of W(F, K)
-  stabilising_forces(reference, dt, state, work);         // Riemann diffusion, hourglass penalty
+  diffusion_force(reference, state, work);                // Riemann diffusion
   elastic_force(reference, work, state);                  // -dE/dx of sum V W(F, K)
   shell_internal_forces(reference, time_s, state, work);  // the same of the layers
   work.evaluations.elastic_force += reference.rows;
-  state.force_is_elastic = !reference.has_diffusion && !reference.has_penalty;
+  state.force_is_elastic = !reference.has_diffusion;
 }
 
 template <int D>
@@ -28,7 +28,7 @@ void verlet(const Reference<D>& reference, double begin, double duration, int su
     aim_clamps(reference, begin + (n + 1) * dt, dt, state);
     drift(reference, dt, state);
     state.clamp_work += 0.5 * dt * clamp_power(reference, state, work);  // by the forces at the begin of the drift
-    internal_forces(reference, begin + (n + 1) * dt, dt, state, work);
+    internal_forces(reference, begin + (n + 1) * dt, state, work);
     state.clamp_work += 0.5 * dt * clamp_power(reference, state, work);  // and at its end
   }
   kick(reference, 0.5 * dt, state);
@@ -48,7 +48,7 @@ void implicit_or_explicit(const Reference<D>& reference, double begin, double du
     implicit_or_explicit(reference, begin + 0.5 * duration, 0.5 * duration, half, implicit, state, work);
     return;
   }
-  internal_forces(reference, begin, 0, state, work);
+  internal_forces(reference, begin, state, work);
   verlet(reference, begin, duration, sub_steps, state, work);
 }
 
@@ -65,8 +65,8 @@ void advance_window(const Reference<D>& reference, Ticks duration, int sub_steps
   state.time += duration;
 }
 
-template void internal_forces<2>(const Reference<2>&, double, double, State<2>&, Workspace<2>&);
-template void internal_forces<3>(const Reference<3>&, double, double, State<3>&, Workspace<3>&);
+template void internal_forces<2>(const Reference<2>&, double, State<2>&, Workspace<2>&);
+template void internal_forces<3>(const Reference<3>&, double, State<3>&, Workspace<3>&);
 template void verlet<2>(const Reference<2>&, double, double, int, State<2>&, Workspace<2>&);
 template void verlet<3>(const Reference<3>&, double, double, int, State<3>&, Workspace<3>&);
 template void advance_window<2>(const Reference<2>&, Ticks, int, ImplicitStep<2>*, State<2>&, Workspace<2>&);

@@ -23,12 +23,11 @@ void first_piola_kirchhoff(const Reference<D>& reference, const State<D>& state,
 template <int D>
 bool stresses(const Reference<D>& reference, Workspace<D>& work);
 
-/// Riemann diffusion and hourglass penalty of every row into state.internal_force, and what they take up into the accounts of
-/// `state`: of the diffusion its power, which kick() counts, of the penalty the energy of a sub-step of `dt` [s].
+/// Riemann diffusion of every row into state.internal_force, and its power, which kick() counts, into the accounts of `state`.
 template <int D>
-void stabilising_forces(const Reference<D>& reference, double dt, State<D>& state, Workspace<D>& work);
+void diffusion_force(const Reference<D>& reference, State<D>& state, Workspace<D>& work);
 
-/// Adds the elastic force of every row to state.internal_force, which holds the stabilising ones.
+/// Adds the elastic force of every row to state.internal_force, which holds that of the diffusion.
 template <int D>
 void elastic_force(const Reference<D>& reference, const Workspace<D>& work, State<D>& state);
 
@@ -38,7 +37,7 @@ bool evaluate_elastic_force(const Reference<D>& reference, State<D>& state, Work
 
 /// state.internal_force of the present displacement and velocity, at `time_s`: all of the above in their order.
 template <int D>
-void internal_forces(const Reference<D>& reference, double time_s, double dt, State<D>& state, Workspace<D>& work);
+void internal_forces(const Reference<D>& reference, double time_s, State<D>& state, Workspace<D>& work);
 
 /// v += dt (f_internal + f_external) / m, after the mass damping; unchanged where clamped. Counts what the diffusion takes.
 template <int D>

@@ -72,8 +72,6 @@ const Rows<StructureNumerics>& numerics_rows() {
       {"riemann_diffusion", &StructureNumerics::riemann_diffusion, "-", "1.0", from_to(0, 2),
        "Coefficient chi of the complete-Riemann diffusion; 0 = off. Of a shell: its viscosity, as a multiple of the one that gives the "
        "fastest motion a tenth of critical damping."},
-      {"hourglass_penalty", &StructureNumerics::hourglass_penalty, "-", "0", from_to(0, 1),
-       "Coefficient alpha of the penalty on zero-energy modes of solids; 0 = off: the energy of the strain gradient holds them already."},
       {"courant", &StructureNumerics::courant, "-", "0.3", above_to(0, 0.6), "Sub-step as a fraction of dx_s/(c_p + |v|max)."},
       {"integrator",
        one_of(&StructureNumerics::integrator,

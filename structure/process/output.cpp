@@ -7,7 +7,7 @@ namespace tern::structure {
 template <int D>
 std::vector<double> energy_values(const Case& scene, const Structure<D>& structure) {
   const Energies e = structure.energies();
-  std::vector<double> values{e.kinetic, e.strain, e.potential, e.diffusion, e.penalty, e.interface_work};
+  std::vector<double> values{e.kinetic, e.strain, e.potential, e.diffusion, e.interface_work};
   if (has_structure_loads(*scene.structure)) values.insert(values.end(), {e.damping, e.load_work, e.clamp_work});
   return values;
 }

@@ -37,7 +37,6 @@ class Measures {
     const Evaluations& evaluations = structure.evaluations();
     report.set_evaluations("elastic_force", evaluations.elastic_force);
     report.set_evaluations("riemann_diffusion", evaluations.riemann_diffusion);
-    report.set_evaluations("hourglass_penalty", evaluations.hourglass_penalty);
     report.set_evaluations("loads", evaluations.loads);
     report.set_evaluations("moving_clamps", evaluations.moving_clamps);
     report.set_count("windows_at_rest", evaluations.windows_at_rest);

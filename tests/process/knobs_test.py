@@ -213,11 +213,6 @@ class KnobsTest(unittest.TestCase):
         self.assert_more(default.energy["structure_diffusion_J"][-1], other.energy["structure_diffusion_J"][-1], "diffused energy")
         self.assertEqual(none.energy["structure_diffusion_J"][-1], 0)
 
-    def test_structure_numerics_hourglass_penalty(self):
-        default, other = self.pair("swing", STRUCTURE + "hourglass_penalty=0.1")
-        self.assertEqual(np.abs(default.energy["structure_penalty_J"]).max(), 0)
-        self.assertGreater(other.energy["structure_penalty_J"].max(), 0)
-
     # Coupling.
 
     def test_coupling_algorithm(self):

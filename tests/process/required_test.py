@@ -95,7 +95,6 @@ MODULES = {
     "VEM": (VEM, [], "coupler", "vem"),
     "repeated windows": ("", ["coupling.max_iterations=50", "coupling.tolerance=1e-4"], "coupler", "coupling_iterations"),
     "diffusion": ("", ["structure.numerics.riemann_diffusion=1"], "structure", "riemann_diffusion"),
-    "penalty": ("", ["structure.numerics.hourglass_penalty=0.1"], "structure", "hourglass_penalty"),
     "load": (LOAD, [], "structure", "loads"),
     "moving clamp": (CLAMP, [], "structure", "moving_clamps"),
     "gauge of the front": (gauge("front", ""), [], "fluid", "gauges"),

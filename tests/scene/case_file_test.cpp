@@ -57,7 +57,6 @@ TEST_F(CaseFile, HasTheDefaultsOfACaseBuiltInCode) {
   const StructureNumerics &s = structure.numerics, &t = c.structure->numerics;
   EXPECT_EQ(t.smoothing_length_ratio, s.smoothing_length_ratio);
   EXPECT_EQ(t.riemann_diffusion, s.riemann_diffusion);
-  EXPECT_EQ(t.hourglass_penalty, s.hourglass_penalty);
   EXPECT_EQ(t.courant, s.courant);
   EXPECT_EQ(t.integrator, Integrator::automatic) << "beside a fluid";
   EXPECT_EQ(s.integrator, Integrator::explicit_steps);
@@ -87,7 +86,6 @@ TEST_F(CaseFile, FillsTheMemberOfEachKey) {
                                     {"fluid.numerics.pressure_tolerance", "1e-5"},
                                     {"structure.numerics.smoothing_length_ratio", "1.3"},
                                     {"structure.numerics.riemann_diffusion", "0.8"},
-                                    {"structure.numerics.hourglass_penalty", "0.05"},
                                     {"structure.numerics.courant", "0.25"},
                                     {"structure.numerics.integrator", "implicit"},
                                     {"coupling.tolerance", "1e-3"},
@@ -105,8 +103,7 @@ TEST_F(CaseFile, FillsTheMemberOfEachKey) {
                                      f.contact_distance,       f.pressure_tolerance};
   EXPECT_EQ(of_fluid, (std::vector<double>{1.6, 0.41, 0.03, 0.7, 0.31, 0.16, 0.17, 0.11, 0.26, 1e-5}));
   const StructureNumerics& s = c.structure->numerics;
-  EXPECT_EQ((std::vector<double>{s.smoothing_length_ratio, s.riemann_diffusion, s.hourglass_penalty, s.courant}),
-            (std::vector<double>{1.3, 0.8, 0.05, 0.25}));
+  EXPECT_EQ((std::vector<double>{s.smoothing_length_ratio, s.riemann_diffusion, s.courant}), (std::vector<double>{1.3, 0.8, 0.25}));
   EXPECT_EQ(s.integrator, Integrator::implicit_steps);
   EXPECT_EQ((std::vector<double>{c.coupling.tolerance.value(), c.coupling.riemann_limiter, c.coupling.robin_mass_factor,
                                  c.coupling.vem_coefficient.value(), c.output.frame_interval, c.output.gauge_interval}),

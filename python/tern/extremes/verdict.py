@@ -22,7 +22,7 @@ LEAST_UNREST, GROWTH = 0.1, 1.5
 LOADS = ("load.Fx_N_per_m", "load.Fy_N_per_m", "load.Fx_N", "load.Fy_N", "load.Fz_N")  # per metre in 2D
 # What makes the total of the energy account, with its sign.
 ACCOUNT = {"fluid_kinetic_J": 1, "fluid_potential_J": 1, "structure_kinetic_J": 1, "structure_strain_J": 1, "structure_potential_J": 1,
-           "structure_diffusion_J": 1, "structure_penalty_J": 1, "structure_damping_J": 1, "riemann_dissipation_J": 1,
+           "structure_diffusion_J": 1, "structure_damping_J": 1, "riemann_dissipation_J": 1,
            "vem_dissipation_J": 1, "contact_dissipation_J": 1, "load_work_on_structure_J": -1, "clamp_work_on_structure_J": -1}
 
 

@@ -8,7 +8,7 @@ A solver has
     surface()                          Surface of the present state
     advance(time_s, duration_s, force) to the end of the window that begins at time_s, under one force per surface point
                                        [N/m^(3-D)] that is constant over the window
-    energies()                         dict of kinetic, strain, potential [J/m^(3-D)], and what it knows of diffusion, penalty and,
+    energies()                         dict of kinetic, strain, potential [J/m^(3-D)], and what it knows of diffusion and,
                                        in a case with loads, damping, load_work, clamp_work
     gauge(gauge)                       values of a displacement or reaction gauge of the case, None if it has none
     fields()                           dict for a frame: position, displacement, velocity of its points, and scalars of any name
@@ -203,7 +203,7 @@ def _obey(run, make_solver):
     with run.timed("compute"):
         solver = make_solver(case, run.options)
         coupled = _Coupled(solver, case.settings["coupling"]["algorithm"] == "explicit")
-    columns = ["kinetic", "strain", "potential", "diffusion", "penalty", "interface_work"]
+    columns = ["kinetic", "strain", "potential", "diffusion", "interface_work"]
     columns += ["damping", "load_work", "clamp_work"] if _has_loads(case.settings["structure"]) else []
     frames = FrameWriter(run.options.out, "structure", case.dimension, anew=not run.resumes)
     written = -1

@@ -46,7 +46,6 @@ PARAMETERS = (
     Parameter("structure.numerics.courant", "structure", (2.0, 0.5), True, "", True, ("structure.numerics.integrator=explicit",)),
     Parameter("structure.numerics.smoothing_length_ratio", "structure", (1.3, 1.0)),
     Parameter("structure.numerics.riemann_diffusion", "structure", (0.0, 0.5), with_=("structure.numerics.integrator=explicit",)),
-    Parameter("structure.numerics.hourglass_penalty", "structure", (0.1, 0.02)),
     Parameter("coupling.algorithm", "both", ("explicit",)),
     Parameter("coupling.max_iterations", "both", (1,)),
     Parameter("coupling.tolerance", "both", (1e-2, 1e-4, 1e-6), refines=True),

@@ -1,13 +1,10 @@
-// The two pair forces that keep particles from motions F does not see: Riemann diffusion (riemann_diffusion.hpp) and
-// hourglass penalty (hourglass_penalty.hpp). Both measure how far a pair departs from the linear field of its ends,
-//   (F_i + F_j)/2 X_ji - x_ji = (H_i + H_j)/2 X_ji - (d_j - d_i)   and   v_j - v_i - (l_i + l_j)/2 x_ji,
-// and both are equal and opposite on the two ends, so each pair is computed once.
+// The Riemann diffusion (riemann_diffusion.hpp): a pair force that answers how far the velocities of a pair depart from the linear field
+// of its ends, v_j - v_i - (l_i + l_j)/2 x_ji. It is equal and opposite on the two ends, so each pair is computed once.
 
 #include <algorithm>
 #include <cmath>
 
 #include "structure/cofactor.hpp"
-#include "structure/hourglass_penalty.hpp"
 #include "structure/riemann_diffusion.hpp"
 #include "structure/time_step.hpp"
 
@@ -43,21 +40,20 @@ struct Gradient {
   }
 };
 
-/// Forces of the pairs into work.drag and work.pull. Of the pairs that begin in a row, their sum into state.internal_force, and that
-/// of f_ij x x_ji of the diffusion into work.diffusion_stress.
-template <int D, bool with_diffusion, bool with_penalty>
-void pair_forces(const Reference<D>& reference, double dt, State<D>& state, Workspace<D>& work) {
+/// Forces of the pairs into work.drag. Of the pairs that begin in a row, their sum into state.internal_force, and that of f_ij x x_ji
+/// into work.diffusion_stress.
+template <int D>
+void pair_forces(const Reference<D>& reference, State<D>& state, Workspace<D>& work) {
   const auto rows = static_cast<std::ptrdiff_t>(reference.rows);
   for_each_deforming_block(reference, [&](std::ptrdiff_t n, const Block& block, const Stencil<D>& stencil) {
     const std::ptrdiff_t i = block.row;
     const Material& material = reference.bodies[block.body].material;
     const double pressure_speed = material.pressure_wave_speed(), shear_speed = material.shear_wave_speed();
-    const Gradient<D> displacement_gradient(fitted_gradient(work), i);
     const Gradient<D> velocity_gradient(work.velocity_gradient, i);
 
     const double *d[D], *v[D];
     double* drags[D];
-    Lanes own_d[D], own_v[D], force[D] = {}, moment[D][D] = {}, dissipated = {}, stored = {};
+    Lanes own_d[D], own_v[D], force[D] = {}, moment[D][D] = {}, dissipated = {};
     for (int a = 0; a < D; ++a) {
       d[a] = state.displacement[a].data();
       v[a] = state.velocity[a].data();
@@ -84,50 +80,33 @@ void pair_forces(const Reference<D>& reference, double dt, State<D>& state, Work
         square += x[a] * x[a];
       }
       const Lanes inverse_square = 1 / square;
-      if constexpr (with_penalty) {
-        Lanes mismatch[D], pull[D];
-        displacement_gradient.sum_times(j, pair.half_offset, mismatch);
-        for (int a = 0; a < D; ++a) mismatch[a] -= moved[a];
-        hourglass_penalty<D>(x, inverse_square, mismatch, pull);
-        for (int a = 0; a < D; ++a) {
-          pull[a] *= pair.penalty;
-          force[a] += pull[a];
-          stored += pull[a] * jump[a];
-          store(work.pull[a].data() + place, pull[a]);
-        }
+      Lanes reconstructed[D], drag[D];
+      velocity_gradient.sum_times(j, x, reconstructed);
+      for (int a = 0; a < D; ++a) reconstructed[a] = jump[a] - 0.5 * reconstructed[a];
+      riemann_diffusion<D>(x, inverse_square, reconstructed, pressure_speed, shear_speed, drag);
+      for (int a = 0; a < D; ++a) {
+        drag[a] *= pair.diffusion;
+        dissipated += drag[a] * reconstructed[a];
+        store(drags[a] + place, drag[a]);
+        drag_of[kept][a] = drag[a];
+        place_of[kept][a] = x[a];
+        force[a] += drag[a];
       }
-      if constexpr (with_diffusion) {
-        Lanes reconstructed[D], drag[D];
-        velocity_gradient.sum_times(j, x, reconstructed);
-        for (int a = 0; a < D; ++a) reconstructed[a] = jump[a] - 0.5 * reconstructed[a];
-        riemann_diffusion<D>(x, inverse_square, reconstructed, pressure_speed, shear_speed, drag);
-        for (int a = 0; a < D; ++a) {
-          drag[a] *= pair.diffusion;
-          dissipated += drag[a] * reconstructed[a];
-          store(drags[a] + place, drag[a]);
-          drag_of[kept][a] = drag[a];
-          place_of[kept][a] = x[a];
-          force[a] += drag[a];
-        }
-        if (++kept == together<D>) {
-          add_moments(kept);
-          kept = 0;
-        }
+      if (++kept == together<D>) {
+        add_moments(kept);
+        kept = 0;
       }
     }
     add_moments(kept);
     for (int a = 0; a < D; ++a) store(state.internal_force[a].data() + i, force[a]);
-    if constexpr (with_penalty) state.penalty_store[n] += dt * stored;
-    if constexpr (with_diffusion) {
-      for (int a = 0; a < D; ++a)
-        for (int b = 0; b < D; ++b) store(work.diffusion_stress[a][b].data() + i, moment[a][b]);
-      state.diffusion_power[n] = dissipated;
-    }
+    for (int a = 0; a < D; ++a)
+      for (int b = 0; b < D; ++b) store(work.diffusion_stress[a][b].data() + i, moment[a][b]);
+    state.diffusion_power[n] = dissipated;
   });
 }
 
 /// Subtracts from the force of every row that of the pairs that end in it, and completes the stress of the diffusion.
-template <int D, bool with_diffusion, bool with_penalty>
+template <int D>
 void collect(const Reference<D>& reference, State<D>& state, Workspace<D>& work) {
   const auto rows = static_cast<std::ptrdiff_t>(reference.rows);
   for_each_deforming_block(reference, [&](std::ptrdiff_t, const Block& block, const Stencil<D>& stencil) {
@@ -139,34 +118,28 @@ void collect(const Reference<D>& reference, State<D>& state, Workspace<D>& work)
     }
     for (std::uint32_t k = stencil.first; k < stencil.later; ++k) {
       const std::ptrdiff_t j = i + reference.row_offset[k], place = reference.pair_slot[k] * rows + j;
-      if constexpr (with_penalty)
-        for (int a = 0; a < D; ++a) force[a] -= load(work.pull[a].data() + place);
-      if constexpr (with_diffusion) {
-        Lanes x[D];
-        for (int a = 0; a < D; ++a) {
-          const double* d = state.displacement[a].data();
-          x[a] = 2 * reference.pairs[k].half_offset[a] + load(d + j) - load(d + i);
-        }
-        for (int a = 0; a < D; ++a) {
-          const Lanes drag = load(work.drag[a].data() + place);
-          force[a] -= drag;
-          for (int b = 0; b < D; ++b) moment[a][b] -= drag * x[b];
-        }
+      Lanes x[D];
+      for (int a = 0; a < D; ++a) {
+        const double* d = state.displacement[a].data();
+        x[a] = 2 * reference.pairs[k].half_offset[a] + load(d + j) - load(d + i);
+      }
+      for (int a = 0; a < D; ++a) {
+        const Lanes drag = load(work.drag[a].data() + place);
+        force[a] -= drag;
+        for (int b = 0; b < D; ++b) moment[a][b] -= drag * x[b];
       }
     }
     for (int a = 0; a < D; ++a) store(state.internal_force[a].data() + i, force[a]);
-    if constexpr (with_diffusion) {
-      Lanes f[D][D], inverse_transposed[D][D];
-      for (int a = 0; a < D; ++a)
-        for (int b = 0; b < D; ++b) f[a][b] = load(fitted_gradient(work)[a][b].data() + i) + (a == b ? 1.0 : 0.0);
-      const Lanes factor = -0.5 / (reference.bodies[block.body].cell_volume * cofactor(f, inverse_transposed));
-      for (int a = 0; a < D; ++a)
-        for (int b = 0; b < D; ++b) {
-          Lanes p = moment[a][0] * inverse_transposed[0][b];
-          for (int c = 1; c < D; ++c) p += moment[a][c] * inverse_transposed[c][b];
-          store(work.diffusion_stress[a][b].data() + i, factor * p);
-        }
-    }
+    Lanes f[D][D], inverse_transposed[D][D];
+    for (int a = 0; a < D; ++a)
+      for (int b = 0; b < D; ++b) f[a][b] = load(fitted_gradient(work)[a][b].data() + i) + (a == b ? 1.0 : 0.0);
+    const Lanes factor = -0.5 / (reference.bodies[block.body].cell_volume * cofactor(f, inverse_transposed));
+    for (int a = 0; a < D; ++a)
+      for (int b = 0; b < D; ++b) {
+        Lanes p = moment[a][0] * inverse_transposed[0][b];
+        for (int c = 1; c < D; ++c) p += moment[a][c] * inverse_transposed[c][b];
+        store(work.diffusion_stress[a][b].data() + i, factor * p);
+      }
   });
 }
 
@@ -194,32 +167,21 @@ void spread(const Reference<D>& reference, const Workspace<D>& work, State<D>& s
   });
 }
 
-template <int D, bool with_diffusion, bool with_penalty>
-void evaluate(const Reference<D>& reference, double dt, State<D>& state, Workspace<D>& work) {
-  pair_forces<D, with_diffusion, with_penalty>(reference, dt, state, work);
-  collect<D, with_diffusion, with_penalty>(reference, state, work);
-  if constexpr (with_diffusion) spread(reference, work, state);
-}
-
 }  // namespace
 
 template <int D>
-void stabilising_forces(const Reference<D>& reference, double dt, State<D>& state, Workspace<D>& work) {
-  if (!reference.has_diffusion && !reference.has_penalty) {
+void diffusion_force(const Reference<D>& reference, State<D>& state, Workspace<D>& work) {
+  if (!reference.has_diffusion) {
     for (auto& axis : state.internal_force) std::fill(axis.begin(), axis.end(), 0);
     return;
   }
-  if (reference.has_diffusion) work.evaluations.riemann_diffusion += reference.rows;
-  if (reference.has_penalty) work.evaluations.hourglass_penalty += reference.rows;
-  if (reference.has_diffusion && reference.has_penalty)
-    evaluate<D, true, true>(reference, dt, state, work);
-  else if (reference.has_diffusion)
-    evaluate<D, true, false>(reference, dt, state, work);
-  else
-    evaluate<D, false, true>(reference, dt, state, work);
+  work.evaluations.riemann_diffusion += reference.rows;
+  pair_forces(reference, state, work);
+  collect(reference, state, work);
+  spread(reference, work, state);
 }
 
-template void stabilising_forces<2>(const Reference<2>&, double, State<2>&, Workspace<2>&);
-template void stabilising_forces<3>(const Reference<3>&, double, State<3>&, Workspace<3>&);
+template void diffusion_force<2>(const Reference<2>&, State<2>&, Workspace<2>&);
+template void diffusion_force<3>(const Reference<3>&, State<3>&, Workspace<3>&);
 
 }  // namespace tern::structure
