@@ -15,6 +15,9 @@ class StepControl {
   /// Next window length [ticks] for a proposal [s], from `now` towards the next time that must be met.
   Ticks next(double proposed_seconds, Ticks now, Ticks target);
 
+  /// What next() has given last; 0 before the first.
+  Ticks last_window() const { return to_ticks(previous_); }
+
   /// From here on windows of at most this length [s]: they are repeated, because others, 2^halvings as long, have failed at the time
   /// `until` [ticks]. By and by, but when that has been tried (more than one halving) or before the first window, at once. Every hundred
   /// windows after that time double the length, until it is theirs again.

@@ -31,7 +31,7 @@ def counts(ranks):
         with tempfile.TemporaryDirectory() as out:
             words = ["--ranks", str(ranks), "--oversubscribe", "--until", until, "--out", out, "--force", "--quiet"]
             subprocess.run([ROOT / "tern", "run", ROOT / "cases" / case, *words], check=True, stdout=subprocess.DEVNULL)
-            measures = json.loads((Path(out) / "report.fluid.json").read_text(encoding="utf-8"))["measures"]
+            measures = json.loads((Path(out) / "run.json").read_text(encoding="utf-8"))["processes"]["fluid"]["measures"]
         cells = [f"{measures['pressure_iterations_mean']:.1f}", f"{measures['ghost_share']:.2f}"]
         cells += [f"{measures[f'{name}_per_step']:.0f}" for name in COUNTS]
         print(f"| {case} | " + " | ".join(cells) + " |", flush=True)

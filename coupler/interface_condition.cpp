@@ -33,6 +33,7 @@ void find_answer(const Setup<D>& setup, const Surface<D>& surface, State<D>& sta
   }
   if (setup.learns) {
     state.response.prepare(setup, state.start);
+    state.response.adjust_to(window.duration);
     window.answer = state.response.answer(setup, window.responding_mass, surface.area);
     for (double& mass : window.answer.mass) mass *= setup.robin_mass_factor;
     return;

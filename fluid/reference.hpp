@@ -63,6 +63,7 @@ struct Reference {
   double gravity_size = 0;           ///< largest of the run, where the fluid is at the start [m/s^2]
   Upward up;                         ///< for elevations
   double window_at_rest = 0;         ///< where nothing moves and nothing acts yet [s]
+  double end_time = 0;               ///< of the case [s]
   double speed_floor = 0;            ///< half the fall through the height of the fluid: bounds the first steps from rest [m/s]
 };
 

@@ -19,6 +19,8 @@ struct EnclosedAccount {
   double volume_error = 0;  ///< volume that faces have pushed into a region over its volume, largest by size [-]
   bool warned = false;
   double way = 0;  ///< volume that faces of bodies have swept in enclosed fluid, to and fro [m^D]
+  double recent_way = 0;  ///< the same of the last windows
+  double lag = 0;         ///< volume that they lag behind what it keeps, over recent_way; 0: hardly any
   bool warned_of_lag = false;
   std::vector<double> pushed;  ///< volume error by label of the particle, which keeps it while regions join and part; empty: none yet
 
@@ -30,6 +32,8 @@ struct EnclosedAccount {
     visit("volume_error", all.volume_error...);
     visit("warned", all.warned...);
     visit("way", all.way...);
+    visit("recent_way", all.recent_way...);
+    visit("lag", all.lag...);
     visit("warned_of_lag", all.warned_of_lag...);
     visit("pushed", all.pushed...);
   }

@@ -65,9 +65,10 @@ void Recorder::go_back(const Mark& mark) {
   RowSchedule::for_each_field([](const char*, const Ticks& told, Ticks& own) { own = told; }, mark.rows, rows_);
 }
 
-Ticks FrameSchedule::next(Ticks now) const {
+Ticks FrameSchedule::next(Ticks now, Ticks last_window) const {
   if (interval_ <= 0) return end_;
-  const Ticks next = next_multiple(interval_, now);
+  Ticks next = next_multiple(interval_, now);
+  if (2 * (next - now) < last_window) next = next_multiple(interval_, next);
   return end_ - next < to_ticks(0.5 * interval_) ? end_ : next;
 }
 

@@ -81,8 +81,9 @@ Ticks next_multiple(double interval, Ticks now);
 class FrameSchedule {
  public:
   FrameSchedule(double interval, Ticks end) : interval_(interval), end_(end) {}
-  /// The next instant after `now` that a window must end at.
-  Ticks next(Ticks now) const;
+  /// The next instant after `now` that a window must end at. `last_window`: the window before is much longer than what is left to the next
+  /// frame where a run goes on from an end between frames, which has one of its own. That frame is left out.
+  Ticks next(Ticks now, Ticks last_window = 0) const;
 
  private:
   double interval_;

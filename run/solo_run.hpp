@@ -99,7 +99,7 @@ void run_alone(const CommandLine& command, const Case& scene, RunReport& report,
   };
   for (Ticks now = output.time(); now < end;) {
     try {
-      now = advance(now, frames.next(now));
+      now = advance(now, frames.next(now, solver.last_window()));
     } catch (const Error& error) {
       if (state_was_sound(error)) keep_after_failure([&] { save_before_failure(error); });
       throw;

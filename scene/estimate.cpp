@@ -23,6 +23,7 @@ namespace tern {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double longest_of_run = 0.01;  ///< first window, where nothing moves yet, over the time of the run
 
 template <int D>
 Vector<D> value(const VectorExpression& field, const Vector<D>& x) {
@@ -294,7 +295,7 @@ double window_at_rest_in(const Case& scene) {
   const double speed = *std::max_element(speeds.begin(), speeds.end());
   const double acceleration = *std::max_element(accelerations.begin(), accelerations.end());
   const FluidCase& fluid = *scene.fluid;
-  double longest = scene.end_time;
+  double longest = longest_of_run * scene.end_time;
   if (speed > 0) longest = std::min(longest, fluid.numerics.courant * fluid.spacing / speed);
   if (acceleration > 0) longest = std::min(longest, fluid.numerics.gravity_courant * std::sqrt(fluid.spacing / acceleration));
   return longest;

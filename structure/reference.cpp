@@ -308,7 +308,6 @@ void add_clamps(const StructureCase& structure, const std::vector<Vector<D>>& po
 template <int D>
 Reference<D> build_reference(const StructureCase& structure) {
   Reference<D> reference;
-  bool has_solid = false;
   StencilStore<D> store(reference);
 
   std::vector<std::vector<Cell<D>>> cells;
@@ -349,7 +348,6 @@ Reference<D> build_reference(const StructureCase& structure) {
       reference.shells.push_back(std::move(shell));
       continue;
     }
-    has_solid = true;
     const LatticePoints<D> inside = fill_body<D>(input);
     const std::vector<Vector<D>> filled(inside.begin(), inside.end());
     if (filled.empty())

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
+#include "base/followed_velocity.hpp"
 #include "base/parallel.hpp"
 
 namespace tern::coupler {
@@ -11,7 +13,7 @@ namespace {
 
 constexpr double kept = 0.8;                       ///< of what is known, per window
 constexpr double least_change = 1e-4;              ///< of a lump's square, over the mean of its body, that shows something
-constexpr double lightest = 0.05, heaviest = 100;  ///< over the guess
+constexpr double lightest = 0.05, heaviest = 1e6;  ///< over the guess
 /// Widths on trial, in spacings of the fluid; 0: every point by itself. A wider lump than the last one no longer fits in the kernel.
 constexpr double widths[] = {0, 2.0 / 3, 1, 1.5, 2.25, 3.375};
 
@@ -41,6 +43,17 @@ template <int D>
 double LearntResponse<D>::quickness(std::size_t width, std::size_t lump) const {
   if (square_[width][lump] == 0) return 1;
   return std::clamp(answer_[width][lump] / square_[width][lump], 1 / heaviest, 1 / lightest);
+}
+
+template <int D>
+void LearntResponse<D>::adjust_to(double duration) {
+  const double last = std::exchange(duration_, duration);
+  if (last == 0 || last == duration) return;
+  const double square_of_ratio = std::pow(duration / last, 2);
+  for (std::size_t width = 0; width < lumps_.size(); ++width)
+    for (std::size_t a = 0; a < answer_[width].size(); ++a)
+      if (const double held = 1 / quickness(width, a) - following::mass_of_free_body; held > 0)
+        answer_[width][a] = square_[width][a] / (following::mass_of_free_body + held * square_of_ratio);
 }
 
 template <int D>

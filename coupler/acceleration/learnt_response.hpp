@@ -34,6 +34,10 @@ class LearntResponse {
   /// Before the first window, and after its state has been taken from a checkpoint.
   void prepare(const Setup<D>& setup, const SurfaceAtStart<D>& start);
 
+  /// From here on for windows of this length [s]. By what a lump answers as heavier than one that nothing holds, a stiffness holds it, which
+  /// counts by the square of the length.
+  void adjust_to(double duration);
+
   /// `guess`: mass per area with which each point may answer [kg/m^2]; `area`: of the points [m^(D-1)].
   SurfaceAnswer answer(const Setup<D>& setup, const std::vector<double>& guess, const std::vector<double>& area) const;
 
@@ -50,6 +54,7 @@ class LearntResponse {
     visit("square", all.square_...);
     visit("error", all.error_...);
     visit("changed", all.changed_...);
+    visit("duration", all.duration_...);
   }
 
  private:
@@ -61,6 +66,7 @@ class LearntResponse {
   std::vector<std::vector<double>> answer_, square_;  ///< by width and lump: the two sums
   std::vector<std::vector<double>> error_;            ///< by width and body: mean square of what was foretold wrong
   std::vector<double> changed_;                       ///< by body: mean square of what there was to foretell
+  double duration_ = 0;                               ///< of the windows for which this is [s]; 0: not known
 };
 
 }  // namespace tern::coupler

@@ -259,7 +259,7 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
   if (const auto& [halvings, until_s, longest_s] = command.repeat; halvings > 0) control.shorten(halvings, to_ticks(until_s), longest_s);
   const auto advance = [&] {
     const Stopwatch watch;
-    const Ticks target = schedule.next(now);
+    const Ticks target = schedule.next(now, control.last_window());
     const WindowProposal proposal = coupler.propose(proposed, limit);
     proposed = proposal.seconds;
     limit = proposal.limit;

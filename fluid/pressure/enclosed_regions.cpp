@@ -20,6 +20,7 @@ namespace {
 constexpr double tolerated_volume_error = 1e-3;
 constexpr double tolerated_lag = 0.1;  ///< of what bodies have swept; worth a warning where that is more than ...
 constexpr double least_way = 0.01;     ///< spacings
+constexpr double least_lag = 1e-4;     ///< spacings: less is as good as none
 constexpr double kept = 0.8;           ///< per window, of how a region has answered
 
 }  // namespace
@@ -395,10 +396,14 @@ void SweptVolume<D>::remember(double duration, const Faces<D>& surface, const En
 template <int D>
 void SweptVolume<D>::watch_lag(const Constants<D>& constants, const Window& window, const EnclosedRegions& regions, State<D>& state) const {
   EnclosedAccount& account = state.enclosed;
+  account.lag = 0;
+  account.recent_way *= 1 - given_back;
   if (!regions.any()) return;
   account.way += way;
+  account.recent_way += way;
   double lag = 0;
   for (const double volume : past.pushed_in) lag = std::max(lag, std::abs(volume));
+  if (lag > least_lag * constants.spacing * area) account.lag = lag / account.recent_way;
   if (account.warned_of_lag || account.way < least_way * constants.spacing * area || lag < tolerated_lag * account.way) return;
   account.warned_of_lag = true;
   if (!regions.ranks.first()) return;

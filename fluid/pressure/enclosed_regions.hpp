@@ -61,7 +61,8 @@ void select_regions(const EnclosedRegions& regions, const std::vector<int>& numb
 /// makes of the enclosed fluid a spring, the stiffer the more nearly it is all: that feeds no motion, of however many modes. With more than
 /// all of it the spring would be one that pushes the wrong way. What has been pushed in is an integral, and feeds slow motion by the square
 /// of its share (tests/coupler/interface_velocity_test.cpp).
-inline double level_taken_away(double rate, double pushed_in) { return 0.95 * rate + 0.02 * pushed_in; }
+inline constexpr double given_back = 0.02;
+inline double level_taken_away(double rate, double pushed_in) { return 0.95 * rate + given_back * pushed_in; }
 
 /// How the faces of the structure have moved since the middle of the last window; where that is not known, since the begin of this one, as
 /// their velocity has it.

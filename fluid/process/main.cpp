@@ -28,6 +28,7 @@ struct Alone {
     leader.pass_window();
     return {duration, control.halvings() > 0 ? "repeated" : proposal.limit, leader.fluid().last_solve().iterations};
   }
+  Ticks last_window() const { return control.last_window(); }
   void save(StateWriter& file) {
     leader.save(file);
     file("control", control);

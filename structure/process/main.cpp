@@ -37,6 +37,7 @@ struct Alone {
     watch_meetings(meetable, seconds(now + duration), structure.surface(), meeting);
     return {duration, windows > 1 ? "sub-step" : "output", -1};
   }
+  Ticks last_window() const { return 0; }  // sub-steps may be short
   void save(StateWriter& file) const {
     file("structure", structure.state());
     file("meeting", meeting);

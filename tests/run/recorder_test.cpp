@@ -47,6 +47,15 @@ TEST(Recorder, WritesARowAtEveryMultipleThatAWindowEndsAt) {
 }
 
 // Seen to fail: with every multiple before the end, of which the last is 0.0002 s before it.
+// A run that ended a moment before a frame and goes on would begin with a window of a moment. Seen to fail: without the last window (the
+// frame at 0.2 s).
+TEST(FrameSchedule, LeavesOutAFrameRightAfterTheEndThatARunGoesOnFrom) {
+  const FrameSchedule schedule(0.1, to_ticks(1));
+  EXPECT_EQ(schedule.next(to_ticks(0.1999999), to_ticks(0.02)), to_ticks(0.3));
+  EXPECT_EQ(schedule.next(to_ticks(0.18), to_ticks(0.02)), to_ticks(0.2));
+  EXPECT_EQ(schedule.next(to_ticks(0.9999999), to_ticks(0.02)), to_ticks(1));
+}
+
 TEST(FrameSchedule, LeavesNoShortWindowBeforeTheEnd) {
   const Ticks end = to_ticks(3);
   const FrameSchedule schedule(0.00283, end);

@@ -37,5 +37,5 @@ for tenth in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do
   sleep 0.1
 done
 signal_all KILL
-rm -rf -- "$directory"
+rm -rf -- "$directory" "/dev/shm/${directory##*/}"
 /usr/bin/python3 -B -P -m tern.launch.epilogue "$run" 2>/dev/null

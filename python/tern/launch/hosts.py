@@ -16,7 +16,7 @@ from pathlib import Path
 
 from tern.errors import BAD_INPUT, Error
 
-LINE = re.compile(r"(?P<name>[A-Za-z0-9][A-Za-z0-9._-]*)\s+slots\s*=\s*(?P<slots>[1-9][0-9]*)")
+LINE = re.compile(r"(?P<name>[A-Za-z0-9][A-Za-z0-9._-]*)\s+slots\s*=\s*(?P<slots>[1-9][0-9]{0,5})")
 ANSWER_S = 20  # of a machine that is asked what it has
 AGENT = "OMPI_MCA_plm_rsh_agent"  # Open MPI's own variable for what reaches another machine in place of ssh
 
@@ -140,8 +140,17 @@ def _has_network(network, addresses):
     return any(ipaddress.ip_address(address) in ipaddress.IPv4Network(network) for address in addresses if ":" not in address)
 
 
+def _check_network_here(network):
+    addresses = subprocess.run(["hostname", "-I"], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False).stdout.split()
+    interfaces = [name for _, name in socket.if_nameindex()]
+    if network not in interfaces and not ("/" in network and _has_network(network, [*addresses, "127.0.0.1"])):
+        _refuse(f"--interface {network}: this machine has no such network; it has {', '.join(interfaces)}.")
+
+
 def examine(hosts, files):
-    """Asks each other machine whether it can be reached without a password and has the same `files`, at the same paths. Raises Error."""
+    """Asks each other machine whether it can be reached without a password and has the same `files`, at the same paths, and all of them
+    whether they have the network. Raises Error."""
+    _check_network_here(hosts.network)
     agent = shlex.split(os.environ.get(AGENT, "ssh -o BatchMode=yes"))
     if hosts.others and shutil.which(agent[0]) is None:
         _refuse(f"--hosts: there is no {agent[0]} on this machine, by which Open MPI reaches the others (Debian package openssh-client).")

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from tern import paths
 from tern.launch import process_state
-from tern.launch.ranks import Ranks
+from tern.launch.ranks import Ranks, shared_memory
 
 GRACE_AFTER_FAILURE_S = 5.0    # the others notice a lost peer by themselves: killed < 1 s, frozen < 10 s at the same time
 GRACE_NEVER_JOINED_S = 1.0     # the coupler, if it was it that refused the foreign program, ends with the cause
@@ -110,7 +110,8 @@ class Group:
         for process in self.running():
             self._signal(process, signal.SIGKILL)
             process.handle.wait()
-        shutil.rmtree(self.directory, ignore_errors=True)
+        for directory in (self.directory, shared_memory(self.directory)):
+            shutil.rmtree(directory, ignore_errors=True)
         self._tell("finished")
         with contextlib.suppress(BrokenPipeError):  # what _tell() could not
             self._guardian.stdin.close()

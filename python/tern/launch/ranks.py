@@ -14,6 +14,7 @@ import socket
 import subprocess
 import sys
 import threading
+from pathlib import Path
 
 from tern.errors import BAD_INPUT, Error
 from tern.launch import process_state
@@ -21,9 +22,15 @@ from tern.launch import process_state
 KILLED = re.compile(r"process rank (\d+) .*?on node (\S+)\s+exited on\s+signal (\d+)", re.DOTALL)
 # What mpirun says of ends that the report of the first rank explains, or the launcher.
 EXPLAINED = re.compile(r"exited on\s+signal|MPI_ABORT was invoked|job\s+terminated normally|exited with non-zero status")
+WOKEN = re.compile(r"mpirun: Forwarding signal \d+ to job\s*")  # what it has been told by the launcher
 OF_ONE = re.compile(r"tern-fluid, rank (\d+): (.+)")  # as fluid/process/ranks.cpp has it
 ALONE_IN_A_NETWORK = ["unshare", "--map-root-user", "--net", "sh", "-c", 'ip link set lo up && exec "$@"', "sh"]
 LISTENER = "libtern_listen_on.so"
+
+
+def shared_memory(directory):
+    """Where the ranks of a run, whose private directory this is, have what they share."""
+    return Path("/dev/shm") / Path(directory).name
 
 
 def check_count(count, oversubscribe, on_hosts):
@@ -72,6 +79,12 @@ class Start:
         start = ["mpirun", "-n", str(self._count), *cores, "--mca", "btl", "self,vader,tcp" if self._hosts else "self,vader", "--mca",
                  "btl_vader_single_copy_mechanism", "none", "--mca", "oob_tcp_if_include", self._listens_on, "--mca",
                  "odls_base_sigkill_timeout", "0"]
+        if not self._hosts:  # what mpirun would leave behind when it is killed goes with the directories of the run
+            start += ["--mca", "orte_tmpdir_base", str(self._directory)]
+            memory = shared_memory(self._directory)
+            with contextlib.suppress(OSError):
+                memory.mkdir(mode=0o700, exist_ok=True)
+                start += ["--mca", "btl_vader_backing_directory", str(memory)]
         if self._hosts:
             path = self._directory / "hosts"
             self._hosts.write(path)
@@ -152,7 +165,8 @@ class Ranks:
                 elif box is None:
                     if found := OF_ONE.fullmatch(line.strip()):
                         self.alone = self.alone or f"Rank {found[1]} of tern-fluid: {found[2]}"
-                    self._print(line)
+                    if not WOKEN.fullmatch(line):
+                        self._print(line)
                 else:
                     box.append(line)
                     if found := KILLED.search("".join(box)):
