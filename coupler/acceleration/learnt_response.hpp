@@ -34,8 +34,8 @@ class LearntResponse {
   /// Before the first window, and after its state has been taken from a checkpoint.
   void prepare(const Setup<D>& setup, const SurfaceAtStart<D>& start);
 
-  /// From here on for windows of this length [s]. By what a lump answers as heavier than one that nothing holds, a stiffness holds it, which
-  /// counts by the square of the length.
+  /// From here on for windows of this length [s]. What a lump answers as heavier than one that nothing holds is a stiffness, which counts
+  /// by the square of the length.
   void adjust_to(double duration);
 
   /// `guess`: mass per area with which each point may answer [kg/m^2]; `area`: of the points [m^(D-1)].

@@ -21,6 +21,7 @@ constexpr double tolerated_volume_error = 1e-3;
 constexpr double tolerated_lag = 0.1;  ///< of what bodies have swept; worth a warning where that is more than ...
 constexpr double least_way = 0.01;     ///< spacings
 constexpr double least_lag = 1e-4;     ///< spacings: less is as good as none
+constexpr double newest = 0.05;        ///< part of the last window in the mean of what has been pushed in
 constexpr double kept = 0.8;           ///< per window, of how a region has answered
 
 }  // namespace
@@ -311,7 +312,7 @@ void SweptVolume<D>::find(const Constants<D>& constants, double duration, const 
   if (first && boundary.walls.moving()) find_shares_of_walls(constants, boundary, regions, wall_share);
   const std::size_t count = regions.size.size();
   // One sum over the ranks: of each region, and the way and the area of all.
-  enum Sum : std::size_t { of_rate, of_pushed_in, of_change, of_taken_away, of_answered, of_square, kinds };
+  enum Sum : std::size_t { of_rate, of_pushed_in, of_lasting, of_change, of_taken_away, of_answered, of_square, kinds };
   sums.assign(kinds * count + 2, 0);
   for (std::size_t i = 0; i < regions.region.size(); ++i) {
     const int r = regions.region[i];
@@ -349,6 +350,7 @@ void SweptVolume<D>::find(const Constants<D>& constants, double duration, const 
     if (const std::uint32_t old = state.region[i]; old != EnclosedPast::none) {  // its share of what was there
       const EnclosedPast& of = state.enclosed_past;
       sum(of_pushed_in) += of.pushed_in[old] / of.size[old];
+      sum(of_lasting) += of.lasting[old] / of.size[old];
       sum(of_taken_away) += of.taken_away[old] / of.size[old];
       sum(of_answered) += of.answered[old] / of.size[old];
       sum(of_square) += of.square[old] / of.size[old];
@@ -361,12 +363,14 @@ void SweptVolume<D>::find(const Constants<D>& constants, double duration, const 
   area = sums[kinds * count + 1];
   rate.resize(count);
   past.size = regions.size;
-  for (std::vector<double>* values : {&past.pushed_in, &past.taken_away, &past.answered, &past.square}) values->resize(count);
+  for (std::vector<double>* values : {&past.pushed_in, &past.lasting, &past.taken_away, &past.answered, &past.square})
+    values->resize(count);
   for (std::size_t r = 0; r < count; ++r) {
     const double* const sum = &sums[kinds * r];
     rate[r] = sum[of_rate];
     if (!first) continue;
     past.pushed_in[r] = sum[of_pushed_in];
+    past.lasting[r] = sum[of_lasting] + newest * (past.pushed_in[r] - sum[of_lasting]);
     past.answered[r] = kept * sum[of_answered] - (is_answered ? sum[of_change] * sum[of_taken_away] : 0);
     past.square[r] = kept * sum[of_square] + (is_answered ? sum[of_taken_away] * sum[of_taken_away] : 0);
   }
@@ -403,7 +407,9 @@ void SweptVolume<D>::watch_lag(const Constants<D>& constants, const Window& wind
   account.recent_way += way;
   double lag = 0;
   for (const double volume : past.pushed_in) lag = std::max(lag, std::abs(volume));
-  if (lag > least_lag * constants.spacing * area) account.lag = lag / account.recent_way;
+  double lasting = 0;
+  for (const double volume : past.lasting) lasting = std::max(lasting, std::abs(volume));
+  if (lasting > least_lag * constants.spacing * area) account.lag = lasting / account.recent_way;
   if (account.warned_of_lag || account.way < least_way * constants.spacing * area || lag < tolerated_lag * account.way) return;
   account.warned_of_lag = true;
   if (!regions.ranks.first()) return;
