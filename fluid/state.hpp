@@ -45,7 +45,7 @@ struct EnclosedPast {
 
   std::vector<int> size;           ///< particles
   std::vector<double> pushed_in;   ///< volume that faces have pushed into it since it is enclosed [m^D]
-  std::vector<double> lasting;     ///< what of that lasts: its mean over the last windows, the more the nearer [m^D]
+  std::vector<double> lasting;     ///< what of that lasts: its mean over the last windows, of which late ones count more [m^D]
   std::vector<double> taken_away;  ///< of its rate: what the first pass of the window told the fluid to take away [m^D/s]
   /// What bodies have answered to that, times what they were told, and the square of this, four fifths of each kept per window [m^2D/s^2].
   std::vector<double> answered, square;

@@ -409,7 +409,8 @@ void SweptVolume<D>::watch_lag(const Constants<D>& constants, const Window& wind
   for (const double volume : past.pushed_in) lag = std::max(lag, std::abs(volume));
   double lasting = 0;
   for (const double volume : past.lasting) lasting = std::max(lasting, std::abs(volume));
-  if (lasting > least_lag * constants.spacing * area) account.lag = lasting / account.recent_way;
+  const double least = least_lag * constants.spacing * area;
+  if (lasting > least) account.lag = lasting / std::max(account.recent_way, least);
   if (account.warned_of_lag || account.way < least_way * constants.spacing * area || lag < tolerated_lag * account.way) return;
   account.warned_of_lag = true;
   if (!regions.ranks.first()) return;
