@@ -17,7 +17,7 @@ FAULTY = Path(__file__).with_name("faulty_structure.py")
 # Every fault of faulty_structure.py, the check that must find it, and what the finding must say.
 FAULTS = {
     "hash": ("hello", r"case_hash is 0; it must be [0-9a-f]{16}"),
-    "account": ("hello", r"number of account.energy is 5; it must be 6"),
+    "account": ("hello", r"number of account.energy is 4; it must be 5"),
     "own exit code": ("abort", r"ended with exit code 1; it must be 3"),
     "sequence": ("order", r"sequence of surface is 5; it must be 2"),
     "normal": ("order", r"length of normal\[0\] is 1.1"),

@@ -58,7 +58,7 @@ def main():
     face = Face()
 
     def account():
-        energy = [0.0, 0.0, 0.0, 0.0, 0.0, face.work][FAULT == "account":]
+        energy = [0.0, 0.0, 0.0, 0.0, face.work][FAULT == "account":]
         return wire.Account(energy=energy, gauge=[face.x] + [0.0] * (gauges - 1), undefined=[False] * gauges)
 
     with Participant(ENDPOINT, wire.STRUCTURE) as channel:

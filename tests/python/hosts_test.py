@@ -129,6 +129,14 @@ class OtherMachines(HostsTest):
         for network in ("ib77", "10.99.98.0/24"):
             self.assertIn(f"{network}: node2 has no such network", self.refused(lambda network=network: self.examined(network)))
 
+    def test_this_one_without_the_network(self):
+        """Seen red: with the others alone asked for it."""
+        here = self.read("localhost slots=4\n", "ib77")
+        self.assertIn("--interface ib77: this machine has no such network", self.refused(lambda: hosts.examine(here, [])))
+
+    def test_a_number_of_ranks_that_no_machine_takes(self):
+        self.assertIn("slots=K", self.refused(lambda: self.read("localhost slots=99999999999999999999\n", "lo")))
+
     def test_one_without_the_program_or_the_case(self):
         self.other_machine(f"mv '{self.program}' '{self.program}-away'")
         self.assertIn(f"node2 has no {self.program}", self.refused(self.examined))

@@ -150,7 +150,6 @@ def _check_network_here(network):
 def examine(hosts, files):
     """Asks each other machine whether it can be reached without a password and has the same `files`, at the same paths, and all of them
     whether they have the network. Raises Error."""
-    _check_network_here(hosts.network)
     agent = shlex.split(os.environ.get(AGENT, "ssh -o BatchMode=yes"))
     if hosts.others and shutil.which(agent[0]) is None:
         _refuse(f"--hosts: there is no {agent[0]} on this machine, by which Open MPI reaches the others (Debian package openssh-client).")
@@ -180,3 +179,4 @@ def examine(hosts, files):
                         "file system has them.")
             if found[str(path)] != _digest(path):
                 _refuse(f"--hosts: {path} on {host.name} is another file than here. All machines need the same build and case.")
+    _check_network_here(hosts.network)
