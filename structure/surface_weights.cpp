@@ -107,9 +107,13 @@ SurfaceWeights surface_weights(const Reference<D>& reference, const std::vector<
     for (const auto& [j, weight] : weights[k])
       for (int a = 0; a < D; ++a) left[a][j] -= area[k][a] * weight;
     line[k] = neighbourhoods.line(row[k], area[k].normalized(), offset[k]);
+    if (line[k].size() < 3) continue;
+    // Along the lattice: faces that are parallel to it but for what their corners are rounded by would have columns that nearly depend on
+    // each other, and take each other's load by shares without bound.
+    const Vector<D> push = area[k].norm() * (reference.position_of(line[k][0]) - reference.position_of(line[k][1])).normalized();
     for (std::size_t q = 0; q + 2 < line[k].size(); ++q, ++unknowns)
       for (int m = 0; m < 3; ++m)
-        for (int a = 0; a < D; ++a) entries.emplace_back(D * line[k][q + m] + a, unknowns, (m == 1 ? -2 : 1) * area[k][a]);
+        for (int a = 0; a < D; ++a) entries.emplace_back(D * line[k][q + m] + a, unknowns, (m == 1 ? -2 : 1) * push[a]);
   }
   if (unknowns > 0) {
     std::vector<double> right(D * reference.rows);
