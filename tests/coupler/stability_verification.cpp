@@ -297,8 +297,8 @@ std::pair<double, int> given_way_to_piston(double young_modulus, double gravity,
 }
 
 // However stiff the wall is, water has nowhere else to go. Windows of water at rest are long beside the motion of a stiff wall: it answers
-// as one of a thousand times its mass. Seen to fail: with windows that do not become shorter for the lag (0.93 to 0.95 of the volume without
-// gravity); with a hundred times the guess as the heaviest (3025 windows for steel).
+// as one of a thousand times its mass. Seen to fail: with windows that do not become shorter for the lag (0.93 to 0.95 of the volume
+// without gravity); with a hundred times the guess as the heaviest (3025 windows for steel).
 TEST(Stability, AWallGivesWayAsFarAsAPistonPressesWaterAgainstIt) {
   for (const auto& [young_modulus, gravity] : {std::pair{1e7, 0.0}, {1e9, 0.0}, {2e11, 9.81}}) {
     const auto [share, windows] = given_way_to_piston(young_modulus, gravity, 1);
