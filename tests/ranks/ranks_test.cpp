@@ -111,6 +111,8 @@ void expect_the_same_window(const Case& scene, const State<D>& start) {
   for (std::size_t label = 0; label < std::min(of_one.pushed.size(), of_many.pushed.size()); ++label)
     pushed_apart = std::max(pushed_apart, std::abs(of_one.pushed[label] - of_many.pushed[label]));
   EXPECT_LE(pushed_apart, 1e-9 * std::abs(of_one.volume_error));
+  EXPECT_EQ(many.state().wall_speed, one.state().wall_speed);
+  EXPECT_EQ(many.state().wall_acceleration, one.state().wall_acceleration);
   const State<D> whole = many.whole_state();
   if (!Ranks::all().first()) return;
   const Difference difference = compare(one.state(), whole);
@@ -133,9 +135,9 @@ TEST(OneWindow, IsThatOfOneRank) { expect_the_window_of_one_rank<2>(dam_break(20
 
 TEST(OneWindow, IsThatOfOneRankAroundABlock) { expect_the_window_of_one_rank<2>(dam_break_on_block(2, 0.2 / 20)); }
 
-// At the tolerance of a case the pressures of several ranks differ from those of one by what either differs from the solution: a solve
-// ends by its residual, and another preconditioner leaves another part of it.
-TEST(OneWindow, DiffersFromThatOfOneRankByWhatTheSolveLeaves) {
+// At the tolerance of a case the pressures of several ranks differ from those of one by far less than either from the solution. Seen to
+// fail: with what is filled of a patch of a wall by the own particles alone.
+TEST(OneWindow, DiffersFromThatOfOneRankByLessThanTheSolveLeaves) {
   Case scene = dam_break(40, 80);
   scene.fluid->numerics.pressure_tolerance = 1e-6;
   const State<2> start = disordered<2>(scene, 30);
@@ -148,7 +150,7 @@ TEST(OneWindow, DiffersFromThatOfOneRankByWhatTheSolveLeaves) {
   if (!Ranks::all().first()) return;
   const double left = compare(solution.state(), window.one.state()).pressure, apart = compare(window.one.state(), whole).pressure;
   std::printf("[ pressure: %.1e from the solution, %.1e from that of %d ranks ]\n", left, apart, Ranks::all().count());
-  EXPECT_LT(apart, 2 * left);
+  EXPECT_LT(apart, 1e-5);
   EXPECT_LT(left, 1e-3);
 }
 

@@ -136,14 +136,16 @@ def _digest(path):
     return hashlib.sha256(Path(path).read_bytes()).hexdigest()
 
 
-def _has_network(network, addresses):
-    return any(ipaddress.ip_address(address) in ipaddress.IPv4Network(network) for address in addresses if ":" not in address)
+def _has_network(network, interfaces, addresses):
+    """Whether a machine with these interfaces and addresses has it; every one has its loopback."""
+    return network in interfaces or ("/" in network and any(
+        ipaddress.ip_address(address) in ipaddress.IPv4Network(network) for address in [*addresses, "127.0.0.1"] if ":" not in address))
 
 
 def _check_network_here(network):
     addresses = subprocess.run(["hostname", "-I"], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False).stdout.split()
     interfaces = [name for _, name in socket.if_nameindex()]
-    if network not in interfaces and not ("/" in network and _has_network(network, [*addresses, "127.0.0.1"])):
+    if not _has_network(network, interfaces, addresses):
         _refuse(f"--interface {network}: this machine has no such network; it has {', '.join(interfaces)}.")
 
 
@@ -169,8 +171,7 @@ def examine(hosts, files):
                     + (f": {said[-1]}" if said else "") + ". Open MPI starts its ranks that way.")
         if "orted" not in lines[:1]:
             _refuse(f"--hosts: {host.name} has no Open MPI (orted is not on its PATH; Debian package openmpi-bin).")
-        addresses, interfaces = [*lines[1].split(), "127.0.0.1"], lines[2].split()
-        if hosts.network not in interfaces and not ("/" in hosts.network and _has_network(hosts.network, addresses)):
+        if not _has_network(hosts.network, lines[2].split(), lines[1].split()):
             _refuse(f"--interface {hosts.network}: {host.name} has no such network.")
         found = {line[66:]: line[:64] for line in lines[3:]}
         for path in files:
