@@ -60,11 +60,12 @@ class EdgeMatrix {
     apart_[i] = constant_[i] = diagonal_[i] = 1;
   }
 
-  /// Calls visit(j, a_ij) for the edges of row i to unknowns.
+  /// Calls visit(j, a_ij) for the edges of row i to unknowns, and to all particles of other ranks.
   template <class Visit>
   void for_edges(int i, Visit&& visit) const {
     for (int k = begin_[i]; k < begin_[i] + length_[i]; ++k)
-      if (const int j = first_[k / lanes] + k % lanes; weight_[k] != 0 && length_[j] > 0) visit(j, static_cast<float>(scale_ * weight_[k]));
+      if (const int j = first_[k / lanes] + k % lanes; weight_[k] != 0 && (j >= rows_ || length_[j] > 0))
+        visit(j, static_cast<float>(scale_ * weight_[k]));
   }
 
   /// y = A x, for x that is 0 where there is no unknown. T = double for the equation, float inside the preconditioner.

@@ -105,7 +105,12 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
   Vector<D> low = Vector<D>::Constant(1e300), high = Vector<D>::Constant(-1e300);
   for (int i = 0; i < n; ++i)
     if (particle_class[i].pressure_unknown()) low = low.cwiseMin(position[i]), high = high.cwiseMax(position[i]);
-  domain_->ranks().extremes(std::span(low.data(), D), std::span(high.data(), D));
+  std::array<double, D + 1> least{}, most{};  // and whether any rank has particles beside a body
+  for (int c = 0; c < D; ++c) least[c] = low[c], most[c] = high[c];
+  most[D] = beside_body.empty() ? 0 : 1;
+  domain_->ranks().extremes(std::span(least), std::span(most));
+  for (int c = 0; c < D; ++c) low[c] = least[c], high[c] = most[c];
+  parted_ = most[D] > 0;
   if (low[0] > high[0]) low = high = Vector<D>::Zero();
   Vector<D>& origin = origin_;
   Vector<D> inverse_width;
@@ -160,9 +165,7 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
     }
     cell_of[i] = flat_index<D>(cell, cells);
   }
-  // Several ranks do not part the grid at bodies: pressures beside a thin plate then take more iterations.
-  static const std::vector<int> nowhere;
-  split_cells(domain_->alone() ? beside_body : nowhere, count);
+  split_cells(beside_body, cells);
   const int all_cells = count + static_cast<int>(home_of_further_cell_.size());
   const auto coordinates_of = [&](int flat) { return coordinate_of<D>(flat < count ? flat : home_of_further_cell_[flat - count], cells); };
   population.assign(all_cells, 0);
@@ -205,8 +208,10 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
   next.assign(cell_start_.begin(), cell_start_.end() - 1);
   for (int i = 0; i < n; ++i)
     if (cell_of[i] >= 0) cell_particle_[next[compact[cell_of[i]]]++] = i;
-  split_places(cells);
   find_owners(level);
+  split_places(cells);
+  finish_copies(level);
+  mark_by_split(level);
   connect(level);
   node_cell_.resize(level.nodes());
   for (auto& cells_around : node_cell_) cells_around.fill(-1);
@@ -269,9 +274,10 @@ void Multigrid<D>::build_finest(const EdgeMatrix& matrix, const std::vector<Vect
     }
   };
   for (std::size_t node = 0; node < level.nodes(); ++node)
-    for (int a = 0; a < corners; ++a)
+    for (int a = 0; a < corners && level.own(node); ++a)
       if (node_cell_[node][a] >= 0) add_cell(static_cast<int>(node), a, node_cell_[node][a]);
-  for (const auto& [node, a, cell] : further_cells_) add_cell(node, a, cell);
+  for (const auto& [node, a, cell] : further_cells_)
+    if (level.own(static_cast<std::size_t>(node))) add_cell(node, a, cell);
   finish(level);
 }
 
@@ -304,7 +310,6 @@ int Multigrid<D>::color_of(const Level& level, int node) {
 
 template <int D>
 void Multigrid<D>::connect(Level& level) {
-  mark_by_split(level);
   level.further_entries.clear();
   level.neighbour.resize(level.nodes());
   for (auto& nodes : level.color) nodes.clear();
@@ -396,22 +401,29 @@ void Multigrid<D>::build_next(Level& fine, Level& coarse) {
     return weight;
   };
   const auto for_parents = [&](auto&& visit) {
-    for (const auto& at : fine.coordinate)
+    for (std::size_t node = 0; node < fine.nodes(); ++node)
       for (int corner = 0; corner < corners; ++corner) {
         std::array<int, D> parent;
-        if (parent_of(at, corner, parent) > 0) visit(parent);
+        if (parent_of(fine.coordinate[node], corner, parent) > 0) visit(node, parent);
       }
   };
   coarse.foreign.clear();
-  if (coarse.divided) {
+  coarse.suspects.clear();
+  if (fine.divided) {
     parents_.clear();
-    for_parents([&](const std::array<int, D>& parent) { parents_.push_back(parent); });
+    place_.assign(fine.nodes(), 0);
+    for (const int node : fine.suspects) place_[node] = 1;
+    for_parents([&](std::size_t node, const std::array<int, D>& parent) { parents_.push_back({parent, place_[node]}); });
+  }
+  if (coarse.divided) {
     share_places(coarse, parents_);
   } else {
     coarse.map.assign(count_places<D>(coarse.size), -1);
-    for_parents([&](const std::array<int, D>& parent) { coarse.map[flat_index<D>(parent, coarse.size)] = 0; });
-    if (fine.divided) mark_on_all_ranks(coarse);
-    number_places(coarse);
+    for_parents([&](std::size_t, const std::array<int, D>& parent) { coarse.map[flat_index<D>(parent, coarse.size)] = 0; });
+    if (fine.divided)
+      mark_on_all_ranks(coarse, parents_);
+    else
+      number_places(coarse);
   }
   for (std::size_t node = 0; node < fine.nodes(); ++node)
     for (int corner = 0; corner < corners; ++corner) {
@@ -422,6 +434,9 @@ void Multigrid<D>::build_next(Level& fine, Level& coarse) {
       fine.parent[node][corner] = weight > 0 ? coarse.map[flat_index<D>(parent, coarse.size)] : -1;
     }
   split_coarse_places(fine, coarse, halved);
+  finish_copies(coarse);
+  mark_by_split(coarse);
+  share_by_split(coarse);
   connect(coarse);
 
   // Galerkin product P^T A P. Which entries of the fine row go where depends on the parities of the node alone.
@@ -457,6 +472,10 @@ void Multigrid<D>::build_next(Level& fine, Level& coarse) {
         }
   coarse.row.assign(coarse.nodes(), {});
   const auto is_by_split = [](const Level& level, int node) { return !level.by_split.empty() && level.by_split[node]; };
+  far_entries_.clear();
+  const auto is_far = [&](int row) {
+    return fine.divided && is_by_split(coarse, row) && (!coarse.divided || !coarse.own(static_cast<std::size_t>(row)));
+  };
   for (int a = 0; a < static_cast<int>(fine.nodes()); ++a) {
     if (!fine.own(static_cast<std::size_t>(a))) continue;
     bool by_split = is_by_split(fine, a);
@@ -467,8 +486,11 @@ void Multigrid<D>::build_next(Level& fine, Level& coarse) {
           for (int cb = 0; cb < corners; ++cb) {
             const int row = fine.parent[a][ca], column = fine.parent[b][cb];
             if (row < 0 || column < 0) continue;
-            add_entry(coarse, row, step_between<D>(coarse.coordinate[row], coarse.coordinate[column], coarse.size), column,
-                      fine.parent_weight[a][ca] * fine.parent_weight[b][cb] * value);
+            const float part = fine.parent_weight[a][ca] * fine.parent_weight[b][cb] * value;
+            if (is_far(row))
+              far_entries_.push_back({node_of_all(coarse, row), node_of_all(coarse, column), part});
+            else
+              add_entry(coarse, row, step_between<D>(coarse.coordinate[row], coarse.coordinate[column], coarse.size), column, part);
           }
       });
       continue;
@@ -486,6 +508,7 @@ void Multigrid<D>::build_next(Level& fine, Level& coarse) {
     });
   else if (fine.divided)
     domain_->ranks().sum(std::span(coarse.row.data()->data(), coarse.nodes() * stencil));
+  if (fine.divided) share_entries(coarse);
   finish(coarse);
 }
 

@@ -15,7 +15,8 @@
 // knows all particles around the node, its own and its ghosts. On the coarser ones every rank makes the rows of the parents of its own
 // nodes, and what it makes of the rows of others is sent to these. A rank holds copies of the nodes of others that are parents of its nodes
 // or stand beside its own ones. Smoothing takes them as they were before. The coarsest grids, from 150 2^D nodes on, are the same on all
-// ranks.
+// ranks. What belongs to one side is known to a rank as far as its own rows go; the owner of a place joins what all say of it
+// (parts_of_places.hpp), and whoever has a place has all of its nodes, in the same order.
 //
 // In a periodic direction the grid closes on itself: m 2^k cells per period, m = 4 .. 7, as near to H = 2 dx as that allows;
 // it is coarsened while the number of cells is even.
@@ -33,6 +34,7 @@
 #include "fluid/pressure/connected_parts.hpp"
 #include "fluid/pressure/edge_matrix.hpp"
 #include "fluid/pressure/grid_stencil.hpp"
+#include "fluid/pressure/parts_of_places.hpp"
 #include "fluid/pressure/yielding_surface.hpp"
 
 namespace tern::fluid {
@@ -43,7 +45,7 @@ class Multigrid {
   explicit Multigrid(const Period<D>& period) : period_(period) {}
 
   /// Rebuilds the hierarchy for the matrix A of particles at x, own ones and ghosts; unknowns are those that `particle_class` says.
-  /// `beside_body`: particles near bodies that may part the fluid. `gradient_scale`: V times the ratio of A to a Laplacian of
+  /// `beside_body`: particles near bodies that may part the fluid, of each rank. `gradient_scale`: V times the ratio of A to a Laplacian of
   /// unit coefficient. `yielding`: what the matrix has a bound of, on the particles `at_structure`. Matrix and arrays must outlive use.
   void build(const Domain<D>& domain, EdgeMatrix& matrix, const std::vector<Vector<D>>& position,
              const std::vector<ParticleClass>& particle_class, const std::vector<int>& beside_body, double spacing, double gradient_scale,
@@ -61,6 +63,10 @@ class Multigrid {
  private:
   static constexpr int corners = 1 << D;  ///< nodes of a grid cell
   static constexpr int stencil = D == 2 ? 9 : 27;
+  /// Drops beside a body are parts as well. They need no node of their own, and so many would keep the coarsest grid from being small: parts
+  /// beyond this number share the last node.
+  static constexpr int most_nodes_at_a_place = 4;
+  static constexpr std::uint8_t no_part = 255;
   static constexpr int undecided = -1;    ///< neighbour of a row by_split that has no entry yet
   static constexpr int colors = stencil;  ///< parity by direction; a third for the last of an odd period
 
@@ -89,6 +95,7 @@ class Multigrid {
     std::vector<int> map;                        ///< number of the first node at a place, or -1
     std::vector<std::array<int, D>> coordinate;  ///< the first node of each place in their order, then the further ones
     std::vector<std::pair<int, int>> further;    ///< place and number of further nodes, in order of the places
+    std::vector<std::uint8_t> side;              ///< which of its place's nodes a node is; empty: all are the only ones
     std::vector<std::uint8_t> by_split;          ///< there are further nodes at the place of a node or next to it
     std::vector<int> suspects;                   ///< first nodes of places where there may be two sides
     std::vector<Entry> further_entries;          ///< by row; while they are gathered in any order
@@ -144,13 +151,36 @@ class Multigrid {
       visit(node->second);
   }
   // multigrid_ranks.cpp
+  /// A place of the map of all ranks that a rank has marked, and whether it has seen there what may have two sides.
+  struct Mark {
+    std::array<int, D> at;
+    int suspect;
+  };
   void find_owners(Level& level);
-  void share_places(Level& level, const std::vector<std::array<int, D>>& marked);
-  void mark_on_all_ranks(Level& level) const;
+  void share_places(Level& level, const std::vector<Mark>& marked);
+  void mark_on_all_ranks(Level& level, const std::vector<Mark>& marked);
+  void number_suspect_places(Level& level);
+  void ask_which_are_suspect(Level& level) const;
+  void finish_copies(Level& level);
+  void tell_ghosts_beside_body(const std::vector<int>& beside_body);
+  void share_parts_of_cells();
+  void join_at_owners(const Level& level, const std::vector<std::uint8_t>& counted);
+  void join_with_other_ranks(const Level& level);
+  void share_by_split(Level& level) const;
+  void share_entries(Level& level);
+  // Names of places and nodes of a level, the same on all ranks.
+  static std::int64_t place_of_all(const Level& level, std::array<int, D> at);
+  static std::array<int, D> at_place_of_all(const Level& level, std::int64_t place);
+  static std::int64_t node_of_all(const Level& level, int node);
+  static int node_from_all(const Level& level, std::int64_t node);
   // multigrid_sides.cpp
-  void split_cells(const std::vector<int>& beside_body, int cells);
+  void split_cells(const std::vector<int>& beside_body, const std::array<int, D>& cells);
   void split_places(const std::array<int, D>& cells);
-  int add_further_nodes(Level& level, int first);
+  void note_links(std::int64_t place);
+  void note_sides(const Level& level, int suspect, bool shared);
+  void clear_sides(Level& level);
+  template <class Assign>
+  void give_nodes_to_parts(Level& level, bool shared, Assign&& assign);
   void split_coarse_places(Level& fine, Level& coarse, const std::array<bool, D>& halved);
   // multigrid_yielding.cpp
   void build_yielding(const YieldingSurface<D>& yielding, const std::vector<int>& at_structure);
@@ -191,11 +221,32 @@ class Multigrid {
   // Scratch of the building, kept so that a step allocates nothing. A cell with two sides is two cells from here on: the
   // further ones have the numbers after the last cell of the grid.
   std::vector<int> cell_of_particle_, population_, compact_, next_;
-  std::vector<int> home_of_further_cell_, suspect_cells_;  ///< cells of the grid, both in ascending order
+  std::vector<int> home_of_further_cell_, suspect_cells_;                  ///< cells of the grid, both in ascending order
+  std::vector<std::uint8_t> part_of_further_cell_, part_of_suspect_cell_;  ///< which part of its cell it is
   std::vector<std::array<float, corners * corners>> element_;
   ConnectedParts parts_;  ///< in the end those of the coarsest grid
   std::vector<int> around_, corner_of_, row_of_particle_, place_;
-  std::vector<std::array<int, D>> parents_;
+  std::vector<std::int64_t> thing_;  ///< names that all ranks have for what is around
+  std::vector<Mark> parents_;
+  /// What is around the suspect places of a level, one after the other, and the part of the place that it is in.
+  struct Sides {
+    std::vector<std::size_t> begin;  ///< of each place
+    std::vector<int> thing, corner;
+    std::vector<std::uint8_t> part, count;  ///< parts at each place
+    std::vector<std::uint8_t> count_of;     ///< by node of other ranks
+    std::vector<Link> link;                 ///< for several ranks: what this one knows of each thing
+  } sides_;
+  bool parted_ = false;  ///< somewhere, on any rank, a body may part the fluid
+  PartsOfPlaces joined_;
+  std::vector<std::vector<int>> take_, give_;  ///< first nodes of other ranks, by rank; own ones of which other ranks have copies
+  std::vector<std::int64_t> name_;             ///< of own particles and ghosts, that all ranks have for them
+  std::vector<std::uint8_t> beside_, part_in_cell_;
+  /// What a rank adds to a row of which another rank knows the columns as well.
+  struct FarEntry {
+    std::int64_t row, column;
+    float value;
+  };
+  std::vector<FarEntry> far_entries_;
   std::vector<std::pair<int, int>> corner_of_row_;  ///< cell, and entry in it, of each particle beside the structure
   /// The particles beside the structure of all ranks, in their order: what YieldingSurface knows of the own ones.
   struct RowsOfAll {

@@ -218,6 +218,35 @@ TEST(OneWindow, IsThatOfOneRankOnDividedGridsThatCloseOnThemselves) {
   expect_the_window_of_one_rank<2>(scene, few_windows);
 }
 
+// Water on both sides of a wall of one spacing, with and without a way round its end. Several ranks differ from one by less than either from
+// the solution. Seen to fail: with grids that are not parted (7e-3 apart), without what other ranks add to rows with further columns, with the
+// places that may have two sides in the own view alone.
+template <int D>
+void expect_the_grids_of_one_rank(Case scene) {
+  const State<D> start = disordered<D>(scene, few_windows);
+  const Window<D> window(scene, start);
+  EXPECT_NEAR(window.many.last_solve().iterations, window.one.last_solve().iterations, 1);
+  scene.fluid->numerics.pressure_tolerance = 1e-15;
+  Fluid<D> solution(scene);
+  solution.set_state(start);
+  step(solution, window.one.propose_step().seconds);
+  const State<D> whole = window.many.whole_state();
+  if (!Ranks::all().first()) return;
+  const double left = compare(solution.state(), window.one.state()).pressure, apart = compare(window.one.state(), whole).pressure;
+  std::printf("[ pressure: %.1e from the solution, %.1e from that of %d ranks ]\n", left, apart, Ranks::all().count());
+  EXPECT_LT(apart, 0.2 * left);
+}
+
+TEST(OneWindow, OnBothSidesOfAThinWallIsSolvedAsByOneRank) {
+  for (const int fineness : {16, 32})
+    for (const double top : {0.4, 0.1})
+      for (const double bend : {0.0, 0.05}) expect_the_grids_of_one_rank<2>(parted_tank(2, 0.2 / fineness, 0.2 / fineness, top, bend));
+}
+
+TEST(OneWindow, OnBothSidesOfAThinWallIsSolvedAsByOneRankIn3D) {
+  for (const double top : {0.4, 0.1}) expect_the_grids_of_one_rank<3>(parted_tank(3, 0.2 / 16, 0.2 / 16, top));
+}
+
 TEST(Ranks, SpeakNoMoreThanTheyNeedInAWindow) {
   const Case scene = dam_break_on_block(3, 0.2 / 10);
   Fluid<3> fluid(scene, Ranks::all());
