@@ -63,8 +63,8 @@ class Multigrid {
  private:
   static constexpr int corners = 1 << D;  ///< nodes of a grid cell
   static constexpr int stencil = D == 2 ? 9 : 27;
-  /// Drops beside a body are parts as well. They need no node of their own, and so many would keep the coarsest grid from being small: parts
-  /// beyond this number share the last node.
+  /// Drops beside a body are parts as well. They need no node of their own, and so many would keep the coarsest grid from being small:
+  /// parts beyond this number share the last node.
   static constexpr int most_nodes_at_a_place = 4;
   static constexpr std::uint8_t no_part = 255;
   static constexpr int undecided = -1;    ///< neighbour of a row by_split that has no entry yet

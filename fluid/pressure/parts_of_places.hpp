@@ -1,6 +1,6 @@
 #pragma once
-// Which things around a place belong together, where each rank knows some of it: particles of a grid cell, cells around a node, nodes around
-// a coarser one. Whoever owns the place joins what all have said.
+// Which things around a place belong together, where each rank knows some of it: particles of a grid cell, cells around a node, nodes
+// around a coarser one. Whoever owns the place joins what all have said.
 
 #include <algorithm>
 #include <cstdint>

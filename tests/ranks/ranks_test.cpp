@@ -218,9 +218,9 @@ TEST(OneWindow, IsThatOfOneRankOnDividedGridsThatCloseOnThemselves) {
   expect_the_window_of_one_rank<2>(scene, few_windows);
 }
 
-// Water on both sides of a wall of one spacing, with and without a way round its end. Several ranks differ from one by less than either from
-// the solution. Seen to fail: with grids that are not parted (7e-3 apart), without what other ranks add to rows with further columns, with the
-// places that may have two sides in the own view alone.
+// Water on both sides of a wall of one spacing, with and without a way round its end. Several ranks differ from one by less than either
+// from the solution. Seen to fail: with grids that are not parted (7e-3 apart), without what other ranks add to rows with further columns,
+// with the places that may have two sides in the own view alone.
 template <int D>
 void expect_the_grids_of_one_rank(Case scene) {
   const State<D> start = disordered<D>(scene, few_windows);
