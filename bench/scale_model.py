@@ -18,7 +18,7 @@ from pathlib import Path
 from tern import scale_model
 
 ROOT = Path(__file__).resolve().parent.parent
-CASES = {"dam_break_front": "0.02", "dam_break_3d": "0.02", "dam_break_plate_3d": "0.02"}
+CASES = {"dam_break_front": "0.02", "dam_break_3d": "0.02", "dam_break_plate_3d": "0.02", "submerged_block_3d": "0.05"}
 COUNTS = ("particle_exchanges", "node_exchanges", "other_exchanges", "messages", "message_bytes", "collectives", "collective_bytes")
 RANKS = (1, 10, 100, 1000, 10000)
 
