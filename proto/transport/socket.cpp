@@ -12,11 +12,11 @@
 #include <zmq.h>
 
 #include <array>
-#include <cerrno>
 #include <cstring>
 #include <stdexcept>
 
 #include "base/error.hpp"
+#include "proto/transport/zeromq.hpp"
 #include "proto/wire/message_check.hpp"
 
 namespace tern::proto {
@@ -29,10 +29,6 @@ constexpr int linger_ms = 500;
 constexpr int reconnect_ms = 20, longest_reconnect_ms = 500;
 constexpr std::uint64_t short_turns_ns = 100'000;  // the shortest there are
 constexpr int queue_messages = 64;                 // the protocol never has more than a few on the way
-
-void require(bool done, const char* what) {
-  if (!done) throw InputOutputError(fmt::format("ZeroMQ cannot {}: {}.", what, zmq_strerror(zmq_errno())));
-}
 
 void set(void* socket, int option, int value) {
   require(zmq_setsockopt(socket, option, &value, sizeof(value)) == 0, "set a socket option");
@@ -53,14 +49,6 @@ void raise_descriptor_limit() {
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
   limit.rlim_cur = limit.rlim_max;
   ::setrlimit(RLIMIT_NOFILE, &limit);
-}
-
-/// Becomes readable when the socket has something to say after it had nothing.
-int descriptor(void* socket) {
-  int result = -1;
-  std::size_t size = sizeof(result);
-  require(zmq_getsockopt(socket, ZMQ_FD, &result, &size) == 0, "name the descriptor of a socket");
-  return result;
 }
 
 /// Length of the turns [ns] that Linux (6.12 and later) gives this thread, and every thread it starts, before another may have the
@@ -93,6 +81,10 @@ struct Frame {
   std::size_t size() { return zmq_msg_size(&message); }
   bool more() { return zmq_msg_more(&message) != 0; }
 };
+
+int take(Frame& frame, void* socket, int flags) {
+  return through_signals([&] { return zmq_msg_recv(&frame.message, socket, flags); });
+}
 
 }  // namespace
 
@@ -143,14 +135,14 @@ Socket::Socket(SocketKind kind, const std::optional<Keys>& keys) : kind_(kind) {
   }
 
   constexpr const char* address = "inproc://monitor";
-  require(zmq_socket_monitor(socket_, address, events) == 0, "watch a socket");
+  require(through_signals([&] { return zmq_socket_monitor(socket_, address, events); }) == 0, "watch a socket");
   monitor_ = zmq_socket(context_, ZMQ_PAIR);
   require(monitor_ != nullptr, "watch a socket");
   set(monitor_, ZMQ_LINGER, 0);
   // No limit of waiting events: at the limit ZeroMQ's own thread would stop, in the midst of a flood of connections, until this
   // process looks; in the destructor it would never look again.
   set(monitor_, ZMQ_RCVHWM, 0);
-  require(zmq_connect(monitor_, address) == 0, "watch a socket");
+  require(through_signals([&] { return zmq_connect(monitor_, address); }) == 0, "watch a socket");
   descriptors_ = {descriptor(socket_), descriptor(monitor_), zap_handler_ ? zap_handler_->descriptor() : -1};
 }
 
@@ -168,18 +160,18 @@ std::string Socket::bind(const std::string& endpoint) {
     raise_descriptor_limit();
     inflow_ = std::make_unique<Inflow>();
   }
-  if (zmq_bind(socket_, endpoint.c_str()) != 0)
+  if (through_signals([&] { return zmq_bind(socket_, endpoint.c_str()); }) != 0)
     throw InputOutputError(
         fmt::format("The coupler cannot bind the endpoint \"{}\": {}; choose another one.", endpoint, zmq_strerror(zmq_errno())));
   std::array<char, 512> bound{};
   std::size_t size = bound.size();
-  require(zmq_getsockopt(socket_, ZMQ_LAST_ENDPOINT, bound.data(), &size) == 0, "name the endpoint");
+  require(through_signals([&] { return zmq_getsockopt(socket_, ZMQ_LAST_ENDPOINT, bound.data(), &size); }) == 0, "name the endpoint");
   return bound.data();
 }
 
 void Socket::connect(const std::string& endpoint) {
   permit_ipv6(socket_, endpoint);
-  if (zmq_connect(socket_, endpoint.c_str()) != 0)
+  if (through_signals([&] { return zmq_connect(socket_, endpoint.c_str()); }) != 0)
     throw BadInput(
         fmt::format("The endpoint \"{}\" cannot be used: {}; use the one the coupler printed.", endpoint, zmq_strerror(zmq_errno())));
 }
@@ -193,13 +185,13 @@ void Socket::wait(int milliseconds) {
 
 bool Socket::receive(const std::function<void(const Received&)>& handle) {
   Frame peer;
-  if (kind_ == SocketKind::router && zmq_msg_recv(&peer.message, socket_, ZMQ_DONTWAIT) < 0) return false;
+  if (kind_ == SocketKind::router && take(peer, socket_, ZMQ_DONTWAIT) < 0) return false;
   Frame payload;
-  if (zmq_msg_recv(&payload.message, socket_, ZMQ_DONTWAIT) < 0) return false;
+  if (take(payload, socket_, ZMQ_DONTWAIT) < 0) return false;
   int frames = 1;
   for (bool more = payload.more(); more; ++frames) {
     Frame extra;
-    more = zmq_msg_recv(&extra.message, socket_, 0) >= 0 && extra.more();
+    more = take(extra, socket_, 0) >= 0 && extra.more();
   }
   if (inflow_) inflow_->delivered(zmq_msg_get(&payload.message, ZMQ_SRCFD));
   const char* role = zap_handler_ ? zmq_msg_gets(&payload.message, "User-Id") : nullptr;
@@ -221,7 +213,7 @@ std::optional<SocketEvent> Socket::next_event() {
   if (zap_handler_)
     if (auto who = zap_handler_->answer()) return SocketEvent{What::key_refused, -1, *std::move(who)};
   Frame frame;
-  if (zmq_msg_recv(&frame.message, monitor_, ZMQ_DONTWAIT) < 0) {
+  if (take(frame, monitor_, ZMQ_DONTWAIT) < 0) {
     events_may_wait_ = false;
     return std::nullopt;
   }
@@ -230,7 +222,7 @@ std::optional<SocketEvent> Socket::next_event() {
   std::memcpy(&event, frame.data(), sizeof(event));
   std::memcpy(&value, frame.data() + sizeof(event), sizeof(value));
   Frame address;
-  zmq_msg_recv(&address.message, monitor_, 0);
+  take(address, monitor_, 0);
   switch (event) {
     case ZMQ_EVENT_ACCEPTED:
       if (inflow_) inflow_->accepted(value);
@@ -253,10 +245,11 @@ std::optional<SocketEvent> Socket::next_event() {
 }
 
 bool Socket::send(const std::string& peer, std::size_t size, const std::function<void(std::byte*)>& write) {
-  if (kind_ == SocketKind::router && zmq_send(socket_, peer.data(), peer.size(), ZMQ_SNDMORE | ZMQ_DONTWAIT) < 0) return false;
+  const auto send_who = [&] { return zmq_send(socket_, peer.data(), peer.size(), ZMQ_SNDMORE | ZMQ_DONTWAIT); };
+  if (kind_ == SocketKind::router && through_signals(send_who) < 0) return false;
   Frame payload(size);
   write(payload.data());
-  return zmq_msg_send(&payload.message, socket_, ZMQ_DONTWAIT) >= 0;
+  return through_signals([&] { return zmq_msg_send(&payload.message, socket_, ZMQ_DONTWAIT); }) >= 0;
 }
 
 }  // namespace tern::proto

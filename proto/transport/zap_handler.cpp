@@ -10,14 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "base/error.hpp"
+#include "proto/transport/zeromq.hpp"
 
 namespace tern::proto {
 namespace {
-
-void require(bool done, const char* what) {
-  if (!done) throw InputOutputError(fmt::format("ZeroMQ cannot {}: {}.", what, zmq_strerror(zmq_errno())));
-}
 
 /// All frames of the next message; empty when there is none.
 std::vector<std::string> receive(void* socket) {
@@ -25,7 +21,7 @@ std::vector<std::string> receive(void* socket) {
   for (bool more = true; more;) {
     zmq_msg_t frame;
     zmq_msg_init(&frame);
-    if (zmq_msg_recv(&frame, socket, ZMQ_DONTWAIT) < 0) {
+    if (through_signals([&] { return zmq_msg_recv(&frame, socket, ZMQ_DONTWAIT); }) < 0) {
       zmq_msg_close(&frame);
       return {};
     }
@@ -49,7 +45,7 @@ ZapHandler::ZapHandler(void* context, std::map<std::string, std::string> allowed
   require(socket_ != nullptr, "make a socket");
   const int none = 0;
   zmq_setsockopt(socket_, ZMQ_LINGER, &none, sizeof(none));
-  require(zmq_bind(socket_, "inproc://zeromq.zap.01") == 0, "answer authentication requests");
+  require(through_signals([&] { return zmq_bind(socket_, "inproc://zeromq.zap.01"); }) == 0, "answer authentication requests");
 }
 
 ZapHandler::~ZapHandler() { zmq_close(socket_); }
@@ -65,16 +61,12 @@ std::optional<std::string> ZapHandler::answer() {
     const std::vector<std::string> reply{
         "1.0", request[1], passes ? "200" : "400", passes ? "OK" : "not in the list", passes ? known->second : "", ""};
     for (std::size_t k = 0; k < reply.size(); ++k)
-      zmq_send(socket_, reply[k].data(), reply[k].size(), ZMQ_DONTWAIT | (k + 1 < reply.size() ? ZMQ_SNDMORE : 0));
+      through_signals(
+          [&] { return zmq_send(socket_, reply[k].data(), reply[k].size(), ZMQ_DONTWAIT | (k + 1 < reply.size() ? ZMQ_SNDMORE : 0)); });
     if (!passes) return fmt::format("{} with the public key {}", request[3], key);
   }
 }
 
-int ZapHandler::descriptor() const {
-  int result = -1;
-  std::size_t size = sizeof(result);
-  require(zmq_getsockopt(socket_, ZMQ_FD, &result, &size) == 0, "name the descriptor of a socket");
-  return result;
-}
+int ZapHandler::descriptor() const { return proto::descriptor(socket_); }
 
 }  // namespace tern::proto

@@ -129,7 +129,7 @@ class EndingsTest(RealRunTest):
                     self.assertLess(time.monotonic() - began, 3.5 if not joined else 2.5)  # 2 s and a busy machine
                     contents = self.contents()
                     self.assertNotEqual(contents["exit_code"], 0, errors)
-                    self.assertRegex(contents["first_cause"], rf"tern-{role}|{role} process")
+                    self.assertRegex(contents["first_cause"], rf"tern-{role}|{role} process", f"{errors} {contents['processes']}")
                     self.assertEqual(contents["first_cause_role"], role)
                     self.assertEqual(find_damage(self.out), [])
 

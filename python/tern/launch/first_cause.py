@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from tern.errors import DONE, INPUT_OUTPUT, INTERRUPTED, PEER_LOST, STATUS
 
 SAME_MOMENT_S = 1.0
+TOLD_TO_FINISH = "The run was interrupted; results up to here are kept."  # what a participant says whom the coupler has told so
 ASKS_TO_END = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # what interrupts the launcher
 
 
@@ -49,8 +50,9 @@ def by_user():
 def find(processes, reports, interrupted):
     """The first cause of a run that has ended; an empty one (exit code 0) when every process is done.
 
-    Order: time. Two kinds of echo are passed over: a lost peer (code 4) when another process was killed or failed by
-    itself, and a sentence that only repeats another one with the name of who said it. What the launcher ended itself is
+    Order: time. Three kinds of echo are passed over: a lost peer (code 4) when another process was killed or failed by
+    itself, the end of a participant that the coupler has told to finish when the coupler has something to say, and a
+    sentence that only repeats another one with the name of who said it. What the launcher ended itself is
     no cause, unless nothing else is (`interrupted`: the user ended the run). Neither is the end of a process that a
     signal to all has reached before it could answer. A program that ends with 0 before the run does leaves no cause of its own.
     """
@@ -67,6 +69,7 @@ def find(processes, reports, interrupted):
     told = [entry for entry in failed if reports.get(entry[0].role, {}).get("cause")]
     failed = [entry for entry in failed if entry in told
               or not any(f"The {entry[0].role} process stopped" in cause.sentence for _, (_, cause) in told)]
+    failed = [entry for entry in failed if entry[1][1].sentence != TOLD_TO_FINISH] or failed
     if not failed:
         if interrupted and any(process.exit_code != DONE for process in processes):
             return by_user()

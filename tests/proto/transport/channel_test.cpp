@@ -6,8 +6,10 @@
 
 #include "proto/transport/channel.hpp"
 
+#include <sys/time.h>
 #include <zmq.h>
 
+#include <csignal>
 #include <fstream>
 #include <future>
 #include <limits>
@@ -123,6 +125,19 @@ TEST(Channel, FiftyWindowsPassOverASocketFileThatIsPrivateAndRemovedAtTheEnd) {
 }
 
 TEST(Channel, FiftyWindowsPassOverAFreeLoopbackPort) { whole_run("tcp://127.0.0.1:*"); }
+
+// A signal must neither lose a message nor make a peer seem lost. Seen to fail: without through_signals() in socket.cpp.
+TEST(Channel, FiftyWindowsPassWhileSignalsRainDown) {
+  struct sigaction action = {}, before = {};
+  action.sa_handler = [](int) {};
+  sigaction(SIGALRM, &action, &before);
+  const itimerval often = {{0, 20}, {0, 20}}, never = {};
+  setitimer(ITIMER_REAL, &often, nullptr);
+  TemporaryEndpoint endpoint;
+  for (int k = 0; k < 5; ++k) whole_run(endpoint.address());
+  setitimer(ITIMER_REAL, &never, nullptr);
+  sigaction(SIGALRM, &before, nullptr);
+}
 
 TEST(Channel, AFailingParticipantIsTheCauseEverywhere) {
   TemporaryEndpoint endpoint;
