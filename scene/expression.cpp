@@ -69,10 +69,11 @@ Expression::Expression(const std::string& text) : text_(text) {
       throw BadInput(fmt::format("The expression '{}' has the value {}; give a finite one.", text, at_origin));
     }
   } catch (const mu::Parser::exception_type& fault) {
+    const std::string& why = fault.GetMsg();
     throw BadInput(
-        fmt::format("The expression '{}' cannot be read at position {}: {} Known names are t, x, y, z, pi and "
+        fmt::format("The expression '{}' cannot be read at position {}: {}{} Known names are t, x, y, z, pi and "
                     "functions like sin and sqrt.",
-                    text, fault.GetPos() + 1, fault.GetMsg()));
+                    text, fault.GetPos() + 1, why, why.ends_with('.') ? "" : "."));
   }
 }
 

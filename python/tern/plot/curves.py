@@ -77,16 +77,14 @@ def _page(runs, panels):
 
 
 def each_gauge(runs):
-    """The same as one figure per quantity: [(what it shows, figure)]."""
-    figures = []
+    """The same as one figure per quantity, one after the other: (what it shows, figure). Who takes it closes it."""
     for panel in _panels(runs):
         figure, axis = plt.subplots(figsize=(6.5, 3.4), layout="constrained")
         references = _draw_panel(axis, runs, *panel)
         axis.set_xlabel("t [s]")
         shown = " and ".join(run.label() for run, _, _ in panel[3]) if len(runs) > 1 else "this run"
         against = f" against {', '.join(sorted(references))} (dashed)" if references else ""
-        figures.append((f"{panel[3][0][1]} over time, {shown}{against}", figure))
-    return figures
+        yield f"{panel[3][0][1]} over time, {shown}{against}", figure
 
 
 def energies(run):

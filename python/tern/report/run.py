@@ -82,10 +82,8 @@ def quantities(run):
 
 def gauges(runs):
     """All gauges with their reference curves, those of several runs over each other."""
-    drawn = curves.each_gauge(runs)
-    if not drawn:
-        return '<p class="note">There are no gauges.</p>'
-    return '<div class="pair">' + "".join(markup.drawing(figure, shown) for shown, figure in drawn) + "</div>"
+    drawn = "".join(markup.drawing(figure, shown) for shown, figure in curves.each_gauge(runs))
+    return f'<div class="pair">{drawn}</div>' if drawn else '<p class="note">There are no gauges.</p>'
 
 
 def field_pictures(run, times):
