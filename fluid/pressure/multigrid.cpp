@@ -354,17 +354,8 @@ void Multigrid<D>::finish(Level& level) {
       for (int& neighbour : level.neighbour[node])
         if (neighbour == undecided) neighbour = static_cast<int>(node);
     auto& entries = level.further_entries;
-    std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
-      return a.row != b.row ? a.row < b.row : a.column != b.column ? a.column < b.column : a.value < b.value;
-    });
-    std::size_t kept = 0;
-    for (const Entry& entry : entries) {
-      if (kept > 0 && entries[kept - 1].row == entry.row && entries[kept - 1].column == entry.column)
-        entries[kept - 1].value += entry.value;
-      else
-        entries[kept++] = entry;
-    }
-    entries.resize(kept);
+    add_up(entries);
+    const std::size_t kept = entries.size();
     for (std::size_t first = 0, last; first < kept; first = last) {
       for (last = first; last < kept && entries[last].row == entries[first].row;) ++last;
       level.further_rows[color_of(level, entries[first].row)].push_back(
@@ -419,11 +410,12 @@ void Multigrid<D>::build_next(Level& fine, Level& coarse) {
     share_places(coarse, parents_);
   } else {
     coarse.map.assign(count_places<D>(coarse.size), -1);
-    for_parents([&](std::size_t, const std::array<int, D>& parent) { coarse.map[flat_index<D>(parent, coarse.size)] = 0; });
-    if (fine.divided)
+    if (fine.divided) {
       mark_on_all_ranks(coarse, parents_);
-    else
+    } else {
+      for_parents([&](std::size_t, const std::array<int, D>& parent) { coarse.map[flat_index<D>(parent, coarse.size)] = 0; });
       number_places(coarse);
+    }
   }
   for (std::size_t node = 0; node < fine.nodes(); ++node)
     for (int corner = 0; corner < corners; ++corner) {

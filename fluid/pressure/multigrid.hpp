@@ -127,6 +127,21 @@ class Multigrid {
   static int color_of(const Level& level, int node);
   /// Adds to the entry of a row that is by_split; `offset` leads to the place of the column.
   void add_entry(Level& level, int row, const std::array<int, D>& offset, int column, float value);
+  /// Makes one of the entries of a row and a column, in an order that does not depend on that in which they came.
+  template <class AnyEntry>
+  static void add_up(std::vector<AnyEntry>& entries) {
+    std::sort(entries.begin(), entries.end(), [](const AnyEntry& a, const AnyEntry& b) {
+      return a.row != b.row ? a.row < b.row : a.column != b.column ? a.column < b.column : a.value < b.value;
+    });
+    std::size_t kept = 0;
+    for (const AnyEntry& entry : entries) {
+      if (kept > 0 && entries[kept - 1].row == entry.row && entries[kept - 1].column == entry.column)
+        entries[kept - 1].value += entry.value;
+      else
+        entries[kept++] = entry;
+    }
+    entries.resize(kept);
+  }
   void finish(Level& level);
   void find_parts();
   /// Calls visit(node, value) for the entries of a row that are not 0.

@@ -6,6 +6,20 @@
 #include "fluid/pressure/multigrid.hpp"
 
 namespace tern::fluid {
+namespace {
+
+/// answers[r] goes to rank r, what rank r answers comes into got[r], which has its size.
+void exchange_answers(const Ranks& ranks, std::vector<std::vector<std::uint8_t>>& answers, std::vector<std::vector<std::uint8_t>>& got) {
+  std::vector<RankMessage> give, take;
+  for (std::size_t r = 0; r < answers.size(); ++r) {
+    const int rank = static_cast<int>(r);
+    if (!answers[r].empty()) give.push_back({rank, answers[r].data(), answers[r].size()});
+    if (!got[r].empty()) take.push_back({rank, got[r].data(), got[r].size()});
+  }
+  ranks.exchange(give, take, Subject::nodes);
+}
+
+}  // namespace
 
 template <int D>
 int Multigrid<D>::owner(const Level& level, const std::array<int, D>& at) const {
@@ -144,7 +158,6 @@ void Multigrid<D>::join_at_owners(const Level& level, const std::vector<std::uin
   joined_.join(all, most_nodes_at_a_place);
 
   std::vector<std::vector<std::uint8_t>> answers(count), got(count);
-  std::vector<RankMessage> give, take;
   const auto for_counted = [&](const std::vector<std::vector<int>>& first_nodes, std::size_t r, auto&& visit) {
     if (counted.empty()) return;
     for (const int node : first_nodes[r])
@@ -158,10 +171,8 @@ void Multigrid<D>::join_at_owners(const Level& level, const std::vector<std::uin
     std::size_t size = links[r].size();
     for_counted(take_, r, [&](int) { ++size; });
     got[r].resize(size);
-    if (!answers[r].empty()) give.push_back({static_cast<int>(r), answers[r].data(), answers[r].size()});
-    if (!got[r].empty()) take.push_back({static_cast<int>(r), got[r].data(), got[r].size()});
   }
-  ranks.exchange(give, take, Subject::nodes);
+  exchange_answers(ranks, answers, got);
   std::vector<std::size_t> next(count, 0);
   sides_.part.clear();
   for (const int r : owner_of_link) sides_.part.push_back(got[r][next[r]++]);
@@ -203,16 +214,7 @@ void Multigrid<D>::share_entries(Level& level) {
   if (!parted_) return;
   const Ranks& ranks = domain_->ranks();
   auto& entries = far_entries_;
-  std::stable_sort(entries.begin(), entries.end(),
-                   [](const FarEntry& a, const FarEntry& b) { return std::pair(a.row, a.column) < std::pair(b.row, b.column); });
-  std::size_t kept = 0;
-  for (const FarEntry& entry : entries) {
-    if (kept > 0 && entries[kept - 1].row == entry.row && entries[kept - 1].column == entry.column)
-      entries[kept - 1].value += entry.value;
-    else
-      entries[kept++] = entry;
-  }
-  entries.resize(kept);
+  add_up(entries);
   if (level.divided) {
     std::vector<std::vector<FarEntry>> to(static_cast<std::size_t>(ranks.count())), from;
     for (const FarEntry& entry : entries) to[owner(level, at_place_of_all(level, entry.row / most_nodes_at_a_place))].push_back(entry);
@@ -306,18 +308,14 @@ void Multigrid<D>::share_places(Level& level, const std::vector<Mark>& marked) {
   }
   ranks.deal(wanted, asked, Subject::nodes);
   std::vector<std::vector<std::uint8_t>> is_there(count), answers(count);
-  std::vector<RankMessage> give_answers, take_answers;
   for (std::size_t r = 0; r < count; ++r) {
-    const int rank = static_cast<int>(r);
     for (const Mark& mark : asked[r]) {
       const int place = within(mark.at);
       answers[r].push_back(static_cast<std::uint8_t>(place < 0 ? 0 : level.map[place] + 1));
     }
     is_there[r].resize(wanted[r].size());
-    if (!answers[r].empty()) give_answers.push_back({rank, answers[r].data(), answers[r].size()});
-    if (!is_there[r].empty()) take_answers.push_back({rank, is_there[r].data(), is_there[r].size()});
   }
-  ranks.exchange(give_answers, take_answers, Subject::nodes);
+  exchange_answers(ranks, answers, is_there);
   for (std::size_t r = 0; r < count; ++r)
     for (std::size_t k = 0; k < wanted[r].size(); ++k) level.map[within(wanted[r][k].at)] = is_there[r][k] - 1;
 

@@ -16,6 +16,8 @@ STATUS = {
     INTERRUPTED: "interrupted",
 }
 
+TOLD_TO_FINISH = "The run was interrupted; results up to here are kept."  # a participant whom the coupler has told so (participant.hpp)
+
 
 class Error(Exception):
     """An error for the user: one full sentence (what, where, remedy) and the exit code of the command line."""

@@ -12,8 +12,8 @@ import unittest
 import unittest.mock
 from pathlib import Path
 
-from fake_build import FakeBuild, is_alive, wait_until
-from tern.errors import Error
+from fake_build import ROOT, FakeBuild, is_alive, wait_until
+from tern.errors import TOLD_TO_FINISH, Error
 from tern.launch import first_cause, resumption, run
 from tern.launch.processes import Process
 
@@ -228,10 +228,11 @@ class LauncherTest(unittest.TestCase):
     def test_a_participant_that_was_told_to_finish_is_not_why_the_coupler_ended(self):
         ended = [Process(role, f"tern-{role}", None, -1, exit_code=code, ended_at=when)
                  for role, code, when in (("fluid", 130, 1.0), ("structure", 130, 1.1), ("coupler", 4, 1.2))]
-        reports = {role: {"cause": first_cause.TOLD_TO_FINISH, "cause_time": 1.0} for role in ("fluid", "structure")}
+        reports = {role: {"cause": TOLD_TO_FINISH, "cause_time": 1.0} for role in ("fluid", "structure")}
         self.assertEqual(first_cause.find(ended, reports | {"coupler": {"cause": "The disk was lost."}}, interrupted=False).sentence,
                          "The disk was lost.")
         self.assertEqual(first_cause.find(ended[:2], reports, interrupted=False).exit_code, 130)
+        self.assertIn(TOLD_TO_FINISH, (ROOT / "proto/participant/participant.hpp").read_text(encoding="utf-8"))
 
     def test_ctrl_c_while_a_foreign_program_imports_modules_prints_no_traceback(self):
         # Seen to fail: with SIGINT for it as well (a KeyboardInterrupt of time.sleep, and of the modules of a participant).

@@ -3,10 +3,9 @@
 import signal
 from dataclasses import dataclass
 
-from tern.errors import DONE, INPUT_OUTPUT, INTERRUPTED, PEER_LOST, STATUS
+from tern.errors import DONE, INPUT_OUTPUT, INTERRUPTED, PEER_LOST, STATUS, TOLD_TO_FINISH
 
 SAME_MOMENT_S = 1.0
-TOLD_TO_FINISH = "The run was interrupted; results up to here are kept."  # what a participant says whom the coupler has told so
 ASKS_TO_END = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # what interrupts the launcher
 
 

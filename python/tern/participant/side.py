@@ -20,7 +20,7 @@ import numpy
 import zmq
 
 from tern import paths
-from tern.errors import BAD_INPUT, INPUT_OUTPUT, INTERRUPTED, NUMERICAL_FAILURE, PEER_LOST
+from tern.errors import BAD_INPUT, INPUT_OUTPUT, INTERRUPTED, NUMERICAL_FAILURE, PEER_LOST, TOLD_TO_FINISH
 from tern.participant.channel import NumericalFailure, Participant, RunEnded
 from tern.participant.checkpoints import Checkpoints
 from tern.participant.schema import wire
@@ -242,7 +242,7 @@ class Run:
         """Answers Finish. Raises RunEnded when the user has ended the run."""
         self.send(finished=wire.Finished(account=account))
         if order.finish.interrupted:
-            raise RunEnded(INTERRUPTED, "The run was interrupted; results up to here are kept.")
+            raise RunEnded(INTERRUPTED, TOLD_TO_FINISH)
 
     def account(self, energies, gauge):
         """wire.Account: `energies` by name in the order of the columns of energy.csv; `gauge(gauge)` gives the values of one gauge of
