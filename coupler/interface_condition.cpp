@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace tern::coupler {
 namespace {
@@ -18,6 +19,18 @@ double responding_mass(const Setup<D>& setup, double duration, double stretch, s
   // been stretched since, less mass is behind the same area.
   const SurfaceProperties& of = setup.properties;
   return std::max(std::min(of.section_mass[k], 0.5 * of.impedance[k] * duration), of.least_mass[k]) / stretch;
+}
+
+/// How many times this mass the stiffness of the body adds to it, at most: m (1 + (omega dt/2)^2) answers a push that lasts a window, of the
+/// fastest motion that the fluid can excite, the wave of two of its spacings. Waves are slower than c k, and bending waves of a section of
+/// thickness T than c k T k/sqrt(12). In long windows stiffness holds all that is not the motion of the whole; in short ones nothing.
+template <int D>
+double held_by_stiffness(const Setup<D>& setup, double duration, std::size_t k) {
+  const SurfaceProperties& of = setup.properties;
+  const double density = setup.body_density[of.body[k]], wave_number = std::numbers::pi / setup.spacing;
+  const double thickness = 2 * of.section_mass[k] / density;  // of two wet faces; more than it is with one
+  const double frequency = of.impedance[k] / density * wave_number * std::min(1.0, thickness * wave_number / std::sqrt(12.0));
+  return std::pow(0.5 * frequency * duration, 2);
 }
 
 }  // namespace
@@ -40,7 +53,8 @@ void find_answer(const Setup<D>& setup, const Surface<D>& surface, State<D>& sta
   }
   window.answer = {lumps_of_points(points), {}, 1};
   for (std::size_t k = 0; k < points; ++k) {
-    const double mass = std::max(setup.robin_mass_factor * window.responding_mass[k], setup.least_robin_mass);
+    const double alone = setup.robin_mass_factor * window.responding_mass[k];
+    const double mass = std::max(alone, std::min(setup.mass_of_held, alone * (1 + held_by_stiffness(setup, window.duration, k))));
     window.answer.mass.push_back(mass * surface.area[k]);
     window.answer.gain = std::max(window.answer.gain, mass / window.responding_mass[k]);
   }

@@ -1,6 +1,7 @@
 #include "coupler/interface_force.hpp"
 
 #include <cmath>
+#include <optional>
 
 #include "base/parallel.hpp"
 #include "coupler/interface_condition.hpp"
@@ -53,14 +54,65 @@ void add_pressure(const Setup<D>& setup, const InterfacePressure<D>& pressure, W
   }
 }
 
+namespace {
+
+/// What a pair approaches with more than it may [m/s].
+struct Approach {
+  double approach, permitted, expected;
+};
+
+/// `answered`: what the point has along its normal by the load that exceeds the assumed one [m/s].
+template <int D>
+Approach approach_of(const Setup<D>& setup, const InterfacePressure<D>& pressure, const Workspace<D>& window, const InterfacePair<D>& pair,
+                     double answered) {
+  const int i = pair.particle, k = pair.point;
+  const Surface<D>& surface = window.surface;
+  const Vector<D>& n = surface.normal[k];
+  const Vector<D> velocity = pressure.velocity[i] + (window.duration / window.particles.mass[i]) * window.particle_force.force[i];
+  const double permitted =
+      permitted_approach((window.particles.position[i] - surface.position[k]).dot(n), setup.contact_distance, window.duration);
+  const double approach = (surface.velocity[k] - velocity).dot(n) - permitted;
+  // Where windows are repeated the face gives way as the pressure equation has it, to what exceeds the assumed load. When both sides
+  // agree nothing does, and the particle has the velocity of the face, be that held by its stiffness or free.
+  return {approach, permitted, setup.iterates ? approach + answered : approach};
+}
+
+template <int D>
+void add_contact(const InterfacePair<D>& pair, const Vector<D>& force, const Approach& met, bool iterates, Workspace<D>& window) {
+  add_pair_force(pair, force, window.load, window.particle_force.force);
+  if (iterates) window.contact.force[pair.point] += force;
+  window.audit.contact_dissipation += 0.5 * window.duration * force.norm() * (met.approach + 2 * met.permitted);
+  ++window.audit.contacts;
+}
+
+/// The assumed contacts, each to the particle that approaches its point the fastest.
+template <int D>
+void give_contacts(const Setup<D>& setup, const InterfacePressure<D>& pressure, Workspace<D>& window) {
+  struct Fastest {
+    Approach met;
+    InterfacePair<D> pair;
+  };
+  std::vector<std::optional<Fastest>> fastest(window.surface.position.size());
+  window.pairs.for_each_standing({}, [&](const InterfacePair<D>& pair) {
+    if (window.assumed_contact.force[pair.point].isZero(0)) return;
+    const Approach met = approach_of(setup, pressure, window, pair, 0);
+    std::optional<Fastest>& best = fastest[pair.point];
+    if (!best || met.approach > best->met.approach) best = Fastest{met, pair};
+  });
+  for (const std::optional<Fastest>& contact : fastest)
+    if (contact) add_contact(contact->pair, window.assumed_contact.force[contact->pair.point], contact->met, true, window);
+}
+
+}  // namespace
+
 template <int D>
 void settle_contacts(const Setup<D>& setup, const InterfacePressure<D>& pressure, Workspace<D>& window) {
   const bool iterates = setup.iterates;
   const Surface<D>& surface = window.surface;
   const InterfaceParticles<D>& particles = window.particles;
-  std::vector<Vector<D>>& on_particles = window.particle_force.force;
   if (iterates) window.contact.force.assign(window.load.force.size(), Vector<D>::Zero());
   if (setup.contact_distance == 0) return;
+  if (window.contacts_are_given) return give_contacts(setup, pressure, window);
   LumpMotion<D> answered(window.answer.lumps, window.answer.mass, window.duration);  // to what exceeds the assumed load
   const auto answered_speed = [&](std::size_t k) { return answered.velocity(k).dot(surface.normal[k]); };
   std::vector<double>& speed = window.answered_speed;  // before the first contact
@@ -70,40 +122,20 @@ void settle_contacts(const Setup<D>& setup, const InterfacePressure<D>& pressure
     parallel_for(static_cast<std::ptrdiff_t>(speed.size()),
                  [&](std::ptrdiff_t k) { speed[k] = answered_speed(static_cast<std::size_t>(k)); });
   }
-  // What a pair approaches with more than it may [m/s].
-  struct Approach {
-    double approach, permitted, expected;
-  };
-  const auto approach_of = [&](const InterfacePair<D>& pair, double answered_with) {
-    const int i = pair.particle, k = pair.point;
-    const Vector<D>& n = surface.normal[k];
-    const Vector<D> velocity = pressure.velocity[i] + (window.duration / particles.mass[i]) * on_particles[i];
-    const double permitted =
-        permitted_approach((particles.position[i] - surface.position[k]).dot(n), setup.contact_distance, window.duration);
-    const double approach = (surface.velocity[k] - velocity).dot(n) - permitted;
-    // Where windows are repeated the face gives way as the pressure equation has it, to what exceeds the assumed load. When both sides
-    // agree nothing does, and the particle has the velocity of the face, be that held by its stiffness or free.
-    return Approach{approach, permitted, iterates ? approach + answered_with : approach};
-  };
   // Contacts are settled one after the other, for each changes what the next ones find. Up to the first one nothing has changed.
-  const auto first =
-      window.pairs.first_standing([&](const InterfacePair<D>& pair) { return approach_of(pair, speed[pair.point]).expected > 0; });
+  const auto first = window.pairs.first_standing(
+      [&](const InterfacePair<D>& pair) { return approach_of(setup, pressure, window, pair, speed[pair.point]).expected > 0; });
   window.pairs.for_each_standing(first, [&](const InterfacePair<D>& pair) {
     const int k = pair.point;
-    const auto [approach, permitted, expected] = approach_of(pair, iterates ? answered_speed(k) : 0);
-    if (expected <= 0) return;
+    const Approach met = approach_of(setup, pressure, window, pair, iterates ? answered_speed(k) : 0);
+    if (met.expected <= 0) return;
     // Where the coupling is explicit the face gives way as the mass does that lies behind the particle.
     const double behind =
         iterates ? answered.mass(k) : window.responding_mass[k] * std::pow(particles.volume[pair.particle], (D - 1.0) / D);
     const double mass = particles.mass[pair.particle] * behind / (particles.mass[pair.particle] + behind);
-    const Vector<D> force = -(mass * expected / window.duration) * surface.normal[k];
-    add_pair_force(pair, force, window.load, on_particles);
-    if (iterates) {
-      window.contact.force[k] += force;
-      answered.push(k, force);
-    }
-    window.audit.contact_dissipation += 0.5 * mass * expected * (approach + 2 * permitted);
-    ++window.audit.contacts;
+    const Vector<D> force = -(mass * met.expected / window.duration) * surface.normal[k];
+    add_contact(pair, force, met, iterates, window);
+    if (iterates) answered.push(k, force);
   });
 }
 

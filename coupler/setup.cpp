@@ -11,10 +11,10 @@ namespace {
 /// A light body follows the load at once, and what a window changes of it, above all which particles touch, is more than the coupling
 /// iterations can bring to agree in windows as long as the fluid alone takes them.
 constexpr double window_share_of_light = 0.5;
-/// Robin mass of a surface whose answer is not learnt when windows are repeated, in layers of fluid particles; from 2 to 12 the iterations
-/// are as many. Few motions of a light body answer with its mass, all others are held by its stiffness. A mass like the fluid's own lies
-/// between the two; the iterations find out what it gets wrong.
-constexpr double robin_layers = 5;
+/// Largest Robin mass of a surface whose answer is not learnt when windows are repeated, in layers of fluid particles; from 2 to 12 the
+/// iterations are as many. In long windows few motions of a light body answer with its mass, all others are held by its stiffness. A mass
+/// like the fluid's own lies between the two; the iterations find out what it gets wrong.
+constexpr double layers_of_held = 5;
 
 /// Of every body, whether it has no more behind its faces than so many layers of fluid particles.
 std::vector<bool> are_below(double layers, const Case& scene, const SurfaceProperties& properties) {
@@ -63,7 +63,7 @@ Setup<D>::Setup(const Case& scene, const SurfaceProperties& of_surface)
       contact_distance(scene.fluid->numerics.contact_distance * scene.fluid->spacing),
       courant(window_share * scene.fluid->numerics.courant),
       robin_mass_factor(iterates && !learns ? 1 : coupling.robin_mass_factor),
-      least_robin_mass(iterates && !learns ? robin_layers * density * spacing : 0),
+      mass_of_held(iterates && !learns ? layers_of_held * density * spacing : 0),
       gravity(scene.gravity),
       properties(of_surface),
       meetable(scene, of_surface.body),

@@ -32,8 +32,9 @@ struct Setup {
   std::vector<bool> is_light;  ///< a body has no more behind its faces than half a layer of fluid particles
   double window_share;         ///< of the length that the fluid proposes, which a window takes
   double density, spacing, smoothing_length, contact_distance, courant;  ///< of the fluid; courant with window_share
-  double robin_mass_factor, least_robin_mass;  ///< m_p = max(factor m_s, least), m_s the mass behind a face [kg/m^2]
-  std::vector<double> moved_mass;              ///< of the fluid that has to move with each body, m_a of stability/added_mass.hpp [kg/m^2]
+  double robin_mass_factor;                                              ///< m_p over m_s, the mass behind a face
+  double mass_of_held;             ///< m_p of what is held by its stiffness, where the answer is not learnt [kg/m^2]
+  std::vector<double> moved_mass;  ///< of the fluid that has to move with each body, m_a of stability/added_mass.hpp [kg/m^2]
   std::vector<double> body_density;
   std::vector<std::string> body_name;
   VectorExpression gravity;

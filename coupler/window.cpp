@@ -150,7 +150,7 @@ const SurfaceLoad<D>* Coupler<D>::next_load(const InterfacePressure<D>& pressure
     window_.agreed = disagreement(setup_, state_, window_, load, window_.surface.velocity).agrees();
     if (window_.agreed) return nullptr;
   }
-  const bool is_last = state_.fixed_point.add(parts(window_.assumed_load, window_.assumed_contact), parts(load, window_.contact));
+  const bool is_last = note_iteration(state_, window_);
   window_.agreed = state_.fixed_point.converged();
   if (is_last) return nullptr;
   if (setup_.learns) return &window_.answered_load;
@@ -172,7 +172,7 @@ bool Coupler<D>::accepts(const std::vector<Vector<D>>& velocity) {
   }
   window_.agreed = disagreement(setup_, state_, window_, window_.answered_load, velocity).agrees();
   if (window_.agreed || setup_.coupling.max_iterations == 1) return true;
-  if (is_first) state_.fixed_point.add(parts(window_.assumed_load, window_.assumed_contact), parts(window_.answered_load, window_.contact));
+  if (is_first) note_iteration(state_, window_);
   return false;
 }
 
@@ -207,7 +207,7 @@ const InterfaceForce<D>& Coupler<D>::last_exchange(const InterfacePressure<D>& p
   }
   audit_balance(window_);
   watch_load(setup_, window_, state_.observations);
-  state_.totals.add(window_.audit, window_.iterations, window_.agreed, window_.duration);
+  state_.totals.add(window_.audit, window_.iterations, window_.agreed && !window_.contacts_are_given, window_.duration);
 
   state_.load = window_.load;
   state_.contact = window_.contact;

@@ -26,6 +26,7 @@ struct Workspace {
   std::vector<double> seen_share;          ///< the same of the pressures on it in the equation of the fluid
   SurfaceLoad<D> assumed_load;             ///< under which the structure has made the present iteration
   SurfaceLoad<D> assumed_contact;          ///< the contacts in it
+  bool contacts_are_given = false;         ///< by it, for they come to no agreement
   InterfaceCondition<D> condition;         ///< what the fluid is told before its pressure solve
   PointPressures<D> point_pressures;       ///< what the scheme makes of the pressures of the particles
   PointSums point_sums;                    ///< kept, so that a window allocates nothing

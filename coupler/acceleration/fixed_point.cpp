@@ -26,13 +26,34 @@ constexpr double least_new_part_of_old = 0.3;
 constexpr double mostly_error = 0.5;
 /// The part of an answer by which it may change for what is not yet known of H. A load far off can break the structure.
 constexpr double largest_surprise = 0.3;
+/// After this part of the iterations of a window contacts are given. Nearly all windows that agree with contacts free take fewer.
+constexpr double contacts_end = 0.6;
 
 }  // namespace
+
+void FixedPoint::Bounds::add(double load, double residual) {
+  if (residual > 0) {
+    low = load;
+    residual_low = residual;
+    if (high <= low) high = unknown;
+  } else if (residual < 0) {
+    high = load;
+    residual_high = residual;
+    if (low >= high) low = residual_low = 0;
+  }
+}
+
+double FixedPoint::Bounds::estimate() const {
+  if (residual_low == 0) return 0;  // nothing has been too little
+  if (high == unknown) return std::max(0.0, low + residual_low);
+  return std::max(0.0, low + residual_low / (residual_low - residual_high) * (high - low));
+}
 
 void FixedPoint::begin_window(double gain, double begin) {
   begin_ = begin;
   iterations_ = 0;
   residual_ = 0;
+  gives_contacts_ = false;
   gain_ = largest_gain_ = gain;
   unknown_ = 0;
   first_load_before_ = std::exchange(first_load_, {});
@@ -41,10 +62,13 @@ void FixedPoint::begin_window(double gain, double begin) {
   if (changes_.size() > reused_windows + 1) changes_.pop_back();
 }
 
-bool FixedPoint::add(const Eigen::VectorXd& load, const Eigen::VectorXd& answer) {
+bool FixedPoint::add(const Eigen::VectorXd& load, const Eigen::VectorXd& answer, Eigen::Index contacts) {
   const Eigen::VectorXd residual = answer - load;
   const double size = answer.norm();
-  ++iterations_;
+  if (++iterations_ == 1) bounds_.assign(static_cast<std::size_t>(contacts), {});
+  if (!gives_contacts())
+    for (Eigen::Index c = 0, at = load.size() - contacts; c < contacts; ++c, ++at)
+      bounds_[static_cast<std::size_t>(c)].add(load[at], residual[at]);
   if (!std::isfinite(size) || !std::isfinite(residual.norm()))
     throw NumericalFailure(
         fmt::format("The load on the surface is not finite in coupling iteration {} of the window from t = {:.6g} s: the coupling "
@@ -78,19 +102,32 @@ Eigen::VectorXd FixedPoint::next() {
   unknown_ = 0;
   if (iterations_ == 1 && residual_ > mostly_error && first_load_before_.size() == first_load_.size() && first_load_before_ != first_load_)
     return 2 * first_load_ - first_load_before_;  // as the load went on before
+  std::vector<Given> given;
+  if (iterations_ >= contacts_end * most_) {
+    gives_contacts_ = true;
+    Eigen::Index at = base_.answer.size() - static_cast<Eigen::Index>(bounds_.size());
+    for (const Bounds& bounds : bounds_) given.push_back({at++, bounds.estimate()});
+  }
+  return step(given);
+}
+
+Eigen::VectorXd FixedPoint::step(const std::vector<Given>& given) {
   // Least squares for the combination of changes that takes the residual away, by Gram-Schmidt, the newest change first. The
   // changes of the answers are combined alike, so that no triangular system is left to be solved.
   std::vector<Outcome> basis;
   std::vector<double> shares;  // of the basis in a change
   Eigen::VectorXd residual = base_.residual, answer = base_.answer;
+  // What is given differs from that by its load, the answer less the residual.
+  for (const auto& [c, load] : given) residual[c] = load - (answer[c] - residual[c]);
   for (const auto& window : changes_)
     for (const Outcome& change : window) {
       if (basis.size() == most_changes) break;
-      const double least = (&window == &changes_.front() ? least_new_part : least_new_part_of_old) * change.residual.norm();
-      // Most are no news, and most of these show it before they are held against the whole basis.
-      double left2 = change.residual.squaredNorm();
-      bool is_new = true;
       Outcome part{change.residual, {}};
+      for (const auto& [c, load] : given) part.residual[c] -= change.answer[c];
+      double left2 = part.residual.squaredNorm();
+      const double least = (&window == &changes_.front() ? least_new_part : least_new_part_of_old) * std::sqrt(left2);
+      // Most are no news, and most of these show it before they are held against the whole basis.
+      bool is_new = true;
       shares.clear();
       for (int pass = 0; pass < 2 && is_new; ++pass)
         for (const Outcome& known : basis) {
@@ -116,7 +153,9 @@ Eigen::VectorXd FixedPoint::next() {
   const double rest = residual.norm(), most = largest_surprise * std::max(base_.answer.norm(), least_load * largest_answer_) / gain_;
   unknown_ = std::min(rest, most);
   expected_ = answer;
-  return rest > most ? Eigen::VectorXd(answer + (most / rest - 1) * residual) : answer;
+  if (rest > most) answer += (most / rest - 1) * residual;
+  for (const auto& [c, load] : given) answer[c] = load;
+  return answer;
 }
 
 }  // namespace tern::coupler

@@ -3,6 +3,7 @@
 // x = H(x). H changes little from window to window: what the iterations of the last windows have shown of it serves the next.
 
 #include <deque>
+#include <limits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -19,13 +20,17 @@ class FixedPoint {
 
   /// Takes note of the answer H(x) [N/m^(3-D)] to the load x; true when no further iteration is wanted. Throws NumericalFailure
   /// when the answer is not finite, or when the last iteration still changes the load by a twentieth.
-  bool add(const Eigen::VectorXd& load, const Eigen::VectorXd& answer);
+  /// The last `contacts` components are what contacts push with, none less than 0. An answer to more of a contact exceeds this less, if
+  /// all else is the same: loads that were too little or too much for it bound it.
+  bool add(const Eigen::VectorXd& load, const Eigen::VectorXd& answer, Eigen::Index contacts = 0);
 
-  /// The load to try next, after add().
+  /// The load to try next, after add(): where it agrees with its answer by what is known of H. Where that does not come to an end, the
+  /// contacts are given, between what has bounded them.
   Eigen::VectorXd next();
 
-  int iterations() const { return iterations_; }  ///< of this window
-  double residual() const { return residual_; }   ///< of the last iteration, relative
+  int iterations() const { return iterations_; }           ///< of this window
+  double residual() const { return residual_; }            ///< of the last iteration, relative
+  bool gives_contacts() const { return gives_contacts_; }  ///< from the last next() on, in this window
   bool converged() const { return residual_ <= tolerance_; }
 
   /// The list of what it has learnt: visit(name, member of each) for every one.
@@ -59,6 +64,22 @@ class FixedPoint {
     }
   };
 
+  /// Of a contact in this window: the last load whose answer exceeded it, and the last that exceeded its answer.
+  struct Bounds {
+    static constexpr double unknown = std::numeric_limits<double>::infinity();
+    double low = 0, residual_low = 0, high = unknown, residual_high = 0;
+
+    void add(double load, double residual);
+    double estimate() const;  ///< where it agrees with its answer, by the line through both
+  };
+  struct Given {
+    Eigen::Index component;
+    double load;
+  };
+
+  /// The load that agrees with its answer by what is known of H, these components given.
+  Eigen::VectorXd step(const std::vector<Given>& given);
+
   double tolerance_;
   int most_;
   int iterations_ = 0;
@@ -68,6 +89,8 @@ class FixedPoint {
   Eigen::VectorXd first_load_, first_load_before_;  ///< of this window and of the one before; empty without iterations
   Eigen::VectorXd expected_;                        ///< answer to the next load, by what is known of H
   double unknown_ = 0;                              ///< size of that part of the step to it of which nothing is known
+  std::vector<Bounds> bounds_;                      ///< of contacts, in this window
+  bool gives_contacts_ = false;                     ///< in this window
   std::deque<std::vector<Outcome>> changes_;        ///< of this window first, then of those before; of each the newest first
 };
 

@@ -15,13 +15,15 @@ Eigen::VectorXd flat(const SurfaceLoad<D>& load) {
   return values;
 }
 
-/// The unknowns of the coupling iterations: the load without its contacts, then the contacts. They stand apart because the fluid takes
-/// them differently: its answer must not depend on the contacts that another iteration has met.
+/// The unknowns of the coupling iterations: the load without its contacts, then what the contact of each point pushes with against its
+/// normal. They stand apart because the fluid takes them differently: its answer must not depend on the contacts that another iteration
+/// has met.
 template <int D>
-Eigen::VectorXd parts(const SurfaceLoad<D>& load, const SurfaceLoad<D>& contact) {
+Eigen::VectorXd parts(const SurfaceLoad<D>& load, const SurfaceLoad<D>& contact, const std::vector<Vector<D>>& normal) {
   const Eigen::VectorXd all = flat(load), contacts = flat(contact);
-  Eigen::VectorXd values(all.size() + contacts.size());
-  values << all - contacts, contacts;
+  Eigen::VectorXd values(all.size() + static_cast<Eigen::Index>(normal.size()));
+  values.head(all.size()) = all - contacts;
+  for (std::size_t k = 0; k < normal.size(); ++k) values[all.size() + static_cast<Eigen::Index>(k)] = -contact.force[k].dot(normal[k]);
   return values;
 }
 

@@ -135,6 +135,31 @@ TEST(FixedPoint, StopsWithItsResidualWhenTheSidesNeverAgree) {
   }
 }
 
+// Two contacts that have no answer that agrees with them: one jumps past it, one is met only while it is not assumed. All that does agree
+// comes to agreement; the contacts are between the loads that were too little and too much.
+// Seen to fail: with contacts never given (no agreement).
+TEST(FixedPoint, GivesContactsThatComeToNoAgreement) {
+  constexpr int modes_of_load = 20;
+  FixedPoint iteration(1e-6, 50);
+  const Map load_answer = modes(10, modes_of_load);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(modes_of_load + 2);
+  iteration.begin_window(10, 0);
+  for (bool done = false; !done;) {
+    Eigen::VectorXd answer(x.size());
+    answer.head(modes_of_load) = load_answer(x.head(modes_of_load));
+    const double first = x[modes_of_load], second = x[modes_of_load + 1];
+    answer.tail(2) << (first < 0.4 ? 2.0 : 0.0), (second > 0 ? 0.0 : 1.0);
+    if (iteration.gives_contacts()) answer.tail(2) = x.tail(2);
+    done = iteration.add(x, answer, 2);
+    if (!done) x = iteration.next();
+  }
+  std::printf("[ %d trials, contacts %g and %g ]\n", iteration.iterations(), x[modes_of_load], x[modes_of_load + 1]);
+  EXPECT_TRUE(iteration.converged() && iteration.gives_contacts());
+  EXPECT_LT((x.head(modes_of_load).array() - 1).abs().maxCoeff(), 2e-6 * modes_of_load);
+  EXPECT_GE(x.tail(2).minCoeff(), 0);
+  EXPECT_LE(x.tail(2).maxCoeff(), 2);
+}
+
 TEST(FixedPoint, NoLoadOnBothSidesIsAgreementAtOnce) {
   FixedPoint iteration(1e-4, 50);
   Eigen::VectorXd x = Eigen::VectorXd::Zero(5);

@@ -99,6 +99,10 @@ def spray():
                           row="elastic floor", column=str(speed))
     yield scenes.column("spray", "column that breaks against a wall", limits=LIVELY, row="column", column="wall")
     yield scenes.column("spray", "column that breaks against a plate", modulus=3.5e6, limits=LIVELY, row="column", column="plate")
+    # Single particles decide where so light a body goes.
+    for ratio, modulus in ((0.02, 1e6), (0.02, 1e5), (0.005, 1e6)):
+        yield scenes.column("spray", f"column that breaks against a light flap, density ratio {ratio:g}, E {modulus:g} Pa", modulus=modulus,
+                            density=ratio * scenes.WATER, layers=5, limits=LIVELY, row="light flap", column=f"{ratio:g}, E {modulus:g} Pa")
 
 
 def compression():

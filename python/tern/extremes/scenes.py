@@ -120,7 +120,7 @@ def tank(family, name, *, gravity=SLOSH, until=0.5, sealed=False, velocity=None,
     return Cell(family, name, case, (GRAVITY * DEPTH) ** 0.5, WATER * GRAVITY * DEPTH**2 * WIDTH / 2, until=until, **more)
 
 
-def column(family, name, *, until=0.4, modulus=None, layers=2, **more):
+def column(family, name, *, until=0.4, modulus=None, layers=2, density=1200, **more):
     """A column of water that breaks and hits the far wall, or an elastic plate before it; the plate of the dam break, coarse."""
     high, wide = 0.16, 0.08
     case = head("Column that breaks", until, (0.0, -GRAVITY), (-0.1, -0.2, 0.4, 1)) + tank_wall(box(0, 0, 0.32, 0.6))
@@ -128,8 +128,8 @@ def column(family, name, *, until=0.4, modulus=None, layers=2, **more):
     mass = 0.0
     if modulus:
         thickness = layers * 0.002
-        case += body(box(0.24, -0.008, 0.24 + thickness, 0.05), 0.002, 1200, modulus, 0.4, [box(0.2, -0.1, 0.3, 0)]) + LOAD
-        mass = 1200 * thickness * 0.058
+        case += body(box(0.24, -0.008, 0.24 + thickness, 0.05), 0.002, density, modulus, 0.4, [box(0.2, -0.1, 0.3, 0)]) + LOAD
+        mass = density * thickness * 0.058
     load = WATER * GRAVITY * high * 0.05 if modulus else 0.0
     return Cell(family, name, case + EVERY_WINDOW, (GRAVITY * high) ** 0.5, WATER * GRAVITY * high**2 * wide / 2, mass=mass, load=load,
                 until=until, **more)
