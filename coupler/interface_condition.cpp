@@ -21,9 +21,9 @@ double responding_mass(const Setup<D>& setup, double duration, double stretch, s
   return std::max(std::min(of.section_mass[k], 0.5 * of.impedance[k] * duration), of.least_mass[k]) / stretch;
 }
 
-/// How many times this mass the stiffness of the body adds to it, at most: m (1 + (omega dt/2)^2) answers a push that lasts a window, of the
-/// fastest motion that the fluid can excite, the wave of two of its spacings. Waves are slower than c k, and bending waves of a section of
-/// thickness T than c k T k/sqrt(12). In long windows stiffness holds all that is not the motion of the whole; in short ones nothing.
+/// How many times this mass the stiffness of the body adds to it, at most: m (1 + (omega dt/2)^2) answers a push that lasts a window, of
+/// the fastest motion that the fluid can excite, the wave of two of its spacings. Waves are slower than c k, and bending waves of a section
+/// of thickness T than c k T k/sqrt(12). In long windows stiffness holds all that is not the motion of the whole; in short ones nothing.
 template <int D>
 double held_by_stiffness(const Setup<D>& setup, double duration, std::size_t k) {
   const SurfaceProperties& of = setup.properties;

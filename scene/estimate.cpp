@@ -88,7 +88,8 @@ BodyEstimate estimate_body(const Case& scene, const StructureBody& body) {
   result.particles = held.size();
   result.clamped = static_cast<std::size_t>(std::count(held.begin(), held.end(), true));
   const double distance = point_distance<D>(body.spacing, body.is_shell, scene.fluid);
-  for (const Vector<D>& x : (body.is_shell ? sample_shell_surface<D>(body, distance) : sample_surface<D>(body.shape, distance)).position)
+  for (const Vector<D>& x :
+       (body.is_shell ? sample_shell_surface<D>(body, scene.walls, distance) : sample_surface<D>(body.shape, distance)).position)
     result.surface_points += !clamped(x);
   if (const double joined = body.is_shell ? 0 : joined_patch_length<D>(body.spacing, scene.fluid); joined > 0)
     result.surface_points = static_cast<std::size_t>(static_cast<double>(result.surface_points) * std::pow(body.spacing / joined, 2));

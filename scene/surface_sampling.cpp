@@ -15,6 +15,9 @@
 namespace tern {
 namespace {
 
+constexpr double least_piece = 0.05;     ///< of the spacing: nearer to each other faces of walls and clamps are one cut
+constexpr double least_of_narrow = 0.2;  ///< of the spacing: length of the patches of a narrow piece
+
 // A primitive of the shape tree; one that is subtracted has its normals reversed.
 struct Leaf {
   const Shape* shape;
@@ -558,12 +561,70 @@ std::vector<double> cuts_of(const MidSurface<2>& surface, double length, double 
   return cuts;
 }
 
+/// The faces of a box, in parts of which each is on one side of every cut alone. `cut`: coordinates, of each axis [m].
+template <int D>
+SurfacePoints<D> sample_cut_box(const Shape& box, double spacing, const std::array<std::vector<double>, D>& cut) {
+  SurfacePoints<D> points;
+  std::array<std::size_t, D> part{};
+  for (int a = 0; a < D;) {
+    Shape piece = box;
+    double shortest = spacing;
+    for (int b = 0; b < D; ++b) {
+      piece.min[b] = cut[b][part[b]];
+      piece.max[b] = cut[b][part[b] + 1];
+      if (cut[b].size() > 2) shortest = std::min(shortest, piece.max[b] - piece.min[b]);
+    }
+    // A patch hides as a square does: those of a narrow piece are nearly as narrow along it.
+    const SurfacePoints<D> found = Sampler<D>(piece, std::max(shortest, least_of_narrow * spacing)).points;
+    for (std::size_t k = 0; k < found.position.size(); ++k) {
+      int across = 0;
+      found.normal[k].cwiseAbs().maxCoeff(&across);
+      if (found.normal[k][across] > 0 ? piece.max[across] < box.max[across] : piece.min[across] > box.min[across]) continue;  // inside
+      points.position.push_back(found.position[k]);
+      points.normal.push_back(found.normal[k]);
+      points.area.push_back(found.area[k]);
+    }
+    for (a = 0; a < D && ++part[a] + 1 == cut[a].size(); ++a) part[a] = 0;
+  }
+  return points;
+}
+
+/// Where the faces of walls and clamps that are boxes pass through a flat shell, and its ends: coordinates, of each axis, in order [m].
+template <int D>
+std::array<std::vector<double>, D> cuts_of_walls(const StructureBody& body, const std::vector<WallCase>& walls, double spacing) {
+  const Shape& shell = body.shape;
+  std::array<std::vector<double>, D> cut;
+  for (int a = 0; a < D; ++a) cut[a] = {shell.min[a], shell.max[a]};
+  int normal = 0;
+  mid_surface<D>(body).axes.col(D - 1).cwiseAbs().maxCoeff(&normal);
+  std::vector<Leaf> leaves;
+  for (const WallCase& wall : walls) collect(wall.shape, 1.0, leaves);
+  for (const Shape& clamp : body.clamps) collect(clamp, 1.0, leaves);
+  for (const Leaf& leaf : leaves) {
+    const Shape& box = *leaf.shape;
+    if (box.kind != Shape::Kind::box) continue;
+    const auto passes = [&](int a) { return box.min[a] < shell.max[a] && box.max[a] > shell.min[a]; };
+    for (int a = 0; a < D; ++a) {
+      bool all_others = a != normal;
+      for (int b = 0; b < D; ++b) all_others = all_others && (b == a || passes(b));
+      if (!all_others) continue;
+      for (const double at : {box.min[a], box.max[a]})
+        if (std::all_of(cut[a].begin(), cut[a].end(), [&](double c) { return std::abs(c - at) > least_piece * spacing; }) &&
+            at > shell.min[a] && at < shell.max[a])
+          cut[a].push_back(at);
+    }
+  }
+  for (std::vector<double>& of_axis : cut) std::sort(of_axis.begin(), of_axis.end());
+  return cut;
+}
+
 }  // namespace
 
 long surface_pieces(double length, double spacing) { return std::max(1L, std::lround(length / spacing)); }
 
 template <int D>
-SurfacePoints<D> sample_shell_surface(const StructureBody& body, double spacing) {
+SurfacePoints<D> sample_shell_surface(const StructureBody& body, const std::vector<WallCase>& walls, double spacing) {
+  if (body.shape.kind == Shape::Kind::box) return sample_cut_box<D>(body.shape, spacing, cuts_of_walls<D>(body, walls, spacing));
   if constexpr (D == 2) {
     const Shape& shape = body.shape;
     const MidSurface<2> surface = mid_surface<2>(body);
@@ -575,8 +636,8 @@ SurfacePoints<D> sample_shell_surface(const StructureBody& body, double spacing)
   return sample_surface<D>(body.shape, spacing);
 }
 
-template SurfacePoints<2> sample_shell_surface<2>(const StructureBody&, double);
-template SurfacePoints<3> sample_shell_surface<3>(const StructureBody&, double);
+template SurfacePoints<2> sample_shell_surface<2>(const StructureBody&, const std::vector<WallCase>&, double);
+template SurfacePoints<3> sample_shell_surface<3>(const StructureBody&, const std::vector<WallCase>&, double);
 
 template <int D>
 SurfacePoints<D> sample_surface(const Shape& shape, double spacing) {

@@ -166,8 +166,8 @@ SurfaceAttachment<D> attach_surface(const Reference<D>& reference, const Case& s
   for (std::uint32_t b = 0; b < reference.bodies.size(); ++b) {
     const Body& body = reference.bodies[b];
     const double distance = point_distance<D>(body.spacing, body.shell >= 0, scene.fluid);
-    const auto points =
-        body.shell >= 0 ? sample_shell_surface<D>(scene.structure->bodies[b], distance) : sample_surface<D>(body.shape, distance);
+    const auto points = body.shell >= 0 ? sample_shell_surface<D>(scene.structure->bodies[b], scene.walls, distance)
+                                        : sample_surface<D>(body.shape, distance);
     const double joined_length = body.shell < 0 ? joined_patch_length<D>(body.spacing, scene.fluid) : 0;
     for (std::size_t k = 0; k < points.position.size(); ++k) {
       const Vector<D>& x = points.position[k];

@@ -421,13 +421,62 @@ TEST(ShellBody, ForcesOnItsFacesHaveThePowerOfTheirPoints) {
   expect_power<3>(shell_ball());
 }
 
+/// A floor of a tank of 0.4 m, that reaches 20 mm into its walls, and its clamp ends at three of these; at the fourth it is free.
+template <int D>
+Case shell_floor() {
+  StructureBody b = body("floor", {-0.020, -0.010, -0.020}, {0.420, 0, 0.420}, 0.025);
+  b.is_shell = true;
+  b.clamps = {box({-1, -1, -1}, {0, 1, 1})};
+  if (D == 3) b.clamps.push_back(box({-1, -1, -1}, {1, 1, 0})), b.clamps.push_back(box({-1, -1, 0.4}, {1, 1, 1}));
+  Case c = scene(D, {b});
+  WallCase tank;
+  tank.container = true;
+  tank.shape = box({0, -0.5, 0}, {0.4, 0.5, 0.4});
+  c.walls.push_back(tank);
+  return c;
+}
+
+/// Area of its upper face within the walls, and what of it lies in patches that reach past them.
+template <int D>
+std::array<double, 2> wet_area(const Case& c) {
+  std::array<double, 2> area{};
+  const SurfacePoints<D> points = sample_shell_surface<D>(c.structure->bodies[0], c.walls, 0.025);
+  for (std::size_t k = 0; k < points.area.size(); ++k) {
+    const Vector<D>& x = points.position[k];
+    if (points.normal[k][1] < 0.5 || x[0] < 0 || x[0] > 0.4 || (D == 3 && (x[D - 1] < 0 || x[D - 1] > 0.4))) continue;
+    area[0] += points.area[k];
+    // Half the shortest edge that a patch may have: of narrow ones, a fifth of the spacing.
+    if (std::min({x[0], 0.4 - x[0], D == 3 ? x[D - 1] : 1, D == 3 ? 0.4 - x[D - 1] : 1}) < 0.0099) area[1] += points.area[k];
+  }
+  return area;
+}
+
+// The part of a face beyond a wall bears no water. In patches of 25 mm that are not cut, 5 % more or less of this floor would.
+// Seen to fail: with the box cut evenly (0.391 m, 0.153 m^2).
+TEST(ShellBody, BearsNothingBeyondTheWallsThatItReachesInto) {
+  const auto line = wet_area<2>(shell_floor<2>()), square = wet_area<3>(shell_floor<3>());
+  std::printf("[ wet: %.15g m, %.15g m^2 ]\n", line[0], square[0]);
+  EXPECT_NEAR(line[0], 0.4, 1e-12);
+  EXPECT_NEAR(square[0], 0.16, 1e-12);
+  EXPECT_EQ(line[1], 0);
+  EXPECT_EQ(square[1], 0);
+  // What no wall and no clamp passes through is cut as ever.
+  Case free = shell_floor<3>();
+  free.walls.clear();
+  free.structure->bodies[0].clamps.clear();
+  const auto& b = free.structure->bodies[0];
+  const SurfacePoints<3> even = sample_surface<3>(b.shape, 0.025), points = sample_shell_surface<3>(b, free.walls, 0.025);
+  EXPECT_EQ(points.position, even.position);
+  EXPECT_EQ(points.area, even.area);
+}
+
 /// At rest the surface is that of the shape, also turned and moved as a whole.
 template <int D>
 void expect_surface_at_rest(const Case& c) {
   const Reference<D> reference = build_reference<D>(*c.structure);
   const SurfaceAttachment<D> attachment = attach_surface(reference, c);
   const Body& body = reference.bodies[0];
-  const auto sampled = sample_shell_surface<D>(c.structure->bodies[0], body.spacing);
+  const auto sampled = sample_shell_surface<D>(c.structure->bodies[0], c.walls, body.spacing);
   State<D> state = state_at_rest(reference, attachment.row.size());
   Workspace<D> work = workspace_for(reference);
   Matrix<D> turn = Matrix<D>::Identity();
