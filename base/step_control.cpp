@@ -24,7 +24,8 @@ Ticks StepControl::next(double proposed_seconds, Ticks now, Ticks target) {
   if (halvings_ > 0 && now >= until_ && ++windows_ > patience) shorten(halvings_ - 1, until_, 2 * longest_);
   double step = proposed_seconds;
   if (halvings_ > 0) step = std::min(step, halvings_ == 1 ? std::max(longest_, fastest_shortening * previous_) : longest_);
-  if (previous_ > 0) step = std::min(step, largest_growth * previous_);
+  // By a tick at least: a tenth of few ticks is none.
+  if (previous_ > 0) step = std::min(step, std::max(largest_growth * previous_, previous_ + seconds(1)));
   const double remaining = seconds(target - now);
   const double count = std::max(1.0, std::ceil(remaining / (largest_stretch * step)));
   Ticks ticks;

@@ -1,5 +1,7 @@
 #include "coupler/process/run.hpp"
 
+#include <limits>
+
 #include <fmt/format.h>
 
 #include "base/error.hpp"
@@ -156,7 +158,8 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
   double& output_s = report.timing("output");
   Ticks now = 0;
   wire::Account fluid_account = hello.at(wire::FLUID).account();
-  double proposed = hello.at(wire::FLUID).proposed_step_s();
+  const double first_of_fluid = hello.at(wire::FLUID).proposed_step_s();
+  double proposed = first_of_fluid > 0 ? first_of_fluid : std::numeric_limits<double>::infinity();  // it does not limit the window
   const double longest_of_structure = hello.at(wire::STRUCTURE).proposed_step_s();
   std::string limit = hello.at(wire::FLUID).limit();
   wire::WindowDone done;

@@ -15,7 +15,8 @@ namespace {
 /// Factor by which the area of a point may change from one window to the next: an element that is stretched or squeezed tenfold in the
 /// time in which the fluid moves by a part of its spacing does not exist.
 constexpr double largest_stretch = 10;
-/// Cosine between a normal and the way out of the body. It is -1 for a normal that points inward, 0 for a point within a sheet.
+/// Cosine between a normal and the way out of the body, or the normal of the window before. It is -1 for a normal that points inward, 0
+/// for a point within a sheet.
 constexpr double least_cosine = -0.5;
 /// Area of a body's points over that of its shape. A surface may be a part of it, for example one face; units that are wrong are wrong by
 /// a factor of 1000 or more.
@@ -79,7 +80,14 @@ std::string SurfaceCheck<D>::surface(Ticks ticks, const Surface<D>& surface) {
       fault = fmt::format("area[{}] is {:.6g}, {:.3g} times what it was in the window before; it must be between {:g} and {:g} times that",
                           k, surface.area[k], stretch, 1 / largest_stretch, largest_stretch);
   }
+  for (std::size_t k = 0; fault.empty() && k < normal_.size(); ++k)
+    if (const double cosine = surface.normal[k].dot(normal_[k]); cosine < least_cosine)
+      fault = fmt::format(
+          "normal[{}] = {} has turned round since the window before, when it was {} (its cosine with that is {:.3g}; it must "
+          "be {:g} or more)",
+          k, written<D>(surface.normal[k]), written<D>(normal_[k]), cosine, least_cosine);
   area_ = surface.area;
+  normal_ = surface.normal;
   if (fault.empty() && moves_as_sent_) fault = motion_.surface(duration_, surface);
   return fault;
 }

@@ -37,8 +37,9 @@ class SurfaceCheck {
   Vector<D> margin_;    ///< its diagonal; no end where the fluid repeats itself [m]
   bool moves_as_sent_;  ///< not with the explicit coupling, which sends the velocity at the begin
   bool first_;
-  double duration_ = 0;       ///< of the present window [s]
-  std::vector<double> area_;  ///< in the window before
+  double duration_ = 0;            ///< of the present window [s]
+  std::vector<double> area_;       ///< in the window before
+  std::vector<Vector<D>> normal_;  ///< in the window before
   SurfaceMotion<D> motion_;
 };
 

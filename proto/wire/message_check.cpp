@@ -325,7 +325,7 @@ std::string find_envelope_fault(const wire::Message& message, const Envelope& en
   }
   if (message.sender() != envelope.sender) return fmt::format("sender is {}; it must be {}", name(message.sender()), name(envelope.sender));
   if (message.sequence() != envelope.sequence)
-    return fmt::format("sequence is {}; it must be {} (a message was lost, repeated or invented)", message.sequence(), envelope.sequence);
+    return fmt::format("sequence is {}; it must be {} (a message is missing, repeated or invented)", message.sequence(), envelope.sequence);
   const std::uint64_t step = envelope.step + (kind == Kind::kBeginWindow ? 1 : 0);
   if (message.step() != step) return fmt::format("step is {}; it must be {}", message.step(), step);
   if (kind == Kind::BODY_NOT_SET) return fmt::format("body is of no kind that protocol version {} knows", protocol_version);

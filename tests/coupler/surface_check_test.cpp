@@ -187,8 +187,10 @@ TEST(SurfaceCheck, TheFirstSurfaceIsThatOfTheBodies) {
          "the sum of area over the body 'plate' is ");
 }
 
-// Seen to fail: without each of the three.
+// Seen to fail: without each of the four.
 TEST(SurfaceCheck, JumpsAreNamed) {
+  EXPECT_NE(said([](Surface<2>& s) { s.normal[3] *= -1; }, false).find("normal[3] = "), std::string::npos);
+  EXPECT_EQ(said([](Surface<2>& s) { s.normal[3] = Vector<2>(s.normal[3][1], -s.normal[3][0]); }, false), "") << "a quarter of a turn";
   EXPECT_EQ(said([](Surface<2>& s) { s.area[4] *= 9; }, false), "");
   EXPECT_NE(said([](Surface<2>& s) { s.area[4] *= 11; }, false).find("area[4] is "), std::string::npos);
   EXPECT_NE(said([](Surface<2>& s) { s.area[4] /= 11; }, false).find("area[4] is "), std::string::npos);

@@ -22,6 +22,7 @@ GRACE_AFTER_SUCCESS_S = 60.0   # the others write their last frame
 GRACE_AFTER_INTERRUPT_S = 1.6  # Ctrl-C ends everything within 2 s
 GRACE_OF_COUPLER_S = 1.0       # of these: it completes a window, has a checkpoint made and ends the others
 GRACE_AFTER_TERMINATE_S = 2.0
+GUARDIAN_S = 5.0  # it ends when its pipe does, unless it is stopped
 SPINS = 1000  # some 20 us: what a thread waits for the next loop before it sleeps. The compiler's 300 000 keep busy cores from others
 LONGEST_STOP_S = 9.0  # by SIGSTOP; connected peers notice after 5 s, but nobody misses a process that has not joined yet
 
@@ -115,7 +116,11 @@ class Group:
         self._tell("finished")
         with contextlib.suppress(BrokenPipeError):  # what _tell() could not
             self._guardian.stdin.close()
-        self._guardian.wait()
+        try:
+            self._guardian.wait(GUARDIAN_S)
+        except subprocess.TimeoutExpired:  # stopped by a signal; nothing is left for it to do
+            self._guardian.kill()
+            self._guardian.wait()
 
     def start(self, role, command, program=None, environment=None, in_ranks=False):
         """Starts one executable; standard output and error are the launcher's. `program`: a foreign one, by its name. `in_ranks`: the

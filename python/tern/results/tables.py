@@ -10,7 +10,7 @@ UNIT = re.compile(r"_((?:Nm|N|J|Pa|ms|m|s)\d?(?:_per_(?:m|s)\d?)?)$")
 
 def read_cells(path):
     """(names, [cells of a row]); a last line that is still being written, or was never finished, is left out."""
-    with open(path, encoding="utf-8", newline="") as file:
+    with open(path, encoding="utf-8", errors="replace", newline="") as file:  # a damaged byte is a damaged cell
         rows = csv.reader(line for line in file if line.strip() and not line.startswith("#"))
         header = [name.strip() for name in next(rows, [])]
         return header, [row for row in rows if len(row) == len(header)]
