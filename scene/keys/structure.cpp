@@ -57,7 +57,7 @@ const Rows<StructureBody>& body_rows() {
        "2D only: no strain (absent, strain) or no stress across the plane."},
       {"mass_damping", &StructureBody::mass_damping, "1/s", absent, a_rate,
        "Damping force over momentum: Rayleigh damping in proportion to the mass; for static answers about twice the lowest angular "
-       "frequency. Absent = none."},
+       "frequency. Absent = none. It acts on the whole velocity: what moves along with a clamp is held back as well."},
       {"velocity", &StructureBody::velocity, "m/s", absent, a_speed, "Initial velocity, expressions in x, y, z; absent = at rest."},
   };
   // clang-format on

@@ -7,6 +7,17 @@ INDEX = "connectivity"  # for ParaView; no field
 DIGITS = 9  # of times [s] that are the same: participants may write them differently
 
 
+def _opened(path):
+    """The file, to be read. OSError that names it where it is damaged, or not complete yet."""
+    import h5py
+    try:
+        return h5py.File(path, "r")
+    except OSError as error:
+        if error.errno is not None:
+            raise
+        raise OSError(f"{path} cannot be read ({error})") from error
+
+
 class Fields(Mapping):
     """The fields of one process in one frame: {name: array}, a row per particle; a vector has three columns, in 2D too."""
 
@@ -15,8 +26,7 @@ class Fields(Mapping):
         self.time, self.step = time_s, step
 
     def _open(self):
-        import h5py
-        return h5py.File(self._path, "r")
+        return _opened(self._path)
 
     def __getitem__(self, name):
         import h5py
@@ -47,8 +57,7 @@ def read(path):
     """[Fields] of all frames of one process in order of time; none where there is no such file."""
     if not path.exists():
         return []
-    import h5py
-    with h5py.File(path, "r") as file:
+    with _opened(path) as file:
         found = [Fields(path, name, float(group.attrs["time_s"]), int(group.attrs.get("step", 0))) for name, group in file.items()
                  if name.startswith("frame_")]
     return sorted(found, key=lambda fields: fields.time)
