@@ -95,8 +95,8 @@ def _run_options(parser):
     parser.add_argument("--threads", metavar="N", type=_thread_count,
                         help="threads of each process (default: what its work is worth; the results have the same bits for any number)")
     parser.add_argument("--deadline", metavar="S", type=_positive_number,
-                        help="give a process up that leaves a message out for S seconds (default 300; more for a slow solver); to join, all "
-                             "have 300")
+                        help="give a process up that leaves a message out for S seconds (default 300; more for a slow solver); to join, "
+                             "all have 300")
     parser.add_argument("--quiet", action="store_true", help="say nothing unless something fails")
 
 
