@@ -103,7 +103,7 @@ Eigen::VectorXd FixedPoint::next() {
   if (iterations_ == 1 && residual_ > mostly_error && first_load_before_.size() == first_load_.size() && first_load_before_ != first_load_)
     return 2 * first_load_ - first_load_before_;  // as the load went on before
   std::vector<Given> given;
-  if (iterations_ >= contacts_end * most_) {
+  if (iterations_ >= contacts_end * most_ && std::any_of(bounds_.begin(), bounds_.end(), [](const Bounds& b) { return b.is_met(); })) {
     gives_contacts_ = true;
     Eigen::Index at = base_.answer.size() - static_cast<Eigen::Index>(bounds_.size());
     for (const Bounds& bounds : bounds_) given.push_back({at++, bounds.estimate()});

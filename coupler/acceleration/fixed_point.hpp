@@ -69,6 +69,7 @@ class FixedPoint {
     static constexpr double unknown = std::numeric_limits<double>::infinity();
     double low = 0, residual_low = 0, high = unknown, residual_high = 0;
 
+    bool is_met() const { return residual_low != 0 || residual_high != 0; }  ///< in some iteration
     void add(double load, double residual);
     double estimate() const;  ///< where it agrees with its answer, by the line through both
   };
