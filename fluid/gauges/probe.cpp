@@ -195,7 +195,9 @@ double Probe<D>::flux(const Vector<D>& from, const Vector<D>& to) const {
       });
       if (weight == 0) continue;
       // From nothing outside to all inside across the free surface, so that the flux does not jump from point to point.
-      const double wet = wet_share(filling(x, weight, centroid));
+      // What walls hide makes it fuller: where it is full without, they are not looked at.
+      const bool is_full = wet_share(weight / fluid_.constants().lattice.density) == 1;
+      const double wet = is_full ? 1 : wet_share(filling(x, weight, centroid));
       sum += area * wet * momentum.dot(across.normal) / weight;
     }
   return sum;
