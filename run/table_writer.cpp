@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -42,7 +43,10 @@ std::string number_text(const Cell& cell) {
 TableWriter::TableWriter(std::string path, std::vector<std::string> columns, bool anew)
     : path_(std::move(path)), columns_(std::move(columns)) {
   descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC | (anew ? O_CREAT | O_TRUNC : 0), 0666);
-  if (descriptor_ < 0) throw InputOutputError(fmt::format("Cannot create {}: {}; choose another --out.", path_, std::strerror(errno)));
+  if (descriptor_ < 0)
+    throw InputOutputError(
+        anew ? fmt::format("Cannot create {}: {}; choose another --out.", path_, std::strerror(errno))
+             : fmt::format("Cannot go on with {}: {}; a run is resumed with all its tables.", path_, std::strerror(errno)));
   if (!anew) return;
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     if (c) pending_ += ',';
@@ -96,6 +100,12 @@ void TableWriter::row(std::span<const double> values) {
 }
 
 void TableWriter::flush() {
+  struct stat file;
+  if (!pending_.empty() && ::fstat(descriptor_, &file) == 0 && S_ISREG(file.st_mode)) {
+    if (file.st_nlink == 0) throw InputOutputError(fmt::format("{} has been deleted while the run was writing it.", path_));
+    if (file.st_size < ::lseek(descriptor_, 0, SEEK_CUR))
+      throw InputOutputError(fmt::format("{} has been cut short while the run was writing it.", path_));
+  }
   std::size_t done = 0;
   while (done < pending_.size()) {
     const ssize_t written = ::write(descriptor_, pending_.data() + done, pending_.size() - done);

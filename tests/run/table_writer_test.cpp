@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <functional>
 #include <limits>
 #include <thread>
 
@@ -70,6 +72,28 @@ TEST(TableWriter, SaysWhichFileCannotBeWrittenWhenTheDiskIsFull) {
     EXPECT_NE(std::string(error.what()).find("/dev/full: No space left"), std::string::npos) << error.what();
   }
   EXPECT_THROW(TableWriter("/nowhere/gauges.csv", {"t_s"}), InputOutputError);
+}
+
+// Seen to fail: without a look at the file (rows go to a file that nobody can read, and after a gap of zeros).
+TEST(TableWriter, SaysThatItsFileHasBeenDeletedOrCutShort) {
+  const auto said = [](const std::function<void(const std::string&)>& damage) -> std::string {
+    const ScratchDirectory dir;
+    TableWriter table(dir / "t.csv", {"t_s", "x"});
+    table.row({1, 2});
+    table.sync();
+    damage(dir / "t.csv");
+    table.row({2, 3});
+    try {
+      table.close();
+    } catch (const InputOutputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(said([](const std::string& path) { std::filesystem::remove(path); }).find("t.csv has been deleted"), std::string::npos);
+  EXPECT_NE(said([](const std::string& path) { std::filesystem::resize_file(path, 3); }).find("t.csv has been cut short"),
+            std::string::npos);
+  EXPECT_EQ(said([](const std::string&) {}), "");
 }
 
 TEST(TableWriter, GoesBackToAMark) {
