@@ -306,7 +306,7 @@ TEST(Contact, OfALightFaceIsAsHeldOrAsFreeAsTheTrialsShow) {
 
 // A face that springs away from every push, and stays without one, comes to no agreement with a particle: it is pushed by some part of
 // what would stop the particle, once, and the particle by as much. The window counts as one that was left open.
-// Seen to fail: with contacts never given (the iterations run away); with the answer of contacts that are given settled anew.
+// Seen to fail: with contacts never given (no agreement); with the answer of contacts that are given settled anew.
 TEST(Contact, ThatComesToNoAgreementIsGivenToBothSides) {
   constexpr double window = 1e-3, mass = 1000 * dx * dx;
   Case c = scene(2, dx);
