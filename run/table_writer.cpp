@@ -103,7 +103,7 @@ void TableWriter::flush() {
   struct stat file;
   if (!pending_.empty() && ::fstat(descriptor_, &file) == 0 && S_ISREG(file.st_mode)) {
     if (file.st_nlink == 0) throw InputOutputError(fmt::format("{} has been deleted while the run was writing it.", path_));
-    if (file.st_size < ::lseek(descriptor_, 0, SEEK_CUR))
+    if (file.st_size < static_cast<off_t>(written_))
       throw InputOutputError(fmt::format("{} has been cut short while the run was writing it.", path_));
   }
   std::size_t done = 0;

@@ -149,6 +149,14 @@ class LauncherTest(unittest.TestCase):
         self.assertEqual((cause.exit_code, cause.role), (4, "structure"))
         self.assertIn("mine.py ended with exit code 0 in the middle of the run", cause.sentence)
 
+    def test_a_program_that_ends_with_0_after_its_message_was_refused_is_not_the_cause(self):
+        # Seen to fail: with "was lost" looked for anywhere in the sentence.
+        ended = [Process("coupler", "tern-coupler", None, -1, exit_code=4, ended_at=1.0),
+                 Process("structure", "mine.py", None, -1, exit_code=0, ended_at=2.0)]
+        said = "The structure process sent a Saved that cannot be used: a message was lost."
+        reports = {"coupler": {"status": "failed", "cause": said, "cause_time": 1.0}}
+        self.assertEqual(first_cause.find(ended, reports, interrupted=False).sentence, said)
+
     def test_a_run_on_a_full_disk_that_cannot_go_on_says_why(self):
         # Seen to fail: with the interval as the only reason.
         for run, said in (({"exit_code": 5, "first_cause": "Cannot write structure.h5."}, "at its end: Cannot write structure.h5"),

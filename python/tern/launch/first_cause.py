@@ -1,5 +1,6 @@
 """Why a run ended: the first cause among the ends of its processes and the reports they left."""
 
+import re
 import signal
 from dataclasses import dataclass
 
@@ -78,7 +79,8 @@ def find(processes, reports, interrupted):
                                         f"the launcher.", process.role)
         return Cause()
     for process in processes:
-        is_missed = any(f"The {process.role} process" in cause.sentence and "was lost" in cause.sentence for _, (_, cause) in failed)
+        lost = re.compile(rf"The {process.role} process( \([^)]*\))? was lost")  # session.cpp; "a message was lost" is another thing
+        is_missed = any(lost.search(cause.sentence) for _, (_, cause) in failed)
         if is_missed and process.exit_code == DONE and reports.get(process.role, {}).get("status") != "done":
             return Cause(PEER_LOST, f"{process.program} ended with exit code 0 in the middle of the run, and without a word.", process.role)
     origins = [entry for entry in failed if entry[0].exit_code != PEER_LOST]
