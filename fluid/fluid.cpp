@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "fluid/boundary/wetness.hpp"
 #include "fluid/gauges/probe.hpp"
 #include "fluid/gauges/totals.hpp"
 #include "fluid/initial_state.hpp"
@@ -39,15 +40,30 @@ const typename Fluid<D>::AllWalls& Fluid<D>::all_walls() const {
   if (!all_walls_) {
     all_walls_ = std::make_unique<AllWalls>(boundary_.walls.in_whole());
     all_walls_->finder.fill(all_walls_->walls.faces(), constants().faces.support());
+    all_walls_->space.assign(all_walls_->walls.faces().size(), -1);
   }
   if (std::exchange(all_walls_->window, windows_) == windows_) return *all_walls_;
   if (boundary_.walls.moving()) {
     all_walls_->walls.move_as(boundary_.walls);
     all_walls_->finder.fill(all_walls_->walls.faces(), constants().faces.support());
+    all_walls_->space.assign(all_walls_->walls.faces().size(), -1);
     all_walls_->clipped.reset();
   }
   all_walls_->clipped.clip(all_walls_->walls.faces(), all_walls_->finder, boundary_.surface);
   return *all_walls_;
+}
+
+template <int D>
+double Fluid<D>::space_before_wall(std::size_t k) const {
+  std::vector<int> seen;
+  if (!boundary_.walls.whole()) {
+    const Faces<D>& walls = all_walls().walls.faces();
+    double& space = all_walls_->space[k];
+    if (space < 0) space = space_before(constants(), walls, all_walls_->finder, k, seen);
+    return space;
+  }
+  const double space = boundary_.space_before_walls[k];
+  return space >= 0 ? space : space_before(constants(), boundary_.walls.faces(), boundary_.wall_finder, k, seen);
 }
 
 template <int D>
@@ -76,7 +92,6 @@ Totals<D> Fluid<D>::totals_here() const {
           fluid::momentum(mass, state_),
           fluid::angular_momentum(mass, state_),
           fluid::largest_speed(state_.velocity),
-          fluid::largest_bulk_speed(state_),
           fluid::filling(constants(), neighbours_, boundary_, correction_, state_),
           fluid_extent(reference_, state_),
           state_.size(),
@@ -125,11 +140,6 @@ VolumeDrift Fluid<D>::volume_drift() const {
 template <int D>
 double Fluid<D>::largest_speed() const {
   return domain_.alone() ? fluid::largest_speed(state_.velocity) : totals_.largest_speed;
-}
-
-template <int D>
-double Fluid<D>::largest_bulk_speed() const {
-  return domain_.alone() ? fluid::largest_bulk_speed(state_) : totals_.largest_bulk_speed;
 }
 
 template <int D>

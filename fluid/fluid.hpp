@@ -110,6 +110,8 @@ class Fluid {
     const AllWalls& all = all_walls();
     return {{{all.clipped.none() ? &all.walls.faces() : &all.clipped.faces(), &all.finder}, of_structure}};
   }
+  /// Part of sum V w that walls leave open in front of patch k of walls(), without a structure (wetness.hpp).
+  double space_before_wall(std::size_t k) const;
   const StepTiming& timing() const { return timing_; }
   Evaluations evaluations() const { return domain_.alone() ? state_.evaluations : totals_.evaluations; }
 
@@ -127,8 +129,7 @@ class Fluid {
   Vector<D> momentum() const;
   Vector<3> angular_momentum() const;
   VolumeDrift volume_drift() const;
-  double largest_speed() const;       ///< [m/s]
-  double largest_bulk_speed() const;  ///< spray left out [m/s]
+  double largest_speed() const;  ///< [m/s]
   std::size_t spray_particles() const;
   /// Pressure at a point, first order; nothing where fewer than half a kernel of fluid is around [Pa].
   std::optional<double> pressure_at(const Vector<D>& x) const;
@@ -143,7 +144,8 @@ class Fluid {
     Walls<D> walls;
     FaceFinder<D> finder;
     ClippedWalls<D> clipped;
-    std::int64_t window = -1;  ///< as of which they stand and the structure has clipped them
+    std::vector<double> space;  ///< before each of their patches, negative: not known
+    std::int64_t window = -1;   ///< as of which they stand and the structure has clipped them
   };
   const AllWalls& all_walls() const;
 

@@ -56,6 +56,15 @@ inline Four larger(const Four& a, const Four& b) {
 #endif
 }
 
+/// The smaller of each two; the second where the first is not a number.
+inline Four smaller(const Four& a, const Four& b) {
+#ifdef __AVX__
+  return reinterpret_cast<Four>(_mm256_min_pd(reinterpret_cast<__m256d>(a), reinterpret_cast<__m256d>(b)));
+#else
+  return a < b ? a : b;
+#endif
+}
+
 inline void store(const Four& four, double* to) { std::memcpy(to, &four, sizeof four); }
 
 /// Eight numbers in single precision: of two groups.

@@ -49,7 +49,6 @@ void Fluid<D>::begin_window(Ticks begin, Ticks duration) {
   traffic_at_begin_ = Ranks::traffic();
   window_ = {seconds(begin), seconds(duration)};
   state_.time = begin;
-  prediction_.bulk_speed = largest_bulk_speed();
   predict(reference_.gravity, window_, state_, prediction_);
   wrap_into_period(reference_.period, state_, prediction_);
   domain_.migrate(state_, prediction_);
@@ -82,10 +81,10 @@ InterfaceParticles<D> Fluid<D>::see_surface(const Surface<D>& surface) {
     add_viscosity<D>(constants, window_.duration, neighbours_, boundary_, prediction_.position, packed_.velocity, prediction_.velocity);
   }
   compute_velocity_gradient(reference_.period, neighbours_, correction_, state_.particle_class, packed_);  // L
-  if (const double share = damped_share(reference_, window_.duration, prediction_.bulk_speed); share > 0) {
+  if (constants.numerics.noise_damping > 0) {
     state_.evaluations.noise_damping += static_cast<long>(state_.size());
     packed_.with_gradient([&](auto&... values) { domain_.particles().update(values...); });
-    damp_velocity_noise(share, reference_.period, neighbours_, state_.particle_class, packed_, prediction_.velocity);
+    damp_velocity_noise(reference_, window_.duration, neighbours_, state_.particle_class, packed_, prediction_.velocity);
   }
   compute_divergence(nullptr);  // div u*
 
@@ -115,7 +114,8 @@ void Fluid<D>::prepare_pressure() {
   ScopedTimer timer(timing_.assembly);
   if (reference_.constants.numerics.density_relaxation > 0) {
     state_.evaluations.density_source += static_cast<long>(state_.size());
-    compute_density_source(reference_, prediction_.bulk_speed, neighbours_, boundary_, correction_, state_.particle_class, density_source_);
+    compute_density_source(reference_, window_.duration, packed_, neighbours_, boundary_, correction_, state_.particle_class,
+                           density_source_);
   }
   find_enclosed_fluid(domain_, neighbours_, correction_, state_, system_);
   set_divergence_target(window_.duration, neighbours_, beside_structure_, packed_, density_source_, divergence_target_);

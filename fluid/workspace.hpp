@@ -24,7 +24,6 @@ struct Prediction {
   std::vector<Vector<D>> velocity;              ///< u*, then u**, then u^{n+1} [m/s]
   std::vector<Vector<D>> gravity;               ///< at r* [m/s^2]
   std::vector<Vector<D>> unprojected_velocity;  ///< u* before the first coupling iteration; empty: not kept [m/s]
-  double bulk_speed = 0;                        ///< largest at the begin of the window, spray left out [m/s]
 };
 
 /// Order of the particles in rows.
@@ -57,17 +56,18 @@ template <int D>
 struct PackedVelocities {
   ByAxis<D> velocity;  ///< when it was last packed [m/s]
   // The gradient L, du_a/dx_b, in the parts that sums over pairs and the particle alone read; zero where there is none.
-  ByAxis<D> half_stretch;           ///< [a]: L_aa / 2 [1/s]
-  ByPair<D> shear;                  ///< of axes a < b: (L_ab + L_ba) / 2 [1/s]
-  ByPair<D> spin;                   ///< of axes a < b: (L_ab - L_ba) / 2 [1/s]
-  std::vector<double> strain_rate;  ///< sqrt(2 E:E), E = (L + L^T)/2: that of a shear du/dy is |du/dy|; without_gradient [1/s]
+  ByAxis<D> half_stretch;             ///< [a]: L_aa / 2 [1/s]
+  ByPair<D> shear;                    ///< of axes a < b: (L_ab + L_ba) / 2 [1/s]
+  ByPair<D> spin;                     ///< of axes a < b: (L_ab - L_ba) / 2 [1/s]
+  std::vector<double> strain_rate;    ///< sqrt(2 E:E), E = (L + L^T)/2: that of a shear du/dy is |du/dy|; without_gradient [1/s]
+  std::vector<double> gradient_size;  ///< sqrt(L:L) [1/s]
   static constexpr double without_gradient = 1e200;  ///< of such a particle all motion counts as resolved, to less than rounding
 
   /// Calls visit(values...) with all arrays that sums over pairs read of the gradient.
   template <class Visit>
   void with_gradient(Visit&& visit) {
     const auto tie = [](auto&... values) { return std::tie(values...); };
-    std::apply(visit, std::tuple_cat(std::apply(tie, half_stretch), std::apply(tie, shear), std::tie(strain_rate)));
+    std::apply(visit, std::tuple_cat(std::apply(tie, half_stretch), std::apply(tie, shear), std::tie(strain_rate, gradient_size)));
   }
 };
 

@@ -15,16 +15,20 @@
 
 namespace tern {
 
-/// Flat patches; all arrays of one length. Normals point into the fluid.
+/// Flat patches; all arrays of one length, but for those that may be empty. Normals point into the fluid.
 template <int D>
 struct Faces {
-  std::vector<Vector<D>> position, velocity, normal;
+  std::vector<Vector<D>> position, normal;
   std::vector<double> area;                 ///< [m^(D-1)]
-  std::vector<double> normal_acceleration;  ///< of the face along its normal [m/s^2]
   std::vector<std::uint8_t> two_sided;      ///< fluid may stand behind it: it cuts lines of sight
-  std::vector<int> original;                ///< patch of which this is an image in a periodic space, or the patch itself
+  std::vector<Vector<D>> velocity;          ///< [m/s]; empty: all are at rest
+  std::vector<double> normal_acceleration;  ///< of the face along its normal [m/s^2]; empty: 0 everywhere
+  std::vector<int> original;                ///< patch of which this is an image in a periodic space, or the patch itself; empty: no images
 
   std::size_t size() const { return position.size(); }
+  Vector<D> velocity_of(std::size_t k) const { return velocity.empty() ? Vector<D>(Vector<D>::Zero()) : velocity[k]; }
+  double acceleration_of(std::size_t k) const { return normal_acceleration.empty() ? 0 : normal_acceleration[k]; }
+  int original_of(std::size_t k) const { return original.empty() ? static_cast<int>(k) : original[k]; }
 };
 
 /// Faces seen by each particle: entries begin[i] .. begin[i] + count[i] - 1 of `face` and `weight`.

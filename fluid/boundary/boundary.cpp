@@ -32,7 +32,6 @@ void set_surface(const Constants<D>& constants, const Surface<D>& surface, Bound
   faces.velocity = surface.velocity;
   faces.normal = surface.normal;
   faces.area = surface.area;
-  faces.normal_acceleration.assign(surface.position.size(), 0);
   faces.two_sided.assign(surface.position.size(), 1);
   boundary.surface_finder.fill(faces, constants.faces.support());
   boundary.clipped_walls.clip(boundary.walls.faces(), boundary.wall_finder, faces);

@@ -47,9 +47,7 @@ void set_wall_sums(const Constants<D>& constants, const std::vector<Vector<D>>& 
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(rows.begin.size());
   for (auto* v : {&sums.number_density, &sums.flux}) v->resize(n);
   for (auto* m : {&sums.moment, &sums.tangential}) m->resize(n);
-  for (auto* v :
-       {&sums.wall_gradient, &sums.mirrored_hydrostatic, &sums.surface_gradient, &sums.back_facing_gradient, &sums.unborne_gradient})
-    v->resize(n);
+  for (auto* v : {&sums.wall_gradient, &sums.mirrored_hydrostatic, &sums.back_facing_gradient, &sums.unborne_gradient}) v->resize(n);
   parallel_for(n, [&](std::ptrdiff_t i) {
     const HiddenSums<D> hidden = sum_hidden_by_walls(constants, position[i], faces, i, rows);
     sums.number_density[i] = hidden.density;
@@ -59,7 +57,6 @@ void set_wall_sums(const Constants<D>& constants, const std::vector<Vector<D>>& 
     // A wall fixes the pressure gradient along its normal only. Along the face the fluid behind the mirror has the
     // gradient of the fluid before it, whatever that is: none in a free fall along the wall.
     sums.mirrored_hydrostatic[i] = constants.density * (hidden.across * gravity[i] - hidden.accelerated);
-    sums.surface_gradient[i].setZero();
     sums.back_facing_gradient[i].setZero();
     sums.unborne_gradient[i].setZero();
     sums.flux[i] = hidden.flux;
@@ -134,7 +131,8 @@ void close_round_wall_corners(const Constants<D>& constants, const std::vector<V
   const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
   const std::vector<std::uint8_t> none_covered;
   sums.corner_scratch.resize(std::max<std::size_t>(threads, sums.corner_scratch.size()));
-  sums.back_facing_acceleration.assign(n, 0);
+  const bool moving = !walls.normal_acceleration.empty();
+  if (moving) sums.back_facing_acceleration.assign(n, 0);
 #pragma omp parallel num_threads(threads)
   {
     CornerView<D> corners(walls, finder, none_covered, constants.faces, sums.corner_scratch[omp_get_thread_num()]);
@@ -154,7 +152,7 @@ void close_round_wall_corners(const Constants<D>& constants, const std::vector<V
         const double weight = rows.wet[k] * walls.area[k] * constants.faces.surface_weight(d.norm());
         sums.back_facing_gradient[i] -= weight * walls.normal[k];
         sums.unborne_gradient[i] -= weight * walls.normal[k];
-        sums.back_facing_acceleration[i] += weight * walls.normal_acceleration[k];
+        if (moving) sums.back_facing_acceleration[i] += weight * walls.normal_acceleration[k];
       }
       if (!any) continue;
       // There is no one normal across which the fluid is mirrored: of each face what it puts on the particle where quantities vary linearly
@@ -166,7 +164,7 @@ void close_round_wall_corners(const Constants<D>& constants, const std::vector<V
         const Vector<D>& normal = walls.normal[k];
         const double twice = -2 * rows.weight[entry] * (walls.position[k] - x).dot(normal);
         across += twice * normal * normal.transpose();
-        accelerated += (twice * walls.normal_acceleration[k]) * normal;
+        accelerated += (twice * walls.acceleration_of(k)) * normal;
       }
       sums.tangential[i] = sums.moment[i] - across;
       sums.mirrored_hydrostatic[i] = constants.density * (across * gravity[i] - accelerated);
@@ -179,6 +177,7 @@ void add_surface_sums(const Constants<D>& constants, const std::vector<Vector<D>
                       const Faces<D>& faces, const FaceFinder<D>& finder, const std::vector<std::uint8_t>& covered, FaceRows& rows,
                       BoundarySums<D>& sums) {
   for (auto& of_thread : sums.back_facing) of_thread.clear();
+  sums.surface_gradient.clear();
   if (rows.face.empty()) return;
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(rows.begin.size()), count = static_cast<std::ptrdiff_t>(faces.size());
   const int threads = n < parallel_threshold ? 1 : omp_get_max_threads();
@@ -189,6 +188,7 @@ void add_surface_sums(const Constants<D>& constants, const std::vector<Vector<D>
     if (rows.count[i] > 0) sums.cell_sees[finder.cell(position[i])] = 1;
   sums.corner_scratch.resize(std::max<std::size_t>(threads, sums.corner_scratch.size()));
   sums.linear_moment.resize(n);
+  sums.surface_gradient.assign(n, Vector<D>::Zero());
   sums.back_facing.resize(threads);
 #pragma omp parallel num_threads(threads)
   {

@@ -23,7 +23,7 @@ struct BoundarySums {
   std::vector<Vector<D>> wall_gradient;  ///< sum_hidden V grad w behind walls [1/m]
   std::vector<Matrix<D>> tangential;     ///< T = sum_hidden V grad w (r_j - r_i)_t^T, _t: along the face (beside corners: see THEORY) [-]
   std::vector<Vector<D>> mirrored_hydrostatic;  ///< sum_hidden V grad w rho (g - a_w)_n (r_j - r_i)_n behind walls [Pa/m]
-  std::vector<Vector<D>> surface_gradient;      ///< sum_hidden V grad w behind the structure [1/m]
+  std::vector<Vector<D>> surface_gradient;      ///< sum_hidden V grad w behind the structure; empty: none is seen [1/m]
   std::vector<Vector<D>> back_facing_gradient;  ///< what back-facing faces take from both (convex_corner.hpp) [1/m]
   std::vector<Vector<D>> unborne_gradient;      ///< of the structure and of back-facing faces, what is not the interface's [1/m]
   std::vector<Vector<D>> reaction;        ///< of the same, as the interface has it under a uniform pressure; at the structure alone [1/m]
@@ -37,6 +37,11 @@ struct BoundarySums {
   std::vector<std::vector<BackFacing>> back_facing;  ///< by thread: particle by particle
   std::vector<double> flux;                          ///< sum_k A_k w~_ik n_k . u_k of all faces [1/s]
   std::vector<double> back_facing_acceleration;      ///< sum_k A_k w~_ik n_k . a_k of the back-facing ones of walls that move [1/s^2]
+
+  /// Of walls and structure.
+  Vector<D> faces_gradient(std::ptrdiff_t i) const {
+    return surface_gradient.empty() ? wall_gradient[i] : Vector<D>(wall_gradient[i] + surface_gradient[i]);
+  }
 };
 
 /// Sums over the hidden side of the walls, and the weights of the rows. `gravity`: at each particle [m/s^2].

@@ -23,8 +23,8 @@ void fill_batch(double support, const Vector<D>& x, const Faces<D>& faces, const
     for (int c = 0; c < D; ++c) b.direction[c][m] = faces.position[k][c] - x[c], b.normal[c][m] = faces.normal[k][c];
     b.area[m] = faces.area[k];
     b.wet[m] = rows.wet.empty() ? 1 : rows.wet[k];
-    b.speed[m] = faces.velocity[k].dot(faces.normal[k]);
-    b.acceleration[m] = faces.normal_acceleration[k];
+    b.speed[m] = faces.velocity_of(k).dot(faces.normal[k]);
+    b.acceleration[m] = faces.acceleration_of(k);
   }
   // Faces as far away as can be, with nothing hidden.
   for (int m = n; m % lanes != 0; ++m) {

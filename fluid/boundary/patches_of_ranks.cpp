@@ -23,7 +23,7 @@ void share_patches(const Domain<D>& domain, const Constants<D>& constants, const
   for (int k = 0, next; k < count; k = next) {
     // What is filled of a patch and of its images beyond the end of a period is one number, that of the first of them.
     needs.clear();
-    for (next = k; next < count && walls.original[next] == k; ++next)
+    for (next = k; next < count && walls.original_of(next) == k; ++next)
       domain.for_owners_around(walls.position[next], reach, [&](int rank) {
         if (holds(rank, k)) needs.push_back(rank);
       });

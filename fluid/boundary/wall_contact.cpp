@@ -24,7 +24,7 @@ void settle_wall_contacts(const Constants<D>& constants, double duration, const 
       const int k = boundary.wall_rows.face[entry];
       const Vector<D>& normal = faces.normal[k];
       const double height = (position[i] - faces.position[k]).dot(normal);
-      const double excess = (faces.velocity[k] - velocity[i]).dot(normal) - permitted_approach(height, distance, duration);
+      const double excess = (faces.velocity_of(k) - velocity[i]).dot(normal) - permitted_approach(height, distance, duration);
       if (excess > 0 && stands_over<D>(faces.position[k], normal, faces.area[k], position[i])) {
         velocity[i] += excess * normal;
         stopped[i] += (excess / duration) * normal;

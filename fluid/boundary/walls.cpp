@@ -112,6 +112,7 @@ void Walls<D>::hold(const std::vector<std::vector<Bounds<D>>>& boxes_of_walls, c
   faces_ = {};
   slip_.clear();
   std::vector<std::int64_t> numbers;
+  bool any_image = false;
   for (std::size_t w = 0; w < walls_.size(); ++w) {
     Wall<D>& wall = walls_[w];
     wall.first = faces_.size();
@@ -120,21 +121,24 @@ void Walls<D>::hold(const std::vector<std::vector<Bounds<D>>>& boxes_of_walls, c
                       [&](const Vector<D>& x, const Vector<D>& normal, double area, std::int64_t number, bool image) {
                         if (!image) original = static_cast<int>(faces_.size());
                         faces_.position.push_back(x);
-                        faces_.velocity.push_back(Vector<D>::Zero());
                         faces_.normal.push_back(normal);
                         faces_.area.push_back(area);
-                        faces_.normal_acceleration.push_back(0);
                         faces_.two_sided.push_back(!wall.scene.container);
+                        any_image = any_image || image;
                         faces_.original.push_back(original);
                         slip_.push_back(wall.scene.slip);
                         numbers.push_back(number);
                       });
     wall.last = faces_.size();
   }
-  for (auto* v : {&faces_.position, &faces_.velocity, &faces_.normal}) v->shrink_to_fit();
-  for (auto* v : {&faces_.area, &faces_.normal_acceleration}) v->shrink_to_fit();
+  if (!any_image) faces_.original.clear();
+  for (auto* v : {&faces_.position, &faces_.normal}) v->shrink_to_fit();
+  faces_.area.shrink_to_fit();
+  faces_.original.shrink_to_fit();
   hold_planes(near, numbers);
   if (!moving_) return;
+  faces_.velocity.assign(faces_.size(), Vector<D>::Zero());
+  faces_.normal_acceleration.assign(faces_.size(), 0);
   reference_ = faces_.position;
   reference_normal_ = faces_.normal;
   place_patches();
@@ -297,7 +301,7 @@ WallRates Walls<D>::move_over(double begin, double duration, double last_duratio
     largest.speed = std::max(largest.speed, velocity.norm());
     largest.acceleration = std::max(largest.acceleration, std::abs(normal_acceleration));
   };
-  for (std::size_t k = 0; whole_ && k < faces_.size(); ++k) add(faces_.velocity[k], faces_.normal_acceleration[k]);
+  for (std::size_t k = 0; whole_ && moving_ && k < faces_.size(); ++k) add(faces_.velocity[k], faces_.normal_acceleration[k]);
   for (std::size_t k = 0; k < watched_.wall.size(); ++k) {
     const MovedPatch<D> patch(walls_[watched_.wall[k]], watched_.position[k], watched_.normal[k], duration);
     add(patch.velocity, patch.normal_acceleration);

@@ -58,6 +58,12 @@ double hidden_density(const Constants<D>& constants, const Faces<D>& faces, cons
 }
 
 template <int D>
+double space_before(const Constants<D>& constants, const Faces<D>& walls, const FaceFinder<D>& finder, std::size_t k,
+                    std::vector<int>& seen) {
+  return std::max(0.0, constants.lattice.density - hidden_density(constants, walls, finder, just_before(constants, walls, k), seen));
+}
+
+template <int D>
 void leave_out_dry_walls(const Constants<D>& constants, const Halo& patches, const std::vector<Vector<D>>& position, const Faces<D>& walls,
                          const Faces<D>& whole_walls, const FaceFinder<D>& wall_finder, std::vector<double>& space,
                          const Faces<D>& structure, const FaceFinder<D>& structure_finder, const std::vector<PlaneWall>& planes,
@@ -85,7 +91,7 @@ void leave_out_dry_walls(const Constants<D>& constants, const Halo& patches, con
       }
       for (int entry = wall_rows.begin[i]; entry < wall_rows.begin[i] + wall_rows.count[i]; ++entry) {
         const int k = wall_rows.face[entry];
-        filled[walls.original[k]] += std::llrint(scale * constants.kernel.value((walls.position[k] - position[i]).norm()));
+        filled[walls.original_of(k)] += std::llrint(scale * constants.kernel.value((walls.position[k] - position[i]).norm()));
       }
     }
     if (!patches.alone()) {
@@ -101,14 +107,13 @@ void leave_out_dry_walls(const Constants<D>& constants, const Halo& patches, con
       if (sum == 0) continue;
       const Vector<D> x = just_before(constants, walls, k);
       std::vector<int>& seen = wall_rows.seen[omp_get_thread_num()];
-      if (space[k] < 0)
-        space[k] = std::max(0.0, constants.lattice.density -
-                                     hidden_density(constants, whole_walls, wall_finder, just_before(constants, whole_walls, k), seen));
+      if (space[k] < 0) space[k] = space_before(constants, whole_walls, wall_finder, static_cast<std::size_t>(k), seen);
       const double hidden = hidden_density(constants, structure, structure_finder, x, seen);
       wall_rows.wet[k] = wet_share(filled_unit * static_cast<double>(sum) / std::max(space[k] - hidden, 0.02));
     }
   }
-  for (std::ptrdiff_t k = 0; k < count; ++k) wall_rows.wet[k] = wall_rows.wet[walls.original[k]];  // an image comes after its original
+  // An image comes after its original.
+  for (std::ptrdiff_t k = 0; k < count; ++k) wall_rows.wet[k] = wall_rows.wet[walls.original_of(k)];
 }
 
 template <int D>
@@ -153,6 +158,7 @@ void leave_out_dry_bodies(const Constants<D>& constants, const Ranks& ranks, con
 
 #define TERN_INSTANTIATE(D)                                                                                                               \
   template double hidden_density<D>(const Constants<D>&, const Faces<D>&, const FaceFinder<D>&, const Vector<D>&, std::vector<int>&);     \
+  template double space_before<D>(const Constants<D>&, const Faces<D>&, const FaceFinder<D>&, std::size_t, std::vector<int>&);            \
   template void leave_out_dry_walls<D>(const Constants<D>&, const Halo&, const std::vector<Vector<D>>&, const Faces<D>&, const Faces<D>&, \
                                        const FaceFinder<D>&, std::vector<double>&, const Faces<D>&, const FaceFinder<D>&,                 \
                                        const std::vector<PlaneWall>&, FaceRows&);                                                         \

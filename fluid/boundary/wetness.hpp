@@ -16,6 +16,11 @@ template <int D>
 double hidden_density(const Constants<D>& constants, const Faces<D>& faces, const FaceFinder<D>& finder, const Vector<D>& x,
                       std::vector<int>& seen);
 
+/// Part of sum V w that walls leave open just in front of their patch k. `seen`: scratch.
+template <int D>
+double space_before(const Constants<D>& constants, const Faces<D>& walls, const FaceFinder<D>& finder, std::size_t k,
+                    std::vector<int>& seen);
+
 /// A wall mirrors the fluid in front of it; where there is none, above the water or beside a jet, nothing is behind it either. Sets
 /// `wall_rows.wet` to the share of each wall patch that is wet, from the filled share of the `space` in front of it, less what the
 /// structure takes of that. `patches`: that other ranks fill as well. `space`: part of sum V w that walls leave open in front of each of

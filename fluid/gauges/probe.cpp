@@ -92,6 +92,20 @@ void Probe<D>::for_particles_around(const Vector<D>& x, Visit&& visit) const {
     for_images(fluid_.period(), x, low_, high_, constants.kernel.support(), [&](const Vector<D>& shift) { around(x + shift); });
 }
 
+/// A point on a wall sees it only from a little nearer to the fluid.
+template <int D>
+Vector<D> Probe<D>::off_wall_at(const Vector<D>& x, const Vector<D>& normal) const {
+  return x + off_wall * fluid_.constants().spacing * normal;
+}
+
+template <int D>
+bool Probe<D>::any_around(const Vector<D>& x) const {
+  if (fluid_.period().any()) return true;
+  bool any = false;
+  grid_.for_rows_around(x, [&](int low, int high) { any = any || contents_.start[high + 1] > contents_.start[low]; });
+  return any;
+}
+
 template <int D>
 std::optional<double> Probe<D>::pressure(const Vector<D>& x) const {
   // Weighted linear fit over the fluid around x: exact for a hydrostatic field up to the wall itself.
@@ -132,10 +146,8 @@ double Probe<D>::filling(const Vector<D>& x) const {
 template <int D>
 double Probe<D>::filling(const Vector<D>& x, double sum, const Vector<D>& centroid) const {
   if (sum == 0) return 0;
-  // A point on a wall sees it only from a little nearer to the fluid. Deep in a corner little is left to be filled, and the
-  // quotient would be noise.
-  const Vector<D> seen_from = x + off_wall * fluid_.constants().spacing * centroid.normalized();
-  return sum / std::max(fluid_.constants().lattice.density - hidden(seen_from), 0.1);
+  // Deep in a corner little is left to be filled, and the quotient would be noise.
+  return sum / std::max(fluid_.constants().lattice.density - hidden(off_wall_at(x, centroid.normalized())), 0.1);
 }
 
 template <int D>
@@ -230,51 +242,43 @@ bool Probe<D>::solid(const Vector<D>& x) const {
   return false;
 }
 
-/// Calls visit(i, d, w) as for_particles_around() for those of the fluid that the wall sees from its point x; nothing where a body or
-/// another wall stands there.
 template <int D>
-template <class Visit>
-void Probe<D>::for_particles_before(const Vector<D>& x, const Vector<D>& normal, Visit&& visit) const {
-  struct Near {
-    int i;
-    Vector<D> d;
-    double w;
-  };
+std::vector<typename Probe<D>::Near> Probe<D>::before_wall(const Vector<D>& x, const Vector<D>& normal) const {
   std::vector<Near> before;
   for_particles_around(x, [&](int i, const Vector<D>& d, double w) {
     if (!fluid_.state().particle_class[i].spray() && d.dot(normal) > 0) before.push_back({i, d, w});
   });
-  if (before.empty()) return;  // most walls are dry, and what follows takes longer
-  const Vector<D> eye = x + off_wall * fluid_.constants().spacing * normal;
-  if (obstructed(eye)) return;  // another wall may stand on this one, or a body
+  if (before.empty()) return before;  // most walls are dry, and what follows takes longer
+  const Vector<D> eye = off_wall_at(x, normal);
+  if (obstructed(eye)) return {};  // another wall may stand on this one, or a body
   std::vector<std::pair<const Faces<D>*, int>> screens;
+  std::vector<int> seen;
   for (const auto& [faces, finder] : fluid_.faces()) {
-    std::vector<int> seen;
+    seen.clear();
     finder->see(*faces, eye, seen);
     for (int k : seen)
       if (faces->two_sided[k]) screens.emplace_back(faces, k);
   }
-  const auto screened = [&](const Vector<D>& particle) {
+  std::erase_if(before, [&](const Near& near) {
     return std::any_of(screens.begin(), screens.end(),
-                       [&](const auto& screen) { return patch_separates(*screen.first, screen.second, eye, particle); });
-  };
-  for (const Near& near : before)
-    if (!screened(x + near.d)) visit(near.i, near.d, near.w);
+                       [&](const auto& screen) { return patch_separates(*screen.first, screen.second, eye, Vector<D>(x + near.d)); });
+  });
+  return before;
 }
 
 // Mean of what the wall mirrors of each particle before it, p = p_i + rho (g - a_w) . (x - x_i): the pressure that the
 // pressure gradient of the step uses behind walls (boundary.cpp).
 template <int D>
-std::optional<double> Probe<D>::wall_pressure(const Vector<D>& x, const Vector<D>& normal, double normal_acceleration) const {
+double Probe<D>::wall_pressure(const std::vector<Near>& before, const Vector<D>& x, const Vector<D>& normal,
+                               double normal_acceleration) const {
   const Constants<D>& constants = fluid_.constants();
   const Vector<D> acceleration = fluid_.gravity_at(time_, x) - normal_acceleration * normal;
   double sum = 0, weight = 0;
-  for_particles_before(x, normal, [&](int i, const Vector<D>& d, double w) {
-    sum += w * (fluid_.state().pressure[i] - constants.density * acceleration.dot(d));
-    weight += w;
-  });
-  if (weight == 0) return std::nullopt;
-  return sum / weight;
+  for (const Near& near : before) {
+    sum += near.w * (fluid_.state().pressure[near.i] - constants.density * acceleration.dot(near.d));
+    weight += near.w;
+  }
+  return weight > 0 ? sum / weight : 0;
 }
 
 template <int D>
@@ -282,7 +286,7 @@ std::pair<double, Vector<D>> Probe<D>::open_part(const Faces<D>& faces, std::siz
   constexpr int count = 4;  // along each side
   const double side = D == 2 ? faces.area[k] : std::sqrt(faces.area[k]);
   const auto along = tangents<D>(faces.normal[k]);
-  const Vector<D> eye = faces.position[k] + off_wall * fluid_.constants().spacing * faces.normal[k];
+  const Vector<D> eye = off_wall_at(faces.position[k], faces.normal[k]);
   Vector<D> sum = Vector<D>::Zero();
   int open = 0, all = 0;
   for (int b = 0; b < (D == 2 ? 1 : count); ++b)
@@ -298,27 +302,34 @@ std::pair<double, Vector<D>> Probe<D>::open_part(const Faces<D>& faces, std::siz
 
 // As in the sums of the fluid over the hidden side (wetness.cpp).
 template <int D>
-double Probe<D>::share_of_wall(const Vector<D>& x, const Vector<D>& normal) const {
+double Probe<D>::share_of_wall(const std::vector<Near>& before, double space) const {
   double filled = 0;
-  for_particles_before(x, normal, [&](int, const Vector<D>&, double w) { filled += w; });
-  if (filled == 0) return 0;
-  const Constants<D>& constants = fluid_.constants();
-  return wet_share(filled / std::max(constants.lattice.density - hidden(x + off_wall * constants.spacing * normal), least_space));
+  for (const Near& near : before) filled += near.w;
+  return filled == 0 ? 0 : wet_share(filled / std::max(space, least_space));
+}
+
+template <int D>
+double Probe<D>::space_before(const Faces<D>& faces, std::size_t k) const {
+  const auto [bodies, finder] = fluid_.faces()[1];
+  if (bodies->size() == 0) return fluid_.space_before_wall(k);
+  std::vector<int> seen;
+  return fluid_.space_before_wall(k) -
+         hidden_density(fluid_.constants(), *bodies, *finder, off_wall_at(faces.position[k], faces.normal[k]), seen);
 }
 
 // What add_viscosity() takes from the particles before the patch, mu sum_i 2 V A_k w~ (u_i - u_k)/y, but with velocities as seen by one who
 // turns with the wall, u_k + omega x d for u_k: the traction is mu (du/dn + grad(u . n)). Its second part does nothing to a fluid of one
 // viscosity, but is there on the wall, to which the fluid sticks: grad(u . n) = -omega x n.
 template <int D>
-Vector<D> Probe<D>::friction(const Wall<D>& wall, const Faces<D>& faces, std::size_t k) const {
+Vector<D> Probe<D>::friction(const std::vector<Near>& before, const Wall<D>& wall, const Faces<D>& faces, std::size_t k) const {
   const Constants<D>& constants = fluid_.constants();
   Vector<D> force = Vector<D>::Zero();
-  for_particles_before(faces.position[k], faces.normal[k], [&](int i, const Vector<D>& d, double) {
-    const double height = seen_height(constants, d.dot(faces.normal[k]));
-    Vector<D> of_wall = faces.velocity[k];
-    if (wall.scene.motion) of_wall += turning_velocity<D>(wall.now.turn_rate, wall.scene.motion->axis, d);
-    force += constants.faces.surface_weight(d.norm()) / height * (fluid_.state().velocity[i] - of_wall);
-  });
+  for (const Near& near : before) {
+    const double height = seen_height(constants, near.d.dot(faces.normal[k]));
+    Vector<D> of_wall = faces.velocity_of(k);
+    if (wall.scene.motion) of_wall += turning_velocity<D>(wall.now.turn_rate, wall.scene.motion->axis, near.d);
+    force += constants.faces.surface_weight(near.d.norm()) / height * (fluid_.state().velocity[near.i] - of_wall);
+  }
   return 2 * constants.viscosity * constants.mass * faces.area[k] * force;
 }
 
@@ -338,7 +349,7 @@ void Probe<D>::for_contacts(const Wall<D>& wall, bool spray, Visit&& visit) cons
       if (faces.normal[k].dot(state.stopped[i]) > 0.5 * size && (nearest < 0 || distance < least)) nearest = k, least = distance;
     });
     if (nearest < 0) continue;
-    const std::size_t k = static_cast<std::size_t>(faces->original[nearest]);
+    const std::size_t k = static_cast<std::size_t>(faces->original_of(nearest));
     if (k >= wall.first && k < wall.last) visit(k, Vector<D>(-fluid_.constants().mass * state.stopped[i]));
   }
 }
@@ -369,10 +380,11 @@ std::optional<double> Probe<D>::sensor(const Wall<D>& wall, const Vector<D>& at,
       const Vector<D> x = centre + diameter * (u * along[0] + v * along[1]);
       const std::size_t k =
           *std::min_element(near.begin(), near.end(), [&](auto one, auto other) { return squared(one, x) < squared(other, x); });
-      const double wet = share_of_wall(faces.position[k], faces.normal[k]);
+      const double wet = share_of_wall(before_wall(faces.position[k], faces.normal[k]), space_before(faces, k));
       if (wet == 0) continue;
       if (!fluid_.has_pressure()) return std::nullopt;
-      sum += wet * wall_pressure(x, faces.normal[middle], faces.normal_acceleration[middle]).value_or(0);
+      const Vector<D>& normal = faces.normal[middle];
+      sum += wet * wall_pressure(before_wall(x, normal), x, normal, faces.acceleration_of(middle));
     }
   double by_contact = 0;
   for_contacts(wall, false, [&](std::size_t k, const Vector<D>& force) {
@@ -397,14 +409,19 @@ std::optional<WallForce<D>> Probe<D>::force(const Wall<D>& wall, const Vector<D>
   };
   for_contacts(wall, true, add);
   for (std::size_t k = wall.first; k < wall.last; ++k) {
-    if (faces.original[k] != static_cast<int>(k)) continue;  // an image of a patch already counted
+    if (faces.original_of(k) != static_cast<int>(k)) continue;  // an image of a patch already counted
+    if (!any_around(faces.position[k])) continue;
+    const Vector<D>& normal = faces.normal[k];
     const auto [open, place] = open_part(faces, k);
-    const double wet = open == 0 ? 0 : open * share_of_wall(place, faces.normal[k]);
+    if (open == 0) continue;
+    const std::vector<Near> before = before_wall(place, normal);
+    if (before.empty()) continue;
+    const double space = open == 1 ? space_before(faces, k) : fluid_.constants().lattice.density - hidden(off_wall_at(place, normal));
+    const double wet = open * share_of_wall(before, space);
     if (wet == 0) continue;
     if (!fluid_.has_pressure()) return std::nullopt;
-    const double p = wall_pressure(place, faces.normal[k], faces.normal_acceleration[k]).value();
-    Vector<D> force = -p * faces.area[k] * faces.normal[k];
-    if (fluid_.constants().viscosity > 0 && !fluid_.walls().slips(static_cast<int>(k))) force += friction(wall, faces, k);
+    Vector<D> force = -wall_pressure(before, place, normal, faces.acceleration_of(k)) * faces.area[k] * normal;
+    if (fluid_.constants().viscosity > 0 && !fluid_.walls().slips(static_cast<int>(k))) force += friction(before, wall, faces, k);
     add(k, wet * force);
   }
   return total;

@@ -60,22 +60,33 @@ class Probe {
  private:
   template <class Visit>
   void for_particles_around(const Vector<D>& x, Visit&& visit) const;
-  template <class Visit>
-  void for_particles_before(const Vector<D>& x, const Vector<D>& normal, Visit&& visit) const;
+  /// A particle near a point x: the vector d from x to it, w = V w(|d|).
+  struct Near {
+    int i;
+    Vector<D> d;
+    double w;
+  };
+  /// Whether there may be particles within the support of x.
+  bool any_around(const Vector<D>& x) const;
+  /// The particles of the fluid that a wall sees from its point x; none where a body or another wall stands there.
+  std::vector<Near> before_wall(const Vector<D>& x, const Vector<D>& normal) const;
   double hidden(const Vector<D>& x) const;
   double filling(const Vector<D>& x, double sum, const Vector<D>& centroid) const;
-  /// Where the wall is wet; nothing where no particle is before it [Pa].
-  std::optional<double> wall_pressure(const Vector<D>& x, const Vector<D>& normal, double normal_acceleration) const;
+  /// On the wall at its point x, by the particles before it; 0 where there are none [Pa].
+  double wall_pressure(const std::vector<Near>& before, const Vector<D>& x, const Vector<D>& normal, double normal_acceleration) const;
   /// Share of the patch before which nothing solid stands, and the middle of that part.
   std::pair<double, Vector<D>> open_part(const Faces<D>& faces, std::size_t k) const;
-  /// Share of the wall around its point x that is wet, from 0 to 1.
-  double share_of_wall(const Vector<D>& x, const Vector<D>& normal) const;
+  /// Share of the wall that is wet, from 0 to 1, at a point with these particles and this space before it, a part of sum V w.
+  double share_of_wall(const std::vector<Near>& before, double space) const;
+  /// Before patch k of walls: what walls and bodies leave open of sum V w.
+  double space_before(const Faces<D>& faces, std::size_t k) const;
+  Vector<D> off_wall_at(const Vector<D>& x, const Vector<D>& normal) const;
   /// Calls visit(k, f) with the force f on patch k of this wall of each particle that contact with walls has stopped in the last window.
   /// `spray`: of single particles too.
   template <class Visit>
   void for_contacts(const Wall<D>& wall, bool spray, Visit&& visit) const;
   /// Of the fluid on the patch of a wall that it sticks to [N/m^(3-D)].
-  Vector<D> friction(const Wall<D>& wall, const Faces<D>& faces, std::size_t k) const;
+  Vector<D> friction(const std::vector<Near>& before, const Wall<D>& wall, const Faces<D>& faces, std::size_t k) const;
   /// A body of the structure stands at x, as far as its faces near there tell.
   bool covered(const Vector<D>& x) const;
   /// That, or an obstacle.

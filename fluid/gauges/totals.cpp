@@ -14,12 +14,6 @@ double largest_speed(const std::vector<V>& velocity) {
 }
 
 template <int D>
-double largest_bulk_speed(const State<D>& state) {
-  return std::sqrt(ordered_max(static_cast<std::ptrdiff_t>(state.size()), 0.0,
-                               [&](std::ptrdiff_t i) { return state.particle_class[i].spray() ? 0.0 : state.velocity[i].squaredNorm(); }));
-}
-
-template <int D>
 double kinetic_energy(double mass, const State<D>& state) {
   return ordered_reduce(static_cast<std::ptrdiff_t>(state.size()), 0.0,
                         [&](std::ptrdiff_t i) { return 0.5 * mass * state.velocity[i].squaredNorm(); });
@@ -75,15 +69,15 @@ Totals<D> add_up(const Ranks& ranks, const Totals<D>& own) {
   // Every rank has the whole surface of the structure.
   if (!ranks.first()) all.evaluations.structure_surface = 0;
   for_each_sum([&](auto& value) { sums.push_back(static_cast<double>(value)); });
-  std::vector<double> most{own.largest_speed, own.largest_bulk_speed, static_cast<double>(own.particles)};
+  std::vector<double> most{own.largest_speed, static_cast<double>(own.particles)};
   if (all.extent)
     for (int c = 0; c < D; ++c) most.push_back(-own.extent->low[c]), most.push_back(own.extent->high[c]);
   ranks.sum_and_most(sums, most);
   std::size_t next = 0;
   for_each_sum([&](auto& value) { value = static_cast<std::remove_reference_t<decltype(value)>>(sums[next++]); });
-  all.largest_speed = most[0], all.largest_bulk_speed = most[1], all.most_particles = static_cast<std::size_t>(most[2]);
+  all.largest_speed = most[0], all.most_particles = static_cast<std::size_t>(most[1]);
   if (all.extent) {
-    for (int c = 0; c < D; ++c) all.extent->low[c] = -most[3 + 2 * c], all.extent->high[c] = most[4 + 2 * c];
+    for (int c = 0; c < D; ++c) all.extent->low[c] = -most[2 + 2 * c], all.extent->high[c] = most[3 + 2 * c];
     all.extent->largest_speed = all.largest_speed;
   }
   return all;
@@ -91,7 +85,6 @@ Totals<D> add_up(const Ranks& ranks, const Totals<D>& own) {
 
 #define TERN_INSTANTIATE(D)                                                                                                           \
   template double largest_speed(const std::vector<Vector<D>>&);                                                                       \
-  template double largest_bulk_speed<D>(const State<D>&);                                                                             \
   template double kinetic_energy<D>(double, const State<D>&);                                                                         \
   template Vector<D> momentum<D>(double, const State<D>&);                                                                            \
   template Vector<3> angular_momentum<D>(double, const State<D>&);                                                                    \

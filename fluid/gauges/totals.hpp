@@ -17,10 +17,6 @@ namespace tern::fluid {
 template <class V>
 double largest_speed(const std::vector<V>& velocity);
 
-/// Spray left out [m/s].
-template <int D>
-double largest_bulk_speed(const State<D>& state);
-
 // `mass`: of a particle [kg/m^(3-D)].
 
 /// [J/m^(3-D)]
@@ -63,7 +59,7 @@ struct Totals {
   double kinetic = 0, potential = 0;
   Vector<D> momentum = Vector<D>::Zero();
   Vector<3> angular_momentum = Vector<3>::Zero();
-  double largest_speed = 0, largest_bulk_speed = 0;
+  double largest_speed = 0;
   Filling filling;
   std::optional<FluidExtent<D>> extent;
   std::size_t particles = 0, spray_particles = 0, removed = 0, leaked = 0;

@@ -111,7 +111,7 @@ void shift_particles(const Constants<D>& constants, double duration, const Neigh
   const double time = rate_over_strain * constants.numerics.shifting * duration;
   parallel_for(n, [&](std::ptrdiff_t i) {
     if (!particle_class[i].interior() || !particle_class[i].has(ParticleClass::corrected_gradient)) return;
-    const Vector<D> hidden = boundary.sums.wall_gradient[i] + boundary.sums.surface_gradient[i] + boundary.sums.back_facing_gradient[i];
+    const Vector<D> hidden = boundary.sums.faces_gradient(i) + boundary.sums.back_facing_gradient[i];
     const Vector<D>& own = boundary.sees_face(i) ? neighbours.kernel_gradient[i] : neighbours.concentration_gradient[i];
     const double share = std::min(time * packed.strain_rate[i], stable_share);
     Vector<D> shift = share * (place_of_its_own<D>(label[i], beside) - h2 * (own + hidden));

@@ -13,7 +13,7 @@ void compute_velocity_gradient(const Period<D>& space, const Neighbours<D>& neig
   for (auto& values : packed.half_stretch) values.resize(all);
   for (auto* parts : {&packed.shear, &packed.spin})
     for (auto& values : *parts) values.resize(all);
-  packed.strain_rate.resize(all);
+  for (auto* rates : {&packed.strain_rate, &packed.gradient_size}) rates->resize(all);
   space.specialise([&](auto periodic) {
     const LanePeriod<decltype(periodic)::value, D> period(space);
     parallel_for(n, [&](std::ptrdiff_t i) {
@@ -28,6 +28,7 @@ void compute_velocity_gradient(const Period<D>& space, const Neighbours<D>& neig
       });
       packed.strain_rate[i] =
           has_gradient ? (gradient + gradient.transpose()).norm() / std::numbers::sqrt2 : PackedVelocities<D>::without_gradient;
+      packed.gradient_size[i] = gradient.norm();
     });
   });
 }

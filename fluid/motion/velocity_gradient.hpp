@@ -29,8 +29,8 @@ Matrix<D> velocity_gradient_sum(const Neighbours<D>& neighbours, const LanePerio
   return result;
 }
 
-/// Half of L_i = S_i C^F_i of every particle, exact for linear fields; 0 where the support is too poor for that; and the rate of
-/// strain in it, of the packed velocity.
+/// Half of L_i = S_i C^F_i of every particle, exact for linear fields; 0 where the support is too poor for that; the rate of strain in it
+/// and its size, of the packed velocity.
 template <int D>
 void compute_velocity_gradient(const Period<D>& space, const Neighbours<D>& neighbours, const Corrections<D>& correction,
                                const std::vector<ParticleClass>& particle_class, PackedVelocities<D>& packed);

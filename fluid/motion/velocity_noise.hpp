@@ -8,13 +8,10 @@
 
 namespace tern::fluid {
 
-/// chi dt / tau: share of the noise that one step takes [0, 1/2]. `bulk_speed`: largest [m/s].
+/// Takes a share of the noise in the packed velocities out of `velocity`: chi dt/tau, at most 1/2, in the mean of the two particles of a
+/// pair. `duration`: of the window [s].
 template <int D>
-double damped_share(const Reference<D>& reference, double duration, double bulk_speed);
-
-/// Takes this share of the noise in the packed velocities out of `velocity`.
-template <int D>
-void damp_velocity_noise(double share, const Period<D>& space, const Neighbours<D>& neighbours,
+void damp_velocity_noise(const Reference<D>& reference, double duration, const Neighbours<D>& neighbours,
                          const std::vector<ParticleClass>& particle_class, const PackedVelocities<D>& packed,
                          std::vector<Vector<D>>& velocity);
 

@@ -28,7 +28,7 @@ void add_viscosity(const Constants<D>& constants, double duration, const Neighbo
       const int k = boundary.wall_rows.face[entry];
       if (boundary.walls.slips(k)) continue;
       const double height = seen_height(constants, (position[i] - faces.position[k]).dot(faces.normal[k]));
-      total += std::max(boundary.wall_rows.weight[entry], 0.0) / height * (faces.velocity[k] - u);
+      total += std::max(boundary.wall_rows.weight[entry], 0.0) / height * (faces.velocity_of(k) - u);
     }
     predicted_velocity[i] += scale * total;
   });

@@ -41,8 +41,7 @@ void compute_divergence(const Period<D>& space, const Neighbours<D>& neighbours,
             particle_class[i].has(ParticleClass::symmetric_gradient) ? sum.trace() : trace_of_product<D>(sum, correction.fluid[i]);
         return;
       }
-      const double through_faces =
-          boundary.sums.flux[i] + velocity[i].dot(boundary.sums.wall_gradient[i] + boundary.sums.surface_gradient[i]);
+      const double through_faces = boundary.sums.flux[i] + velocity[i].dot(boundary.sums.faces_gradient(i));
       divergence[i] = sum.trace() + boundary.sums.tangential[i].cwiseProduct(sum * correction.fluid[i]).sum() - 2 * through_faces;
     });
   });

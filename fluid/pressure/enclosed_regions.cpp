@@ -254,10 +254,10 @@ void find_shares_of_walls(const Constants<D>& constants, const Boundary<D>& boun
       share[rows.face[entry]] += 2 * constants.volume * rows.weight[entry] / faces.area[rows.face[entry]];
   // An image of a patch is the patch again, that other particles see.
   for (std::size_t k = 0; k < share.size(); ++k)
-    if (const auto original = static_cast<std::size_t>(faces.original[k]); original != k) share[original] += share[k];
+    if (const auto original = static_cast<std::size_t>(faces.original_of(k)); original != k) share[original] += share[k];
   boundary.patches.collect(share, [](double& own, double other) { own += other; });
   boundary.patches.update(share);
-  for (std::size_t k = 0; k < share.size(); ++k) share[k] = share[faces.original[k]];
+  for (std::size_t k = 0; k < share.size(); ++k) share[k] = share[faces.original_of(k)];
   std::vector<Shape> shapes;
   for (const Wall<D>& wall : boundary.walls.all()) shapes.push_back(without_open_faces(wall.scene));
   for (std::size_t k = 0; k < share.size(); ++k)
@@ -439,11 +439,24 @@ void account_for_enclosed_fluid(const Reference<D>& reference, const Window& win
   }
   if (!boundary.walls.moving() && boundary.surface.size() == 0) return;
   regions.sum.assign(regions.size.size(), 0);
+  const std::vector<int> frame = main_walls(boundary, regions);
+  const std::vector<Wall<D>>& walls = boundary.walls.all();
+  const Faces<D>& faces = boundary.walls.faces();
+  const FaceRows& rows = boundary.wall_rows;
+  std::vector<double> share;
+  if (boundary.walls.moving()) find_shares_of_walls(reference.constants, boundary, regions, share);
   for (std::size_t i = 0; i < regions.region.size(); ++i) {
-    // What the faces seen by a particle push into the fluid per time, as its pressure equation counts it.
-    if (regions.region[i] < 0) continue;
-    const int k = beside_bodies.any() ? beside_bodies.region[i] : -1;
-    regions.sum[regions.region[i]] += k >= 0 ? swept.rate[k] / beside_bodies.size[k] : 2 * volume * boundary.sums.flux[i];
+    // What faces push into the fluid per time, of what a particle sees of them: walls in the frame of the main one.
+    const int r = regions.region[i], k = beside_bodies.any() ? beside_bodies.region[i] : -1;
+    if (r < 0) continue;
+    if (k >= 0) regions.sum[r] += swept.rate[k] / beside_bodies.size[k];
+    if (k >= 0 || !boundary.walls.moving()) continue;
+    for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry) {
+      const int patch = rows.face[entry];
+      const Vector<D>& x = faces.position[patch];
+      const Vector<D> of_frame = frame[r] < 0 ? Vector<D>(Vector<D>::Zero()) : walls[frame[r]].velocity(x);
+      regions.sum[r] += 2 * volume * share[patch] * rows.weight[entry] * (faces.velocity[patch] - of_frame).dot(faces.normal[patch]);
+    }
   }
   ranks.sum(std::span(regions.sum));
   account.pushed.resize(reference.particles, 0);

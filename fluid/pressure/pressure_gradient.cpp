@@ -80,8 +80,9 @@ void apply_pressure_gradient(const Reference<D>& reference, double duration, con
         }
         if constexpr (decltype(ordered)::value) {
           if (!level) {
-            Vector<D> gap = neighbours.kernel_gradient[i] + boundary.sums.wall_gradient[i] + boundary.sums.surface_gradient[i] +
-                            boundary.sums.back_facing_gradient[i];
+            Vector<D> gap = neighbours.kernel_gradient[i] + boundary.sums.wall_gradient[i];
+            if (!boundary.sums.surface_gradient.empty()) gap += boundary.sums.surface_gradient[i];
+            gap += boundary.sums.back_facing_gradient[i];
             if (at_structure) {
               const Vector<D>& reaction = boundary.sums.reaction[i];
               if (const double squared = reaction.squaredNorm(); squared > 0) gap -= gap.dot(reaction) / squared * reaction;

@@ -197,7 +197,6 @@ TEST(StateOfFluid, HasNoPartThatCouldBeLeftOut) {
   const auto fields_differ = [](const Continuation& c, const std::function<void(State<2>&)>& leave_out) {
     return !differences_after_ten_windows<2>(c, true, leave_out).empty();
   };
-  EXPECT_TRUE(fields_differ(fast_drop(), [](State<2>& s) { s.particle_class.assign(s.size(), {}); }));
   EXPECT_TRUE(fields_differ(falling_column(), [](State<2>& s) { s.pressure.assign(s.size(), 0); }));
   EXPECT_TRUE(fields_differ(moving_walls(), [](State<2>& s) { s.walls.angle.assign(s.walls.angle.size(), 0); }));
   EXPECT_NE(differences_after_ten_windows<2>(piston(), false, [](State<2>& s) { s.enclosed.pushed.clear(); }), "");

@@ -90,7 +90,7 @@ void expect_the_sums_of_all_patches(const Case& c, const Surface<D>& surface) {
       const bool same = whole.wall_rows.count[i] == part.wall_rows.count[i] && same_bits(a.number_density[i], b.number_density[i]) &&
                         same_bits(a.moment[i], b.moment[i]) && same_bits(a.tangential[i], b.tangential[i]) &&
                         same_bits(a.wall_gradient[i], b.wall_gradient[i]) && same_bits(a.flux[i], b.flux[i]) &&
-                        same_bits(a.surface_gradient[i], b.surface_gradient[i]) &&
+                        same_bits(a.faces_gradient(row), b.faces_gradient(row)) &&
                         same_bits(a.unborne_gradient[i], b.unborne_gradient[i]) &&
                         same_bits(a.mirrored_hydrostatic[i], b.mirrored_hydrostatic[i]);
       others += !same;
@@ -98,7 +98,7 @@ void expect_the_sums_of_all_patches(const Case& c, const Surface<D>& surface) {
     EXPECT_EQ(others, 0u) << "of " << position.size() << " particles from x = " << from << " on";
     EXPECT_EQ(whole.covered_faces, part.covered_faces);
     EXPECT_EQ(whole.surface_rows.wet, part.surface_rows.wet);
-    for (std::size_t k = 0; k < part.walls.faces().size(); ++k) moved += part.walls.faces().normal_acceleration[k] != 0;
+    for (std::size_t k = 0; k < part.walls.faces().size(); ++k) moved += part.walls.faces().acceleration_of(k) != 0;
   }
   EXPECT_EQ(moved > 0, moving);
   std::printf("%zu of %zu patches held at most, found anew %zu times; %zu particles saw walls, %zu a plane, %zu the structure\n", most_held,

@@ -93,12 +93,13 @@ TEST(TaylorGreen, DecaysAtTheRateOfItsViscosity) {
   }
 }
 
-// What the scheme dissipates by itself. Good codes lose less than 2 %; measured 1.8 %. Seen to fail: with free surfaces looked for in the
-// full box; with shifting in proportion to the largest speed (13 %); with noise damping of resolved motion too (3.5 %).
+// What the scheme dissipates by itself. Good codes lose less than 2 %; measured 1.47 %. Seen to fail: with free surfaces looked for in the
+// full box; with shifting in proportion to the largest speed (13 %); with noise damping of resolved motion too (3.5 %), or at the
+// rate of the largest speed (1.8 %).
 TEST(TaylorGreen, WithoutViscosityLosesLittleEnergy) {
   const double loss = taylor_green(50, 0, 1.0).loss;
   std::printf("Taylor-Green, inviscid, 50^2: kinetic energy lost per unit of time %.2f %%\n", 100 * loss);
-  EXPECT_LT(std::abs(loss), 0.03);
+  EXPECT_LT(std::abs(loss), 0.015);
 }
 
 // Gravity towards a point, -10 x: p = rho 10 (R^2 - r^2)/2, and nothing moves.

@@ -138,7 +138,8 @@ class KnobsTest(unittest.TestCase):
     # Fluid.
 
     def test_fluid_numerics_courant(self):
-        self.assert_steps("surge", FLUID + "courant=0.2", "velocity", 2.0, FLUID + "gravity_courant=0.5")
+        """Until the water has run up the wall: how fast single drops are then is another matter."""
+        self.assert_steps("surge", FLUID + "courant=0.2", "velocity", 2.0, FLUID + "gravity_courant=0.5", "end_time=0.1")
 
     def test_fluid_numerics_gravity_courant(self):
         self.assert_steps("rest", FLUID + "gravity_courant=0.05", "gravity", 2.0, FLUID + "courant=0.5")
@@ -157,11 +158,13 @@ class KnobsTest(unittest.TestCase):
         self.pair("surge", FLUID + "blend_theta=0")
 
     def test_fluid_numerics_density_relaxation(self):
-        """The stronger, the less the volume ever drifts."""
-        default, other = self.pair("surge", FLUID + "density_relaxation=0")
-        stronger = self.run_scene("surge", FLUID + "density_relaxation=0.1")
-        self.assert_more(other.figures["volume_drift_largest"], default.figures["volume_drift_largest"], "largest volume drift")
-        self.assert_more(default.figures["volume_drift_largest"], stronger.figures["volume_drift_largest"], "largest volume drift")
+        """The stronger, the less the volume ever drifts, in the time of some runs to and fro."""
+        longer = "end_time=0.8"
+        default, other = self.pair("surge", FLUID + "density_relaxation=0", longer)
+        stronger = self.run_scene("surge", longer, FLUID + "density_relaxation=0.1")
+        drift, of_other, of_stronger = (abs(run.figures["volume_drift_largest"]) for run in (default, other, stronger))
+        self.assert_more(of_other, drift, "largest volume drift")
+        self.assert_more(drift, of_stronger, "largest volume drift")
 
     def test_fluid_numerics_shifting(self):
         default, other = self.pair("surge", FLUID + "shifting=0")
