@@ -493,6 +493,35 @@ template double toothed_section<2>(const StructureBody&);
 template double toothed_section<3>(const StructureBody&);
 
 template <int D>
+void fit_spacing_of_fluid(Case& scene, const Setting& settings) {
+  const std::vector<FluidBody>& bodies = scene.fluid->bodies;
+  const double asked = scene.fluid->spacing;
+  std::vector<double> whole;
+  for (const FluidBody& body : bodies) whole.push_back(volume<D>(body.shape, asked));
+  const auto particles_of = [&](std::size_t i, double spacing) { return fill_with_fluid<D>(bodies[i].shape, spacing).size(); };
+  /// The body whose mass is farthest from that of its shape, and by how much.
+  const auto worst = [&](double spacing) {
+    std::pair<std::size_t, double> result{0, 0};
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      if (const double error = mass_error<D>(particles_of(i, spacing), spacing, whole[i]); std::abs(error) > std::abs(result.second))
+        result = {i, error};
+    return result;
+  };
+  const auto [body, error] = worst(asked);
+  if (std::abs(error) <= refused_mass_error || particles_of(body, asked) == 0) return;
+  double fits = asked;
+  do {
+    fits = better_spacing<D>(fill_with_fluid<D>, bodies[body].shape, fits, whole[body]);
+  } while (fits >= finest_fit * asked && std::abs(worst(fits).second) > said_mass_error);
+  if (fits < finest_fit * asked) return;  // check_placement() refuses it
+  scene.warnings.push_back(
+      fmt::format("{}: at the spacing {:.4g} m the {} particles of fluid body {} have {:.2g} % {} mass than its shape; {:.3g} m is taken.",
+                  settings.at("fluid").at("spacing").where, asked, particles_of(body, asked), body + 1, 100 * std::abs(error),
+                  error > 0 ? "more" : "less", fits));
+  scene.fluid->spacing = fits;
+}
+
+template <int D>
 void fit_spacings_of_bodies(Case& scene, const Setting& settings) {
   if (!scene.structure) return;
   for (std::size_t i = 0; i < scene.structure->bodies.size(); ++i) {
@@ -519,6 +548,8 @@ void check_placement(Case& scene, const Setting& settings) {
   PlacementCheck<D>(scene, settings).run();
 }
 
+template void fit_spacing_of_fluid<2>(Case&, const Setting&);
+template void fit_spacing_of_fluid<3>(Case&, const Setting&);
 template void fit_spacings_of_bodies<2>(Case&, const Setting&);
 template void fit_spacings_of_bodies<3>(Case&, const Setting&);
 template void check_placement<2>(Case&, const Setting&);

@@ -6,8 +6,12 @@
 
 namespace tern {
 
-/// Takes a smaller spacing, down to 0.7 of the one asked for, for each solid whose particles would else have a mass more than 5 % off that
-/// of its shape; a warning says so.
+/// Takes a smaller spacing of the fluid, down to 0.7 of the one asked for, where the particles of one of its bodies would else have a mass
+/// more than 5 % off that of its shape; a warning says so.
+template <int D>
+void fit_spacing_of_fluid(Case& scene, const Setting& settings);
+
+/// The same for each solid.
 template <int D>
 void fit_spacings_of_bodies(Case& scene, const Setting& settings);
 

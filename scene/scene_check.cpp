@@ -72,6 +72,7 @@ void check_scene_in(Case& scene, const Setting& settings) {
           fmt::format("{}: the boxes of the fluid are no whole multiples of the spacing {:.4g} m; {:.4g} m is taken, with "
                       "which their particles have their mass.",
                       settings.at("fluid").at("spacing").where, asked, scene.fluid->spacing));
+    fit_spacing_of_fluid<D>(scene, settings);
   }
   fit_spacings_of_bodies<D>(scene, settings);
   check_structure<D>(scene, settings);

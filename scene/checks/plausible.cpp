@@ -26,7 +26,9 @@ constexpr double nearly_of_the_fluid = 0.2;  ///< excess of density with which a
 constexpr double gain_of_fsa = 1.3, loss = 0.015;
 /// Poisson's ratio from which on a body is too stiff in bending (measured, cantilever four across: 3 % at 0.499, 13 % at 0.4999).
 constexpr double nearly_incompressible = 0.495;
-constexpr int instants = 200;  ///< of the run at which motions are compared
+constexpr int instants = 200;                                     ///< of the run at which motions are compared
+constexpr double lightest_liquid = 100, heaviest_liquid = 20000;  ///< kg/m^3; petrol ether has 600, mercury 13 600
+constexpr double largest_gravity = 3000;                          ///< m/s^2; large centrifuges have 200 to 300 g
 
 template <int D>
 class Plausible {
@@ -39,6 +41,7 @@ class Plausible {
 
   void run() {
     if (scene_.fluid) {
+      look_at_units();
       look_at_fluid();
       look_at_open_faces();
       look_at_time();
@@ -72,6 +75,15 @@ class Plausible {
   /// Extent of the box along gravity [m].
   double height(const Vector<D>& low, const Vector<D>& high) const {
     return gravity_.norm() > 0 ? (high - low).dot(gravity_.cwiseAbs()) / gravity_.norm() : 0;
+  }
+
+  void look_at_units() {
+    const double density = scene_.fluid->density, gravity = gravity_.norm();
+    if (density < lightest_liquid || density > heaviest_liquid)
+      warn(settings_.at("fluid").at("density").where,
+           "the density of the fluid is {:.4g} kg/m^3, and that of water 1000: are these its units?", density);
+    if (gravity > largest_gravity)
+      warn(settings_.at("gravity").where, "gravity is {:.4g} m/s^2, and that of the earth 9.81: are these its units?", gravity);
   }
 
   // A fluid as thin as the reach of the kernel has no inside: each of its particles sees both of its sides.

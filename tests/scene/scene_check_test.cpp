@@ -314,6 +314,56 @@ TEST_F(CaseFile, TakesASpacingAtWhichTheParticlesOfABodyHaveItsMass) {
   EXPECT_NE(c.warnings[0].find("0.025 m is taken"), std::string::npos) << c.warnings[0];
 }
 
+// Seen to fail: without each of the two.
+TEST_F(CaseFile, AsksWhetherUnitsAreMeant) {
+  const auto asks = [&](const std::string& text, const char* words) {
+    const Case c = read(text);
+    return std::any_of(c.warnings.begin(), c.warnings.end(),
+                       [&](const std::string& said) { return said.find(words) != std::string::npos; });
+  };
+  const char *density = "the density of the fluid is ", *gravity = "gravity is 9810 m/s^2";
+  EXPECT_FALSE(asks(small_case, density));
+  EXPECT_FALSE(asks(small_case, gravity));
+  EXPECT_TRUE(asks(with("density = 1000", "density = 1"), density));
+  EXPECT_TRUE(asks(with("-9.81]", "-9810]"), gravity));
+}
+
+// Half discs of 5.5 and 6.5 spacings have a layer of particles in their plane face. Seen to fail: without a search for a spacing that fits.
+TEST_F(CaseFile, TakesAFinerSpacingWhereTheFluidWouldHaveAnotherMass) {
+  for (const double radius : {0.275, 0.325}) {
+    Shape half;
+    half.kind = Shape::Kind::polygon;
+    constexpr int sides = 64;
+    for (int k = 0; k <= sides; ++k) {
+      const double angle = std::numbers::pi * (1 + double(k) / sides);
+      half.vertices.push_back({radius * std::cos(angle), radius * std::sin(angle)});
+    }
+    std::string vertices;
+    for (const auto& v : half.vertices) vertices += fmt::format("[{}, {}],", v[0], v[1]);
+    const Case c =
+        read(fmt::format("dimension = 2\nend_time = 1\ngravity = [0, -10]\n[[wall]]\nname = \"tank\"\n"
+                         "container = {{ polygon = {{ vertices = [{0}] }} }}\n[fluid]\ndensity = 1000\n"
+                         "spacing = 0.05\n[[fluid.body]]\nshape = {{ polygon = {{ vertices = [{0}] }} }}\n",
+                         vertices));
+    const double cells = static_cast<double>(fill_with_fluid<2>(half, c.fluid->spacing).size());
+    const double area = 0.5 * sides * radius * radius * std::sin(std::numbers::pi / sides);
+    EXPECT_LT(c.fluid->spacing, 0.05);
+    EXPECT_GE(c.fluid->spacing, 0.7 * 0.05);
+    EXPECT_NEAR(cells * c.fluid->spacing * c.fluid->spacing, area, 0.01 * area);
+    EXPECT_NE(c.warnings.at(0).find("of fluid body 1 have"), std::string::npos) << c.warnings.at(0);
+  }
+}
+
+// Seen to fail: with the particles where the lattice has them.
+TEST(FillWithFluid, LeavesNoParticleOnASlopedFace) {
+  Shape trapezium;
+  trapezium.kind = Shape::Kind::polygon;
+  trapezium.vertices = {{-0.2, 0}, {0.2, 0}, {0.6, 0.4}, {-0.6, 0.4}};
+  const auto points = fill_with_fluid<2>(trapezium, 0.02);
+  EXPECT_EQ(points.size(), 820u);
+  for (const auto& x : points) EXPECT_LT(signed_distance<2>(trapezium, x), -0.9e-3 * 0.02) << x.transpose();
+}
+
 // Seen to fail: with steps that are not stretched.
 TEST_F(CaseFile, FitsTheSpacingOfTheFluidToItsBoxes) {
   for (double spacing : {0.05, 0.047, 0.053}) {
