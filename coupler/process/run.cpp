@@ -171,7 +171,7 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
     return accounts.energies(now, fluid_account, structure_account, coupler.setup().fluid_weight.pressure > 0);
   };
   const bool own_structure = hello.at(wire::STRUCTURE).version() == fmt::format("{} {}", program_version, git_hash);
-  RemoteParticipants<D> participants(channel, SurfaceCheck<D>(scene, properties, !manifest), own_structure, record);
+  RemoteParticipants<D> participants(channel, SurfaceCheck<D>(scene, properties, !manifest, own_structure), own_structure, record);
   KeptStates kept;
   const auto step_now = [&] { return static_cast<std::uint64_t>(totals.windows); };
   const auto gather = [&](StateWriter& state) {

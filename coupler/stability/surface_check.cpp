@@ -12,15 +12,17 @@
 namespace tern::coupler {
 namespace {
 
-/// Factor by which the area of a point may change from one window to the next: an element that is stretched or squeezed tenfold in the
-/// time in which the fluid moves by a part of its spacing does not exist.
-constexpr double largest_stretch = 10;
+/// Factor by which the area of a point may change from one window to the next: `resting_stretch` where the body moves as a whole, more by
+/// `stretch_by_way` times the ways that its points go beyond that over the width of the point, and `largest_stretch` at the most. To
+/// stretch a face by an eighth, its ends have to part by an eighth of its width.
+constexpr double resting_stretch = 1.25, stretch_by_way = 4, largest_stretch = 10;
 /// Cosine between a normal and the way out of the body, or the normal of the window before. It is -1 for a normal that points inward, 0
 /// for a point within a sheet.
 constexpr double least_cosine = -0.5;
-/// Area of a body's points over that of its shape. A surface may be a part of it, for example one face; units that are wrong are wrong by
-/// a factor of 1000 or more.
-constexpr double least_area = 0.01, largest_area = 2;
+/// Of the mass of a particle.
+constexpr double mass_tolerance = 0.1;
+/// Area of a body's points over that of the surface that they stand on.
+constexpr double least_area = 0.75, largest_area = 1 / least_area;
 
 template <int D>
 std::string written(const Vector<D>& v) {
@@ -39,29 +41,49 @@ Bounds<D> bounds_of(const Case& scene) {
   return bounds;
 }
 
-/// The surface of a body, and the part of it that no clamp holds [m^(D-1)].
+/// Every so many one of `count`, so that no more than `most` are looked at.
+std::size_t stride(std::size_t count, std::size_t most) { return std::max<std::size_t>(1, count / most); }
+
+/// Of the surface of a body's shape, what has one of these points beside it that looks the same way: no farther than the points are from
+/// each other [m^(D-1)]. In parts of it, where these are many.
 template <int D>
-std::pair<double, double> areas(const StructureBody& body) {
-  const SurfacePoints<D> points = sample_surface<D>(body.shape, body.spacing);
-  double all = 0, unheld = 0;
-  for (std::size_t k = 0; k < points.area.size(); ++k) {
-    all += points.area[k];
-    if (std::none_of(body.clamps.begin(), body.clamps.end(), [&](const Shape& c) { return contains<D>(c, points.position[k]); }))
-      unheld += points.area[k];
+double area_beside(const StructureBody& body, const Surface<D>& surface, const std::vector<std::size_t>& points) {
+  constexpr double same_way = 0.5;
+  constexpr std::size_t most = 500;
+  const auto nearest2 = [&](const Vector<D>& x, const Vector<D>& normal) {  // squared, of those that look the same way
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const std::size_t k : points)
+      if (const double here = (surface.position[k] - x).squaredNorm();
+          here > 0 && here < nearest && surface.normal[k].dot(normal) > same_way)
+        nearest = here;
+    return nearest;
+  };
+  double reach2 = 0;
+  for (std::size_t n = 0; n < points.size(); n += stride(points.size(), most))
+    reach2 = std::max(reach2, nearest2(surface.position[points[n]], surface.normal[points[n]]));
+  const SurfacePoints<D> shape = sample_surface<D>(body.shape, body.spacing);
+  const std::size_t every = stride(shape.area.size(), 4 * most);
+  double beside = 0, looked_at = 0, all = 0;
+  for (const double area : shape.area) all += area;
+  for (std::size_t k = 0; k < shape.area.size(); k += every) {
+    looked_at += shape.area[k];
+    if (nearest2(shape.position[k] + 1e-9 * body.spacing * shape.normal[k], shape.normal[k]) <= reach2) beside += shape.area[k];
   }
-  return {all, unheld};
+  return all * beside / looked_at;
 }
 
 }  // namespace
 
 template <int D>
-SurfaceCheck<D>::SurfaceCheck(const Case& scene, const SurfaceProperties& properties, bool from_start)
+SurfaceCheck<D>::SurfaceCheck(const Case& scene, const SurfaceProperties& properties, bool from_start, bool own)
     : bodies_(scene.structure->bodies),
       body_(properties.body),
+      density_(scene.fluid->density),
       scene_(bounds_of<D>(scene)),
       margin_(Vector<D>::Constant((scene_.max - scene_.min).norm())),
       moves_as_sent_(scene.coupling.algorithm != CouplingAlgorithm::explicit_staggering),
       first_(from_start),
+      own_(own),
       motion_(properties, margin_[0], from_start) {
   for (int d = 0; d < D; ++d)
     if (scene.periodic[d]) margin_[d] = std::numeric_limits<double>::infinity();
@@ -74,22 +96,37 @@ std::string SurfaceCheck<D>::surface(Ticks ticks, const Surface<D>& surface) {
   first_ = false;
   if (fault.empty()) fault = far(surface.position);
   if (fault.empty()) fault = fast(duration_, surface.velocity);
-  for (std::size_t k = 0; fault.empty() && k < area_.size(); ++k) {
-    const double stretch = surface.area[k] / area_[k];
-    if (stretch > largest_stretch || stretch < 1 / largest_stretch)
-      fault = fmt::format("area[{}] is {:.6g}, {:.3g} times what it was in the window before; it must be between {:g} and {:g} times that",
-                          k, surface.area[k], stretch, 1 / largest_stretch, largest_stretch);
-  }
+  if (fault.empty() && !area_.empty()) fault = stretched(surface);
   for (std::size_t k = 0; fault.empty() && k < normal_.size(); ++k)
     if (const double cosine = surface.normal[k].dot(normal_[k]); cosine < least_cosine)
       fault = fmt::format(
           "normal[{}] = {} has turned round since the window before, when it was {} (its cosine with that is {:.3g}; it must "
           "be {:g} or more)",
           k, written<D>(surface.normal[k]), written<D>(normal_[k]), cosine, least_cosine);
+  position_ = surface.position;
   area_ = surface.area;
   normal_ = surface.normal;
   if (fault.empty() && moves_as_sent_) fault = motion_.surface(duration_, surface);
   return fault;
+}
+
+template <int D>
+std::string SurfaceCheck<D>::stretched(const Surface<D>& surface) const {
+  std::vector<Vector<D>> mean(bodies_.size(), Vector<D>::Zero());
+  std::vector<double> points(bodies_.size(), 0), way(bodies_.size(), 0);  // of each body
+  for (std::size_t k = 0; k < area_.size(); ++k) mean[body_[k]] += surface.position[k] - position_[k], ++points[body_[k]];
+  for (std::size_t k = 0; k < area_.size(); ++k)
+    way[body_[k]] = std::max(way[body_[k]], (surface.position[k] - position_[k] - mean[body_[k]] / points[body_[k]]).norm());
+  for (std::size_t k = 0; k < area_.size(); ++k) {
+    const double width = std::pow(std::min(area_[k], surface.area[k]), 1.0 / (D - 1)), stretch = surface.area[k] / area_[k];
+    const double most = std::min(largest_stretch, resting_stretch + stretch_by_way * way[body_[k]] / width);
+    if (stretch > most || stretch < 1 / most)
+      return fmt::format(
+          "area[{}] is {:.6g}, {:.3g} times what it was in the window before; for the way that the points of its body have gone against "
+          "each other ({:.3g} m) it must be between {:.3g} and {:.3g} times that",
+          k, surface.area[k], stretch, way[body_[k]], 1 / most, most);
+  }
+  return {};
 }
 
 template <int D>
@@ -101,17 +138,22 @@ std::string SurfaceCheck<D>::answer(const SurfaceLoad<D>& load, const std::vecto
 template <int D>
 std::string SurfaceCheck<D>::particles(Ticks ticks, const InterfaceParticles<D>& particles) const {
   std::string fault = far(particles.position);
-  return fault.empty() ? fast(seconds(ticks), particles.velocity) : fault;
+  if (fault.empty()) fault = fast(seconds(ticks), particles.velocity);
+  for (std::size_t i = 0; fault.empty() && i < particles.mass.size(); ++i) {
+    const double whole = density_ * particles.volume[i];
+    if (std::abs(particles.mass[i] - whole) > mass_tolerance * whole)
+      fault = fmt::format("mass[{}] is {:.6g} kg/m^{}; with its volume and the density of the case ({:.6g} kg/m^3) it must be {:.6g}", i,
+                          particles.mass[i], 3 - D, density_, whole);
+  }
+  return fault;
 }
 
 template <int D>
 std::string SurfaceCheck<D>::first(double duration, const Surface<D>& surface) const {
-  std::vector<double> area(bodies_.size(), 0);
   for (std::size_t k = 0; k < body_.size(); ++k) {
     const StructureBody& body = bodies_[body_[k]];
     const Vector<D>& x = surface.position[k];
     const Vector<D>& n = surface.normal[k];
-    area[body_[k]] += surface.area[k];
     // Half a window of motion, and faces of elements or particles that stand for the shape to a spacing.
     const double distance = signed_distance<D>(body.shape, x), limit = body.spacing + duration * surface.velocity[k].norm();
     if (std::abs(distance) > limit)
@@ -124,14 +166,23 @@ std::string SurfaceCheck<D>::first(double duration, const Surface<D>& surface) c
       return fmt::format("normal[{}] = {} points into the body '{}' (its cosine with the way out is {:.3g}; it must be {:g} or more)", k,
                          written<D>(n), body.name, cosine, least_cosine);
   }
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    if (area[b] == 0) continue;  // nothing of it can be wet
-    const auto [all, unheld] = areas<D>(bodies_[b]);
-    if (area[b] > largest_area * all || area[b] < least_area * unheld)
-      return fmt::format("the sum of area over the body '{}' is {:.3g}; it must be between {:.3g} and {:.3g}, by the surface of its shape",
-                         bodies_[b].name, area[b], least_area * unheld, largest_area * all);
-  }
-  return {};
+  std::string fault;
+  for (std::size_t b = 0; fault.empty() && !own_ && b < bodies_.size(); ++b) fault = wrong_areas(b, surface);
+  return fault;
+}
+
+template <int D>
+std::string SurfaceCheck<D>::wrong_areas(std::size_t body, const Surface<D>& surface) const {
+  std::vector<std::size_t> points;
+  double area = 0;
+  for (std::size_t k = 0; k < body_.size(); ++k)
+    if (body_[k] == body) points.push_back(k), area += surface.area[k];
+  if (points.empty()) return {};  // nothing of it can be wet
+  const double beside = area_beside<D>(bodies_[body], surface, points);
+  if (area >= least_area * beside && area <= largest_area * beside) return {};
+  return fmt::format(
+      "the sum of area over the body '{}' is {:.3g}; it must be between {:.3g} and {:.3g}, by the surface of its shape beside them",
+      bodies_[body].name, area, least_area * beside, largest_area * beside);
 }
 
 template <int D>

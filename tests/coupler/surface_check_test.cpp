@@ -178,7 +178,7 @@ TEST(SurfaceCheck, TheFirstSurfaceIsThatOfTheBodies) {
   says(said(moved_to([](const Vector<2>& x) { return Vector<2>(-x[0], x[1]); }), true), "outside the shape of the body");
   says(said(moved_to([](const Vector<2>& x) { return Vector<2>(1000 * x); }), true), "outside the shape of the body");
   says(said([](Surface<2>& s) { s.normal[3] *= -1; }, true), "normal[3] = ");
-  for (const double factor : {1000.0, 0.001})
+  for (const double factor : {1000.0, 0.001, 2.0, 0.5})
     says(said(
              [&](Surface<2>& s) {
                for (double& a : s.area) a *= factor;
@@ -187,13 +187,67 @@ TEST(SurfaceCheck, TheFirstSurfaceIsThatOfTheBodies) {
          "the sum of area over the body 'plate' is ");
 }
 
-// Seen to fail: without each of the four.
+/// The points of a body at rest that are chosen, and how much of a surface their areas are said to be.
+std::string said_of_part(const std::function<bool(const Vector<2>&, const Vector<2>&)>& chosen, double factor, std::size_t every = 1) {
+  const Case scene = case_of(CoupledScene{});
+  const Surface<2> whole = at_rest(scene);
+  Surface<2> part;
+  for (std::size_t k = 0, n = 0; k < whole.area.size(); ++k) {
+    if (!chosen(whole.position[k], whole.normal[k]) || n++ % every != 0) continue;
+    part.position.push_back(whole.position[k]), part.velocity.push_back(whole.velocity[k]), part.normal.push_back(whole.normal[k]);
+    part.area.push_back(factor * static_cast<double>(every) * whole.area[k]);
+  }
+  const std::size_t count = part.area.size();
+  const SurfaceProperties of_surface{std::vector<std::uint32_t>(count, 0), std::vector<double>(count, mass),
+                                     std::vector<double>(count, 1e6), std::vector<double>(count, mass)};
+  return SurfaceCheck<2>(scene, of_surface, true).surface(to_ticks(1e-3), part);
+}
+
+// Of all of a body, of one face, of half of that face, and of every third point of it. Seen to fail: against all of the surface.
+TEST(SurfaceCheck, AreasAreThoseOfTheSurfaceBesideThePoints) {
+  const auto all = [](const Vector<2>&, const Vector<2>&) { return true; };
+  const auto upper = [](const Vector<2>&, const Vector<2>& n) { return n[1] > 0.9; };
+  const auto half = [](const Vector<2>& x, const Vector<2>& n) { return n[1] > 0.9 && x[0] < 0.12; };
+  for (const auto& chosen : {std::function<bool(const Vector<2>&, const Vector<2>&)>(all), {upper}, {half}})
+    for (const std::size_t every : {1u, 3u}) {
+      for (const double right : {0.9, 1.0, 1.1}) EXPECT_EQ(said_of_part(chosen, right, every), "") << right << ' ' << every;
+      for (const double wrong : {0.5, 2.0})
+        EXPECT_NE(said_of_part(chosen, wrong, every).find("the sum of area over the body 'plate' is "), std::string::npos)
+            << wrong << ' ' << every;
+    }
+}
+
+// Seen to fail: without a look at it.
+TEST(SurfaceCheck, AParticleHasTheMassOfItsVolume) {
+  const Case scene = case_of(CoupledScene{});
+  const SurfaceCheck<2> check(scene, properties(), true);
+  InterfaceParticles<2> particles;
+  particles.id = {0}, particles.position = {Vector<2>(0.1, 0.1)}, particles.velocity = {Vector<2>::Zero()};
+  particles.volume = {1e-4}, particles.mass = {scene.fluid->density * 1e-4};
+  EXPECT_EQ(check.particles(to_ticks(1e-3), particles), "");
+  particles.mass[0] *= 1e-9;
+  EXPECT_NE(check.particles(to_ticks(1e-3), particles).find("mass[0] is "), std::string::npos);
+}
+
+// Seen to fail: without each of the four; with a tenfold stretch whatever the way.
 TEST(SurfaceCheck, JumpsAreNamed) {
   EXPECT_NE(said([](Surface<2>& s) { s.normal[3] *= -1; }, false).find("normal[3] = "), std::string::npos);
   EXPECT_EQ(said([](Surface<2>& s) { s.normal[3] = Vector<2>(s.normal[3][1], -s.normal[3][0]); }, false), "") << "a quarter of a turn";
-  EXPECT_EQ(said([](Surface<2>& s) { s.area[4] *= 9; }, false), "");
-  EXPECT_NE(said([](Surface<2>& s) { s.area[4] *= 11; }, false).find("area[4] is "), std::string::npos);
-  EXPECT_NE(said([](Surface<2>& s) { s.area[4] /= 11; }, false).find("area[4] is "), std::string::npos);
+  // By no more than the points go against each other, and not tenfold.
+  const auto stretched = [](double factor, double way) {
+    return said(
+        [&](Surface<2>& s) {
+          s.area[4] *= factor;
+          s.position[4][1] += way;
+        },
+        false);
+  };
+  EXPECT_EQ(stretched(1.2, 0), "");
+  EXPECT_EQ(stretched(1 / 1.2, 0), "");
+  EXPECT_NE(stretched(1.5, 0).find("area[4] is "), std::string::npos);
+  EXPECT_NE(stretched(1 / 1.5, 0).find("area[4] is "), std::string::npos);
+  EXPECT_EQ(stretched(1.5, 0.002), "");
+  EXPECT_NE(stretched(11, 0.05).find("area[4] is "), std::string::npos);
   EXPECT_NE(said([](Surface<2>& s) { s.position[2][1] = 4; }, false).find("position[2] = "), std::string::npos);
   EXPECT_NE(said([](Surface<2>& s) { s.velocity[5][0] = 1e4; }, false).find("velocity[5] = "), std::string::npos);
 }
