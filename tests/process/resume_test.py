@@ -261,6 +261,13 @@ class ResumeTest(RealRunTest):
             manifest.write_text(sound)
         self.assertEqual({path.name: path.read_bytes() for path in self.out.iterdir() if path.name in before and path.suffix != ".log"},
                          {name: content for name, content in before.items() if not name.endswith(".log")})
+        for manifest in (self.out / "checkpoint").glob("manifest.*"):
+            manifest.write_text(manifest.read_text()[:100])
+        self.assertRegex(self.tern("resume", self.out, "--until", 0.04, code=2),
+                         r"manifest\.\d+\.json cannot be read; it was cut short or changed")
+        for manifest in (self.out / "checkpoint").glob("manifest.*"):
+            manifest.unlink()
+        self.assertIn("but no manifest, which says what belongs together", self.tern("resume", self.out, "--until", 0.04, code=2))
         shutil.rmtree(self.out / "checkpoint")
         self.assertIn("has no checkpoint to go on from", self.tern("resume", self.out, code=2))
         self.assertIn("holds no run", self.tern("resume", self.path, code=2))

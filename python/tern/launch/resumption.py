@@ -45,6 +45,11 @@ def manifests(directory):
 
 
 def _why_no_checkpoint(contents, directory):
+    there = sorted((directory / "checkpoint").glob("*.*"))
+    if damaged := [path.name for path in there if path.name.startswith("manifest.")]:
+        return f"{' and '.join('checkpoint/' + name for name in damaged)} cannot be read; it was cut short or changed"
+    if there:
+        return f"checkpoint/ has {there[0].name}, but no manifest, which says what belongs together"
     interval = contents.get("settings", {}).get("output", {}).get("checkpoint_interval", 0)
     if interval == 0:
         return "it was run with output.checkpoint_interval = 0"
