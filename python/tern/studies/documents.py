@@ -33,8 +33,7 @@ Every parameter is changed by itself around the case as it stands. Runs are done
 * CPU times are those of a shared machine with other work beside it. Each scene says how far two runs of the same
   differ; a speed-up of 0.8 to 1.2 may be noise. Steps and pressure iterations are free of that.
 
-The rows of a scene may come from several versions, which are named. Between them the case as it stands has the same results, but for
-gauges of pressure and force, which no row of an older version here has.
+Each scene names the version that its rows are of.
 """
 
 
