@@ -23,6 +23,11 @@ Fluid<D>::Fluid(const Case& scene, const Ranks& ranks, const StartParticles<D>& 
   const auto [first, last] = domain_.equal_share(start.size());
   state_ = initial_state(scene, start, first, last);
   const double largest = ranks.most(fluid::largest_speed(state_.velocity));
+  if (scene.walls.empty() && !scene.structure && largest > 0) {
+    Vector<D> sum = fluid::momentum(1 / static_cast<double>(start.size()), state_);
+    ranks.sum(std::span<double>(sum.data(), D));
+    mean_at_start_ = sum;
+  }
   state_.reference_speed = std::max({2 * reference_.speed_floor, largest, largest_clamp_speed(scene)});
   domain_.cut_anew(state_);
   if (!domain_.alone()) set_totals();
@@ -92,6 +97,7 @@ Totals<D> Fluid<D>::totals_here() const {
           fluid::momentum(mass, state_),
           fluid::angular_momentum(mass, state_),
           fluid::largest_speed(state_.velocity),
+          frame_velocity() ? fluid::largest_speed(state_.velocity, *frame_velocity()) : 0,
           fluid::filling(constants(), neighbours_, boundary_, correction_, state_),
           fluid_extent(reference_, state_),
           state_.size(),
@@ -140,6 +146,18 @@ VolumeDrift Fluid<D>::volume_drift() const {
 template <int D>
 double Fluid<D>::largest_speed() const {
   return domain_.alone() ? fluid::largest_speed(state_.velocity) : totals_.largest_speed;
+}
+
+template <int D>
+std::optional<Vector<D>> Fluid<D>::frame_velocity() const {
+  return boundary_.walls.all().empty() ? mean_at_start_ : boundary_.walls.frame_velocity(state_.walls);
+}
+
+template <int D>
+std::optional<double> Fluid<D>::largest_speed_in_frame() const {
+  const std::optional<Vector<D>> frame = frame_velocity();
+  if (!frame) return std::nullopt;
+  return domain_.alone() ? fluid::largest_speed(state_.velocity, *frame) : totals_.largest_in_frame;
 }
 
 template <int D>

@@ -63,7 +63,10 @@ class Fluid {
   void pass_window();
 
   /// Step wanted for the next window.
-  StepProposal propose_step() const { return fluid::propose_step(reference_, largest_speed(), state_); }
+  StepProposal propose_step() const { return fluid::propose_step(reference_, largest_speed(), largest_speed_in_frame(), state_); }
+  /// Of the observer who goes along with the scene: as the wall of wall_of_frame() shifts, or, where there is neither wall nor structure, as
+  /// fast as the fluid was on the mean at the start. Nothing where a wall is at rest [m/s].
+  std::optional<Vector<D>> frame_velocity() const;
   /// Which surface can be left out of the next window; nothing where the fluid is periodic and has no end.
   std::optional<FluidExtent<D>> extent() const;
 
@@ -129,7 +132,8 @@ class Fluid {
   Vector<D> momentum() const;
   Vector<3> angular_momentum() const;
   VolumeDrift volume_drift() const;
-  double largest_speed() const;  ///< [m/s]
+  double largest_speed() const;                          ///< [m/s]
+  std::optional<double> largest_speed_in_frame() const;  ///< to that observer [m/s]
   std::size_t spray_particles() const;
   /// Pressure at a point, first order; nothing where fewer than half a kernel of fluid is around [Pa].
   std::optional<double> pressure_at(const Vector<D>& x) const;
@@ -191,9 +195,10 @@ class Fluid {
   bool velocity_known_ = false;                                 ///< of the pressure that there is: from what these three say
 
   StepTiming timing_;
-  Totals<D> totals_;                    ///< where there are several ranks
-  Traffic traffic_, traffic_at_begin_;  ///< in the windows of this process; up to the begin of this one
-  std::int64_t windows_ = 0;            ///< of this process
+  std::optional<Vector<D>> mean_at_start_;  ///< of a fluid without walls and structure that moves then: its mean velocity [m/s]
+  Totals<D> totals_;                        ///< where there are several ranks
+  Traffic traffic_, traffic_at_begin_;      ///< in the windows of this process; up to the begin of this one
+  std::int64_t windows_ = 0;                ///< of this process
   mutable std::unique_ptr<AllWalls> all_walls_;
 };
 

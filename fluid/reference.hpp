@@ -58,13 +58,15 @@ struct Reference {
   Constants<D> constants;
   Gravity<D> gravity;
   Period<D> period;
-  Vector<D> domain_min, domain_max;  ///< corners of the domain [m]
-  std::size_t particles;             ///< at the start: labels are below
-  double gravity_size = 0;           ///< largest of the run, where the fluid is at the start [m/s^2]
-  Upward up;                         ///< for elevations
-  double window_at_rest = 0;         ///< where nothing moves and nothing acts yet [s]
-  double end_time = 0;               ///< of the case [s]
-  double speed_floor = 0;            ///< half the fall through the height of the fluid: bounds the first steps from rest [m/s]
+  Vector<D> domain_min, domain_max;    ///< corners of the domain [m]
+  std::size_t particles;               ///< at the start: labels are below
+  double gravity_size = 0;             ///< largest of the run, where the fluid is at the start [m/s^2]
+  Upward up;                           ///< for elevations
+  bool has_bodies = false;             ///< there is a structure
+  double window_at_rest = 0;           ///< where nothing moves and nothing acts yet [s]
+  double window_at_rest_in_frame = 0;  ///< the same to the observer who goes along [s]
+  double end_time = 0;                 ///< of the case [s]
+  double speed_floor = 0;              ///< half the fall through the height of the fluid: bounds the first steps from rest [m/s]
 };
 
 }  // namespace tern::fluid

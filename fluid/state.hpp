@@ -95,8 +95,10 @@ struct State {
 
   FollowedWalls<D> walls;                ///< of the last window, if any wall moves
   double wall_speed = 0;                 ///< largest of a patch of them [m/s]
+  double wall_speed_in_frame = 0;        ///< the same to the observer who goes along (Fluid::frame_velocity) [m/s]
   double wall_acceleration = 0;          ///< largest of a patch, along its normal [m/s^2]
   double body_speed = 0;                 ///< largest of the structure's surface where it was wet in the last window [m/s]
+  double body_speed_in_frame = 0;        ///< largest of all of it, to that observer [m/s]
   std::vector<Vector<D>> face;           ///< A n of the structure's surface in the last window [m^(D-1)]
   std::vector<Vector<D>> face_position;  ///< of its points then, on their way (FaceMotion::place) [m]
   double last_duration = 0;              ///< of the last window [s]; 0: there was none
@@ -130,8 +132,10 @@ struct State {
     visit("particle_class", all.particle_class...);
     visit("walls", all.walls...);
     visit("wall_speed", all.wall_speed...);
+    visit("wall_speed_in_frame", all.wall_speed_in_frame...);
     visit("wall_acceleration", all.wall_acceleration...);
     visit("body_speed", all.body_speed...);
+    visit("body_speed_in_frame", all.body_speed_in_frame...);
     visit("face", all.face...);
     visit("face_position", all.face_position...);
     visit("last_duration", all.last_duration...);

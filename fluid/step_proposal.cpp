@@ -17,9 +17,15 @@ constexpr double small_lag = 0.02, shortest_by_lag = 0.1, shortest_of_run = 1e-3
 }  // namespace
 
 template <int D>
-StepProposal propose_step(const Reference<D>& reference, double fastest, const State<D>& state) {
+StepProposal propose_step(const Reference<D>& reference, double fastest, const std::optional<double>& fastest_in_frame,
+                          const State<D>& state) {
   const Constants<D>& constants = reference.constants;
-  const double speed = std::max({fastest, state.wall_speed, state.body_speed, reference.speed_floor});
+  double speed = std::max({fastest, state.wall_speed, state.body_speed});
+  if (fastest_in_frame) {
+    const double in_frame = std::max({*fastest_in_frame, state.wall_speed_in_frame, state.body_speed_in_frame});
+    speed = in_frame > 1e-12 * speed ? std::min(speed, in_frame) : 0;  // round-off of a scene that moves evenly
+  }
+  speed = std::max(speed, reference.speed_floor);
   StepProposal proposal{1e300, "none"};
   if (speed > 0) proposal = {constants.numerics.courant * constants.spacing / speed, "velocity"};
   for (const auto& [acceleration, limit] : {std::pair(reference.gravity_size, "gravity"), std::pair(state.wall_acceleration, "walls")}) {
@@ -32,7 +38,7 @@ StepProposal propose_step(const Reference<D>& reference, double fastest, const S
     const double by_viscosity = constants.numerics.viscous_courant * h * h / constants.viscosity;
     if (by_viscosity < proposal.seconds) proposal = {by_viscosity, "viscosity"};
   }
-  if (proposal.seconds >= 1e300) proposal = {reference.window_at_rest, "rest"};
+  if (proposal.seconds >= 1e300) proposal = {fastest > 0 ? reference.window_at_rest_in_frame : reference.window_at_rest, "rest"};
   if (state.enclosed.lag > small_lag) {
     const double by_lag = state.last_duration * std::max(small_lag / state.enclosed.lag, StepControl::fastest_shortening);
     const double least = std::min(shortest_by_lag * proposal.seconds, shortest_of_run * reference.end_time);
@@ -55,8 +61,8 @@ std::optional<FluidExtent<D>> fluid_extent(const Reference<D>& reference, const 
   return extent;
 }
 
-template StepProposal propose_step<2>(const Reference<2>&, double, const State<2>&);
-template StepProposal propose_step<3>(const Reference<3>&, double, const State<3>&);
+template StepProposal propose_step<2>(const Reference<2>&, double, const std::optional<double>&, const State<2>&);
+template StepProposal propose_step<3>(const Reference<3>&, double, const std::optional<double>&, const State<3>&);
 template std::optional<FluidExtent<2>> fluid_extent<2>(const Reference<2>&, const State<2>&);
 template std::optional<FluidExtent<3>> fluid_extent<3>(const Reference<3>&, const State<3>&);
 

@@ -232,9 +232,17 @@ void Fluid<D>::end_window(const InterfaceForce<D>& force) {
   system_.swept.watch_lag(constants, window_, system_.beside_bodies, state_);
   settle_wall_contacts(constants, window_.duration, boundary_, prediction_.position, prediction_.velocity, state_.stopped);
   domain_.forget_ghosts(state_);
+  const Vector<D> of_frame = frame_velocity().value_or(Vector<D>::Zero());
   state_.body_speed = 0;
-  for (std::size_t k = 0; k < boundary_.surface.size(); ++k)
-    if (boundary_.surface_rows.wet[k] > 0) state_.body_speed = std::max(state_.body_speed, boundary_.surface.velocity[k].norm());
+  state_.body_speed_in_frame = 0;
+  // Out of reach are bodies two supports off, of which nothing more is known: they may be at rest, and come nearer by that in a window.
+  if (reference_.has_bodies && boundary_.surface.size() == 0)
+    state_.body_speed_in_frame = constants.numerics.courant * constants.spacing / (2 * constants.faces.support()) * of_frame.norm();
+  for (std::size_t k = 0; k < boundary_.surface.size(); ++k) {
+    const Vector<D>& velocity = boundary_.surface.velocity[k];
+    if (boundary_.surface_rows.wet[k] > 0) state_.body_speed = std::max(state_.body_speed, velocity.norm());
+    state_.body_speed_in_frame = std::max(state_.body_speed_in_frame, (velocity - of_frame).norm());
+  }
   check_speed(domain_.ranks(), window_, prediction_, boundary_.surface.velocity, state_);
   check_volume(window_, boundary_.surface.size() == 0 ? 0 : filling().volume_drift().known(), state_);
   state_.potential -= work_of_gravity(constants.mass, window_.duration, state_, prediction_);
@@ -245,8 +253,10 @@ void Fluid<D>::end_window(const InterfaceForce<D>& force) {
     shift_particles(constants, window_.duration, neighbours_, boundary_, correction_, state_.particle_class, packed_, state_.id,
                     prediction_.position, state_.position, state_.velocity);
   }
-  state_.leaked += count_leaks(constants.spacing, boundary_.seen_walls(), boundary_.wall_rows, prediction_.position, state_.position);
-  state_.leaked += count_leaks(constants.spacing, boundary_.surface, boundary_.surface_rows, prediction_.position, state_.position);
+  state_.leaked +=
+      count_leaks(constants.spacing, window_.duration, boundary_.seen_walls(), boundary_.wall_rows, prediction_.position, state_.position);
+  state_.leaked +=
+      count_leaks(constants.spacing, window_.duration, boundary_.surface, boundary_.surface_rows, prediction_.position, state_.position);
   remove_escaped(reference_, state_);
   state_.time += to_ticks(window_.duration);
   Traffic::for_each_field([](const char*, auto& sum, auto now, auto begin) { sum += now - begin; }, traffic_, Ranks::traffic(),

@@ -128,13 +128,62 @@ bool gives_way(const Case& scene, const StructureBody& body, double gravity, dou
   return scene.fluid->density * gravity * depth * std::pow(free_length<D>(body), 4) > 8 * stiffness * scene.fluid->spacing;
 }
 
-// It starts at rest, and no particle has room beside it or, along gravity, below it: walls and bodies are there, or more of the fluid,
+constexpr int instants = 500;  ///< of the run at which motions are looked at
+
+/// How an observer moves: as a wall shifts, or evenly.
+template <int D>
+struct Frame {
+  const RigidMotion* wall = nullptr;
+  Vector<D> velocity = Vector<D>::Zero();
+
+  /// Displacement since the start [m].
+  Vector<D> place(double t) const { return wall == nullptr ? Vector<D>(velocity * t) : placement<D>(*wall, t).shift; }
+};
+
+/// The observer at rest, and the one who goes along with the scene, if there is one.
+template <int D>
+std::vector<Frame<D>> frames_of(const Case& scene) {
+  std::vector<Frame<D>> frames(1);
+  if (const std::optional<std::size_t> wall = wall_of_frame(scene)) frames.push_back({&*scene.walls[*wall].motion});
+  if (!scene.walls.empty() || scene.structure) return frames;
+  Vector<D> sum = Vector<D>::Zero();
+  double count = 0;
+  bool moves = false;
+  for (const FluidBody& body : scene.fluid->bodies) {
+    moves = moves || !is_zero(body.velocity);
+    for (const Vector<D>& x : fill_with_fluid<D>(body.shape, scene.fluid->spacing)) sum += value<D>(body.velocity, x), ++count;
+  }
+  if (moves) frames.push_back({nullptr, Vector<D>(sum / count)});
+  return frames;
+}
+
+/// Velocity of the observer over the first of the instants [m/s].
+template <int D>
+Vector<D> velocity_at_start(const Frame<D>& frame, double end_time) {
+  const double instant = end_time / instants;
+  return (frame.place(instant) - frame.place(0)) / instant;
+}
+
+/// Whether the field has this value everywhere, to round-off.
+template <int D>
+bool is_even(const VectorExpression& field, const Vector<D>& value_of_all) {
+  if (!std::all_of(field.begin(), field.begin() + D, [](const Expression& part) { return part.is_constant(); })) return false;
+  return (value<D>(field, Vector<D>::Zero()) - value_of_all).norm() <= 1e-9 * value_of_all.norm();
+}
+
+// It starts at rest, or as the scene is under way, and no particle has room beside it or, along gravity, below it: walls and bodies are there, or more of the fluid,
 // which may be behind a body that gives way. Whether the container is shaken later makes no free fall of it.
 template <int D>
 bool is_settled(const Case& scene, const Vector<D>& gravity) {
   Bounds<D> extent = bounding_box<D>(scene.fluid->bodies[0].shape);
+  const std::vector<Frame<D>> frames = frames_of<D>(scene);
+  const bool rests = std::any_of(frames.begin(), frames.end(), [&](const Frame<D>& frame) {
+    const Vector<D> velocity = velocity_at_start(frame, scene.end_time);
+    return std::all_of(scene.fluid->bodies.begin(), scene.fluid->bodies.end(),
+                       [&](const FluidBody& body) { return is_even<D>(body.velocity, velocity); });
+  });
+  if (!rests) return false;
   for (const FluidBody& body : scene.fluid->bodies) {
-    if (!is_zero(body.velocity)) return false;
     const auto own = bounding_box<D>(body.shape);
     extent = {extent.min.cwiseMin(own.min), extent.max.cwiseMax(own.max)};
   }
@@ -174,41 +223,72 @@ bool is_settled(const Case& scene, const Vector<D>& gravity) {
   return true;
 }
 
-constexpr int instants = 500;  ///< of the run at which motions are looked at
-
-/// Adds the largest speed that a motion gives the corners of the shape between one instant and the next, where it is larger [m/s].
+/// Adds the largest speed that a motion, or none, gives the corners of the shape between one instant and the next, where it is larger, to an
+/// observer [m/s].
 template <int D>
-void raise_to_motion(const std::optional<RigidMotion>& motion, const Shape& shape, double end_time, std::vector<double>& speed) {
-  if (!motion) return;
+void raise_to_motion(const std::optional<RigidMotion>& motion, const Shape& shape, double end_time, const Frame<D>& frame,
+                     std::vector<double>& speed) {
   const Bounds<D> bounds = bounding_box<D>(shape);
-  Placement<D> before = placement<D>(*motion, 0);
+  const auto at = [&](double t) { return motion ? placement<D>(*motion, t) : Placement<D>(); };
+  Placement<D> before = at(0);
+  Vector<D> frame_before = frame.place(0);
   for (int k = 0; k < instants; ++k) {
-    const Placement<D> now = placement<D>(*motion, end_time * (k + 1) / instants);
+    const double t = end_time * (k + 1) / instants;
+    const Placement<D> now = at(t);
+    const Vector<D> frame_now = frame.place(t);
     for (int corner = 0; corner < (1 << D); ++corner) {
       Vector<D> x = bounds.min;
       for (int d = 0; d < D; ++d)
         if (corner & (1 << d)) x[d] = bounds.max[d];
-      speed[k] = std::max(speed[k], (now(x) - before(x)).norm() * instants / end_time);
+      speed[k] = std::max(speed[k], (now(x) - before(x) - (frame_now - frame_before)).norm() * instants / end_time);
     }
-    before = now;
+    before = now, frame_before = frame_now;
   }
 }
 
-/// Mean over the run of the largest of `least` and the speeds of bodies at the start, walls and clamps [m/s].
+/// Adds those of walls, clamps, and bodies that are held where they are.
+template <int D>
+void raise_to_motions(const Case& scene, const Frame<D>& frame, std::vector<double>& speed) {
+  for (const WallCase& wall : scene.walls) raise_to_motion<D>(wall.motion, wall.shape, scene.end_time, frame, speed);
+  if (!scene.structure) return;
+  for (const StructureBody& body : scene.structure->bodies)
+    if (!body.clamps.empty()) raise_to_motion<D>(std::nullopt, body.shape, scene.end_time, frame, speed);
+  for (const ClampCase& clamp : scene.structure->clamps)  // which takes the whole of its body along
+    for (const StructureBody& body : scene.structure->bodies)
+      if (body.name == clamp.body) raise_to_motion<D>(clamp.motion, body.shape, scene.end_time, frame, speed);
+}
+
+/// Whether a clamp that moves holds the body.
+bool is_taken_along(const Case& scene, const StructureBody& body) {
+  return std::any_of(scene.structure->clamps.begin(), scene.structure->clamps.end(),
+                     [&](const ClampCase& clamp) { return clamp.body == body.name && clamp.motion.has_value(); });
+}
+
+/// Mean over the run of the largest of `least` and the speeds of fluid and bodies at the start, walls and clamps, to the observer to whom it
+/// is less [m/s].
 template <int D>
 double mean_of_largest_speed(const Case& scene, double least) {
-  if (scene.structure)
-    for (const StructureBody& body : scene.structure->bodies) {
-      if (is_zero(body.velocity)) continue;
-      for (const Vector<D>& x : fill_body<D>(body)) least = std::max(least, value<D>(body.velocity, x).norm());
-    }
-  std::vector<double> speed(instants, least);
-  for (const WallCase& wall : scene.walls) raise_to_motion<D>(wall.motion, wall.shape, scene.end_time, speed);
-  if (scene.structure)
-    for (const ClampCase& clamp : scene.structure->clamps)  // which takes the whole of its body along
+  std::vector<double> smallest(instants, infinity);
+  for (const Frame<D>& frame : frames_of<D>(scene)) {
+    const Vector<D> of_frame = velocity_at_start(frame, scene.end_time);
+    double first = least;
+    const auto raise_to = [&](const VectorExpression& velocity, const auto& places) {
+      if (is_zero(velocity)) {
+        first = std::max(first, of_frame.norm());
+        return;
+      }
+      for (const Vector<D>& x : places()) first = std::max(first, (value<D>(velocity, x) - of_frame).norm());
+    };
+    for (const FluidBody& body : scene.fluid->bodies)
+      raise_to(body.velocity, [&] { return fill_with_fluid<D>(body.shape, scene.fluid->spacing); });
+    if (scene.structure)
       for (const StructureBody& body : scene.structure->bodies)
-        if (body.name == clamp.body) raise_to_motion<D>(clamp.motion, body.shape, scene.end_time, speed);
-  return std::accumulate(speed.begin(), speed.end(), 0.0) / instants;
+        if (!is_taken_along(scene, body)) raise_to(body.velocity, [&] { return fill_body<D>(body); });
+    std::vector<double> speed(instants, first);
+    raise_to_motions<D>(scene, frame, speed);
+    for (int k = 0; k < instants; ++k) smallest[k] = std::min(smallest[k], speed[k]);
+  }
+  return std::accumulate(smallest.begin(), smallest.end(), 0.0) / instants;
 }
 
 /// Adds the largest acceleration of two opposite corners of the shape at the instants, where it is larger [m/s^2].
@@ -282,17 +362,15 @@ double window_of_loads_in(const Case& scene) {
 }
 
 template <int D>
-double window_at_rest_in(const Case& scene) {
+double window_at_rest_in(const Case& scene, bool goes_along) {
   std::vector<double> speeds(instants, 0), accelerations(instants, 0);
-  const auto raise_to = [&](const std::optional<RigidMotion>& motion, const Shape& shape) {
-    raise_to_motion<D>(motion, shape, scene.end_time, speeds);
-    raise_to_acceleration<D>(motion, shape, scene.end_time, accelerations);
-  };
-  for (const WallCase& wall : scene.walls) raise_to(wall.motion, wall.shape);
+  const std::vector<Frame<D>> frames = frames_of<D>(scene);
+  raise_to_motions<D>(scene, goes_along ? frames.back() : frames.front(), speeds);
+  for (const WallCase& wall : scene.walls) raise_to_acceleration<D>(wall.motion, wall.shape, scene.end_time, accelerations);
   if (scene.structure)
     for (const ClampCase& clamp : scene.structure->clamps)
       for (const StructureBody& body : scene.structure->bodies)
-        if (body.name == clamp.body) raise_to(clamp.motion, body.shape);
+        if (body.name == clamp.body) raise_to_acceleration<D>(clamp.motion, body.shape, scene.end_time, accelerations);
   const double speed = *std::max_element(speeds.begin(), speeds.end());
   const double acceleration = *std::max_element(accelerations.begin(), accelerations.end());
   const FluidCase& fluid = *scene.fluid;
@@ -305,7 +383,6 @@ double window_at_rest_in(const Case& scene) {
 template <int D>
 void estimate_fluid(const Case& scene, Estimate& result) {
   const FluidCase& fluid = *scene.fluid;
-  double initial_speed = 0;
   std::vector<Vector<D>> places;
   Vector<D> mean = Vector<D>::Zero(), low = Vector<D>::Constant(infinity), high = -low;
   for (const FluidBody& body : fluid.bodies)
@@ -314,7 +391,6 @@ void estimate_fluid(const Case& scene, Estimate& result) {
       result.gravity = std::max(result.gravity, g.norm());
       mean += g;
       low = low.cwiseMin(x), high = high.cwiseMax(x);
-      if (!is_zero(body.velocity)) initial_speed = std::max(initial_speed, value<D>(body.velocity, x).norm());
       places.push_back(x);
     }
   result.fluid_particles = static_cast<long>(places.size());
@@ -340,7 +416,7 @@ void estimate_fluid(const Case& scene, Estimate& result) {
     }
     fall = std::sqrt(2 * result.gravity * std::max(0.0, top - bottom));
   }
-  result.speed = mean_of_largest_speed<D>(scene, std::max({initial_speed, fall, least}));
+  result.speed = mean_of_largest_speed<D>(scene, std::max(fall, least));
   result.gravity_step = strongest > 0 ? fluid.numerics.gravity_courant * std::sqrt(fluid.spacing / strongest) : infinity;
   result.flow_step = result.speed > 0 ? fluid.numerics.courant * fluid.spacing / result.speed : infinity;
   if (const double root = mean_root_of_acceleration<D>(scene); root > 0)
@@ -534,15 +610,24 @@ double first_window(const Case& scene) {
 
 double window_of_loads(const Case& scene) { return scene.dimension == 2 ? window_of_loads_in<2>(scene) : window_of_loads_in<3>(scene); }
 
-double window_at_rest(const Case& scene) { return scene.dimension == 2 ? window_at_rest_in<2>(scene) : window_at_rest_in<3>(scene); }
+std::optional<std::size_t> wall_of_frame(const Case& scene) {
+  const auto moves = [](const WallCase& wall) { return wall.motion.has_value(); };
+  if (scene.walls.empty() || !std::all_of(scene.walls.begin(), scene.walls.end(), moves)) return std::nullopt;
+  const auto found = std::find_if(scene.walls.begin(), scene.walls.end(), [](const WallCase& wall) { return wall.container; });
+  return found == scene.walls.end() ? 0 : static_cast<std::size_t>(found - scene.walls.begin());
+}
+
+double window_at_rest(const Case& scene, bool goes_along) {
+  return scene.dimension == 2 ? window_at_rest_in<2>(scene, goes_along) : window_at_rest_in<3>(scene, goes_along);
+}
 
 double largest_clamp_speed(const Case& scene) {
   std::vector<double> speed(instants, 0);
   for (const ClampCase& clamp : scene.structure ? scene.structure->clamps : std::vector<ClampCase>())
     if (scene.dimension == 2)
-      raise_to_motion<2>(clamp.motion, clamp.region, scene.end_time, speed);
+      raise_to_motion<2>(clamp.motion, clamp.region, scene.end_time, {}, speed);
     else
-      raise_to_motion<3>(clamp.motion, clamp.region, scene.end_time, speed);
+      raise_to_motion<3>(clamp.motion, clamp.region, scene.end_time, {}, speed);
   return *std::max_element(speed.begin(), speed.end());
 }
 

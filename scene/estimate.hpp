@@ -2,6 +2,7 @@
 // What a case will take: particles, steps, memory, time; for `tern-case check` and `explain`.
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -75,9 +76,13 @@ double first_window(const Case& scene);
 /// their rate, root mean squares over the run: a load that swings has 50 windows a period.
 double window_of_loads(const Case& scene);
 
+/// Of an observer who goes along with the scene, by its number: where all walls move, the one that he stands on, the first container or else
+/// the first of them. Nothing where a wall is at rest, or there is none.
+std::optional<std::size_t> wall_of_frame(const Case& scene);
+
 /// Window of a fluid in which nothing moves, and on which nothing acts, yet [s]: what the largest speed and acceleration of walls and
-/// clamps in the run ask for; without such the whole run.
-double window_at_rest(const Case& scene);
+/// clamps in the run ask for; without such the whole run. `goes_along`: to that observer.
+double window_at_rest(const Case& scene, bool goes_along = false);
 
 /// Of a point of a clamp, in the whole run [m/s].
 double largest_clamp_speed(const Case& scene);

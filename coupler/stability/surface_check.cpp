@@ -150,15 +150,17 @@ std::string SurfaceCheck<D>::particles(Ticks ticks, const InterfaceParticles<D>&
 
 template <int D>
 std::string SurfaceCheck<D>::first(double duration, const Surface<D>& surface) const {
+  Surface<D> start = surface;  // half a window before
+  for (std::size_t k = 0; k < body_.size(); ++k) start.position[k] -= 0.5 * duration * surface.velocity[k];
   for (std::size_t k = 0; k < body_.size(); ++k) {
     const StructureBody& body = bodies_[body_[k]];
-    const Vector<D>& x = surface.position[k];
-    const Vector<D>& n = surface.normal[k];
-    // Half a window of motion, and faces of elements or particles that stand for the shape to a spacing.
-    const double distance = signed_distance<D>(body.shape, x), limit = body.spacing + duration * surface.velocity[k].norm();
+    const Vector<D>& x = start.position[k];
+    const Vector<D>& n = start.normal[k];
+    // Faces of elements or particles stand for the shape to a spacing, and a surface may be that of the begin.
+    const double distance = signed_distance<D>(body.shape, x), limit = body.spacing + duration * start.velocity[k].norm();
     if (std::abs(distance) > limit)
       return fmt::format("position[{}] = {} is {:.3g} m {} the shape of the body '{}'; at the start it must lie on it to {:.3g} m", k,
-                         written<D>(x), std::abs(distance), distance > 0 ? "outside" : "inside", body.name, limit);
+                         written<D>(surface.position[k]), std::abs(distance), distance > 0 ? "outside" : "inside", body.name, limit);
     const double step = 0.01 * body.spacing;
     const Vector<D> out = x + step * n, in = x - step * n;
     const double cosine = (signed_distance<D>(body.shape, out) - signed_distance<D>(body.shape, in)) / (2 * step);
@@ -167,7 +169,7 @@ std::string SurfaceCheck<D>::first(double duration, const Surface<D>& surface) c
                          written<D>(n), body.name, cosine, least_cosine);
   }
   std::string fault;
-  for (std::size_t b = 0; fault.empty() && !own_ && b < bodies_.size(); ++b) fault = wrong_areas(b, surface);
+  for (std::size_t b = 0; fault.empty() && !own_ && b < bodies_.size(); ++b) fault = wrong_areas(b, start);
   return fault;
 }
 

@@ -16,10 +16,11 @@ Boundary<D>::Boundary(const Case& scene, const Constants<D>& constants, bool who
 template <int D>
 void move_walls(const Constants<D>& constants, const Ranks& ranks, const Window& window, Boundary<D>& boundary, State<D>& state) {
   const WallRates rates = boundary.walls.move_over(window.begin, window.duration, state.last_duration, state.walls);
-  double largest[] = {rates.speed, rates.acceleration};
+  double largest[] = {rates.speed, rates.acceleration, rates.speed_in_frame};
   if (!boundary.walls.whole()) ranks.most(std::span<double>(largest));
   state.wall_speed = largest[0];
   state.wall_acceleration = largest[1];
+  state.wall_speed_in_frame = largest[2];
   boundary.wall_finder.fill(boundary.walls.faces(), constants.faces.support(), boundary.walls.lowest());
   boundary.space_before_walls.assign(boundary.walls.faces().size(), -1);
   boundary.clipped_walls.reset();

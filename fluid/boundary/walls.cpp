@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/followed_velocity.hpp"
+#include "scene/estimate.hpp"
 
 namespace tern::fluid {
 namespace {
@@ -60,7 +61,11 @@ void for_each_patch(const WallCase& wall, const DomainEnds& ends, double patch, 
 
 template <int D>
 Walls<D>::Walls(const Case& scene, double fluid_spacing, double support, bool whole, PatchShare share)
-    : patch_(0.5 * fluid_spacing), support_(support), ends_{scene.periodic, scene.domain_min, scene.domain_max}, whole_(whole) {
+    : patch_(0.5 * fluid_spacing),
+      support_(support),
+      ends_{scene.periodic, scene.domain_min, scene.domain_max},
+      frame_(wall_of_frame(scene)),
+      whole_(whole) {
   int frame = 0;
   for (const WallCase& wall : scene.walls) {
     moving_ = moving_ || wall.motion.has_value();
@@ -71,6 +76,16 @@ Walls<D>::Walls(const Case& scene, double fluid_spacing, double support, bool wh
   }
   if (!moving_ && !std::count(ends_.periodic.begin(), ends_.periodic.begin() + D, true)) find_planes();
   whole_ ? hold_all() : look_at_all(share);
+  if (!frame_) return;
+  const RigidMotion& motion = *walls_[*frame_].scene.motion;
+  const double instant = 1e-6 * scene.end_time;
+  frame_velocity_at_start_ = (placement<D>(motion, instant).shift - placement<D>(motion, 0).shift) / instant;
+}
+
+template <int D>
+std::optional<Vector<D>> Walls<D>::frame_velocity(const FollowedWalls<D>& followed) const {
+  if (!frame_) return std::nullopt;
+  return followed.shift_rate.empty() ? frame_velocity_at_start_ : followed.shift_rate[*frame_];
 }
 
 template <int D>
@@ -297,8 +312,10 @@ WallRates Walls<D>::move_over(double begin, double duration, double last_duratio
   duration_ = duration;
   place_patches();
   WallRates largest;
+  const Vector<D> of_frame = frame_velocity(followed).value_or(Vector<D>::Zero());
   const auto add = [&](const Vector<D>& velocity, double normal_acceleration) {
     largest.speed = std::max(largest.speed, velocity.norm());
+    largest.speed_in_frame = std::max(largest.speed_in_frame, (velocity - of_frame).norm());
     largest.acceleration = std::max(largest.acceleration, std::abs(normal_acceleration));
   };
   for (std::size_t k = 0; whole_ && moving_ && k < faces_.size(); ++k) add(faces_.velocity[k], faces_.normal_acceleration[k]);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -58,9 +59,10 @@ struct FollowedWalls {
   }
 };
 
-/// Of all patches of walls: the largest speed [m/s] and acceleration along the normal [m/s^2].
+/// Of all patches of walls: the largest speed, the same to the observer who goes along with the scene [m/s], and the largest acceleration
+/// along the normal [m/s^2].
 struct WallRates {
-  double speed = 0, acceleration = 0;
+  double speed = 0, speed_in_frame = 0, acceleration = 0;
 };
 
 /// Which of some patches are looked at: every so many one, from `first` on.
@@ -96,6 +98,8 @@ class Walls {
 
   const Faces<D>& faces() const { return faces_; }
   bool moving() const { return moving_; }
+  /// Shift rate of the wall on which an observer stands who goes along with the scene (wall_of_frame()); nothing if there is none [m/s].
+  std::optional<Vector<D>> frame_velocity(const FollowedWalls<D>& followed) const;
   /// The fluid does not stick to patch k.
   bool slips(int k) const { return slip_[k]; }
   bool any_two_sided() const { return any_two_sided_; }
@@ -134,6 +138,8 @@ class Walls {
 
   double patch_, support_;  ///< [m]
   DomainEnds ends_;
+  std::optional<std::size_t> frame_;                       ///< wall_of_frame()
+  Vector<D> frame_velocity_at_start_ = Vector<D>::Zero();  ///< of it [m/s]
   bool whole_;
   Vector<D> lowest_ = Vector<D>::Constant(1e300);
   Watched watched_;      ///< where walls are not whole

@@ -8,9 +8,9 @@
 namespace tern::fluid {
 
 template <class V>
-double largest_speed(const std::vector<V>& velocity) {
-  return std::sqrt(
-      ordered_max(static_cast<std::ptrdiff_t>(velocity.size()), 0.0, [&](std::ptrdiff_t i) { return velocity[i].squaredNorm(); }));
+double largest_speed(const std::vector<V>& velocity, const V& observer) {
+  return std::sqrt(ordered_max(static_cast<std::ptrdiff_t>(velocity.size()), 0.0,
+                               [&](std::ptrdiff_t i) { return (velocity[i] - observer).squaredNorm(); }));
 }
 
 template <int D>
@@ -69,22 +69,22 @@ Totals<D> add_up(const Ranks& ranks, const Totals<D>& own) {
   // Every rank has the whole surface of the structure.
   if (!ranks.first()) all.evaluations.structure_surface = 0;
   for_each_sum([&](auto& value) { sums.push_back(static_cast<double>(value)); });
-  std::vector<double> most{own.largest_speed, static_cast<double>(own.particles)};
+  std::vector<double> most{own.largest_speed, static_cast<double>(own.particles), own.largest_in_frame};
   if (all.extent)
     for (int c = 0; c < D; ++c) most.push_back(-own.extent->low[c]), most.push_back(own.extent->high[c]);
   ranks.sum_and_most(sums, most);
   std::size_t next = 0;
   for_each_sum([&](auto& value) { value = static_cast<std::remove_reference_t<decltype(value)>>(sums[next++]); });
-  all.largest_speed = most[0], all.most_particles = static_cast<std::size_t>(most[1]);
+  all.largest_speed = most[0], all.most_particles = static_cast<std::size_t>(most[1]), all.largest_in_frame = most[2];
   if (all.extent) {
-    for (int c = 0; c < D; ++c) all.extent->low[c] = -most[2 + 2 * c], all.extent->high[c] = most[3 + 2 * c];
+    for (int c = 0; c < D; ++c) all.extent->low[c] = -most[3 + 2 * c], all.extent->high[c] = most[4 + 2 * c];
     all.extent->largest_speed = all.largest_speed;
   }
   return all;
 }
 
 #define TERN_INSTANTIATE(D)                                                                                                           \
-  template double largest_speed(const std::vector<Vector<D>>&);                                                                       \
+  template double largest_speed(const std::vector<Vector<D>>&, const Vector<D>&);                                                     \
   template double kinetic_energy<D>(double, const State<D>&);                                                                         \
   template Vector<D> momentum<D>(double, const State<D>&);                                                                            \
   template Vector<3> angular_momentum<D>(double, const State<D>&);                                                                    \

@@ -13,9 +13,9 @@
 
 namespace tern::fluid {
 
-/// [m/s]
+/// To an observer who moves so [m/s].
 template <class V>
-double largest_speed(const std::vector<V>& velocity);
+double largest_speed(const std::vector<V>& velocity, const V& observer = V::Zero());
 
 // `mass`: of a particle [kg/m^(3-D)].
 
@@ -59,7 +59,7 @@ struct Totals {
   double kinetic = 0, potential = 0;
   Vector<D> momentum = Vector<D>::Zero();
   Vector<3> angular_momentum = Vector<3>::Zero();
-  double largest_speed = 0;
+  double largest_speed = 0, largest_in_frame = 0;
   Filling filling;
   std::optional<FluidExtent<D>> extent;
   std::size_t particles = 0, spray_particles = 0, removed = 0, leaked = 0;

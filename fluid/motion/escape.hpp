@@ -9,10 +9,10 @@
 
 namespace tern::fluid {
 
-/// Particles that have gone through a face they saw, on the way between two positions.
+/// Particles that have gone through a face they saw, on the way from the middle of a window to its end. `faces`: as at the middle.
 template <int D>
-std::size_t count_leaks(double spacing, const Faces<D>& faces, const FaceRows& rows, const std::vector<Vector<D>>& before,
-                        const std::vector<Vector<D>>& after);
+std::size_t count_leaks(double spacing, double duration, const Faces<D>& faces, const FaceRows& rows, const std::vector<Vector<D>>& middle,
+                        const std::vector<Vector<D>>& end);
 
 /// Removes the particles outside the domain. Throws NumericalFailure when none is left.
 template <int D>

@@ -48,7 +48,7 @@ const Rows<FluidNumerics>& numerics_rows() {
        "Coefficient of the particle shifting, which evens particles out at up to 39 times this the rate of strain; 0 = off."},
       {"noise_damping", &FluidNumerics::noise_damping, "-", "0.2", from_to(0, 1),
        "Share of the particle-scale velocity noise (what a linear field does not explain) damped per relaxation time; 0 = off."},
-      {"courant", &FluidNumerics::courant, "-", "0.4", above_to(0, 0.5), "Largest step as a fraction of dx/|u|max."},
+      {"courant", &FluidNumerics::courant, "-", "0.4", above_to(0, 0.5), "Largest step as a fraction of dx/|u|max, to an observer who goes along where a whole scene is under way."},
       {"gravity_courant", &FluidNumerics::gravity_courant, "-", "0.1", above_to(0, 0.5),
        "Largest step as a fraction of sqrt(dx/|g|), also for the acceleration of walls in place of g."},
       {"viscous_courant", &FluidNumerics::viscous_courant, "-", "0.125", above_to(0, 0.125),

@@ -187,6 +187,17 @@ TEST(SurfaceCheck, TheFirstSurfaceIsThatOfTheBodies) {
          "the sum of area over the body 'plate' is ");
 }
 
+// A body that has gone farther than it is thick by the middle of the first window, with its tank. Seen to fail: with the shape as it is held
+// against the points as they are then.
+TEST(SurfaceCheck, TheFirstSurfaceMayHaveMoved) {
+  const Vector<2> velocity(100, -30);
+  const Change gone = [&](Surface<2>& s) {
+    for (auto& x : s.position) x += 0.5e-3 * velocity;
+    for (auto& v : s.velocity) v = velocity;
+  };
+  EXPECT_EQ(said(gone, true), "");
+}
+
 /// The points of a body at rest that are chosen, and how much of a surface their areas are said to be.
 std::string said_of_part(const std::function<bool(const Vector<2>&, const Vector<2>&)>& chosen, double factor, std::size_t every = 1) {
   const Case scene = case_of(CoupledScene{});

@@ -191,6 +191,13 @@ class LauncherTest(unittest.TestCase):
         self.assertLess(time.monotonic() - began, 12)
         self.assert_nothing_left([self.pid("structure")])
 
+    def test_who_does_not_end_with_a_run_that_is_done_is_named(self):
+        # Seen to fail: without say_at in supervise() (nothing is said for a minute).
+        code, _, errors = self.fake.run(fluid="exit 0", coupler="exit 0", structure="sleep 6 exit 0")
+        self.assertEqual(code, 0, errors)
+        self.assertRegex(errors, r"the run is done, but tern-structure has not ended; it is ended in 5\d s")
+        self.assertEqual(errors.count("has not ended"), 1)
+
     def test_a_frozen_process_is_ended_at_once_after_a_failure(self):
         # Seen to fail: without the state check in Process.stopped() (it then takes the whole grace of 5 s).
         began = time.monotonic()

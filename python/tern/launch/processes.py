@@ -6,6 +6,7 @@ import select
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -19,6 +20,7 @@ from tern.launch.ranks import Ranks, shared_memory
 GRACE_AFTER_FAILURE_S = 5.0    # the others notice a lost peer by themselves: killed < 1 s, frozen < 10 s at the same time
 GRACE_NEVER_JOINED_S = 1.0     # the coupler, if it was it that refused the foreign program, ends with the cause
 GRACE_AFTER_SUCCESS_S = 60.0   # the others write their last frame
+SILENT_AFTER_SUCCESS_S = 5.0   # of these
 GRACE_AFTER_INTERRUPT_S = 1.6  # Ctrl-C ends everything within 2 s
 GRACE_OF_COUPLER_S = 1.0       # of these: it completes a window, has a checkpoint made and ends the others
 GRACE_AFTER_TERMINATE_S = 2.0
@@ -141,6 +143,7 @@ class Group:
         `has_begun`: whether all have joined. The coupler does not notice a foreign program that ends before that.
         """
         terminate_at = kill_at = interrupt_others_at = float("inf")
+        say_at = None
         seen_interrupts = 0
         while self.running():
             for process in self._reap(interrupts, min(terminate_at, kill_at, interrupt_others_at)):
@@ -168,6 +171,12 @@ class Group:
                          GRACE_AFTER_FAILURE_S if failed else GRACE_AFTER_SUCCESS_S)
                 if kill_at == float("inf"):
                     terminate_at = min(terminate_at, now + grace)
+                    if grace == GRACE_AFTER_SUCCESS_S and say_at is None:
+                        say_at = now + SILENT_AFTER_SUCCESS_S
+            if say_at is not None and now >= say_at and terminate_at < float("inf") and self.running():
+                say_at = float("inf")
+                print(f"tern: the run is done, but {' and '.join(process.program for process in self.running())} has not ended; it is ended "
+                      f"in {terminate_at - now:.0f} s.", file=sys.stderr, flush=True)
             if now >= interrupt_others_at:
                 interrupt_others_at = float("inf")
                 self._signal_all(signal.SIGINT)
