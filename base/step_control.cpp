@@ -21,6 +21,7 @@ void StepControl::shorten(int halvings, Ticks until, double longest) {
 }
 
 Ticks StepControl::next(double proposed_seconds, Ticks now, Ticks target) {
+  crawling_ = proposed_seconds < seconds(10) ? crawling_ + 1 : 0;
   if (halvings_ > 0 && now >= until_ && ++windows_ > patience) shorten(halvings_ - 1, until_, 2 * longest_);
   double step = proposed_seconds;
   if (halvings_ > 0) step = std::min(step, halvings_ == 1 ? std::max(longest_, fastest_shortening * previous_) : longest_);

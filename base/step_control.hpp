@@ -18,6 +18,10 @@ class StepControl {
   /// What next() has given last; 0 before the first.
   Ticks last_window() const { return to_ticks(previous_); }
 
+  /// Whether windows of less than ten ticks have been proposed a hundred times in a row: time is not counted more finely, and the run would
+  /// never end.
+  bool crawls() const { return crawling_ >= 100; }
+
   /// From here on windows of at most this length [s]: they are repeated, because others, 2^halvings as long, have failed at the time
   /// `until` [ticks]. By and by, but when that has been tried (more than one halving) or before the first window, at once. Every hundred
   /// windows after that time double the length, until it is theirs again.
@@ -33,6 +37,7 @@ class StepControl {
     visit("halvings", all.halvings_...);
     visit("until", all.until_...);
     visit("windows", all.windows_...);
+    visit("crawling", all.crawling_...);
   }
 
  private:
@@ -41,6 +46,7 @@ class StepControl {
   int halvings_ = 0;
   Ticks until_ = 0;
   std::int64_t windows_ = 0;  ///< after that, or since their share has doubled
+  int crawling_ = 0;          ///< proposals of less than ten ticks, in a row
 };
 
 }  // namespace tern

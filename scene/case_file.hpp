@@ -34,7 +34,18 @@ struct WallCase {
   bool slip = false;                  ///< frictionless although the fluid is viscous
   std::vector<std::string> open;      ///< box container only: faces left out, of "x_min" "x_max" "y_min" "y_max" "z_min" "z_max"
   std::optional<RigidMotion> motion;  ///< absent for a fixed wall
+  /// Periodic directions from end to end of which it reaches, as a box that does not turn: shifted along them it is where it was.
+  std::array<bool, 3> continues{};
 };
+
+/// Where a wall that has a motion is at time t [s].
+template <int D>
+Placement<D> placement(const WallCase& wall, double t) {
+  Placement<D> place = placement<D>(*wall.motion, t);
+  for (int d = 0; d < D; ++d)
+    if (wall.continues[d]) place.shift[d] = 0;
+  return place;
+}
 
 struct FluidBody {
   Shape shape;

@@ -171,8 +171,8 @@ bool is_even(const VectorExpression& field, const Vector<D>& value_of_all) {
   return (value<D>(field, Vector<D>::Zero()) - value_of_all).norm() <= 1e-9 * value_of_all.norm();
 }
 
-// It starts at rest, or as the scene is under way, and no particle has room beside it or, along gravity, below it: walls and bodies are there, or more of the fluid,
-// which may be behind a body that gives way. Whether the container is shaken later makes no free fall of it.
+// It starts at rest, or as the scene is under way, and no particle has room beside it or, along gravity, below it: walls and bodies are
+// there, or more of the fluid, which may be behind a body that gives way. Whether the container is shaken later makes no free fall of it.
 template <int D>
 bool is_settled(const Case& scene, const Vector<D>& gravity) {
   Bounds<D> extent = bounding_box<D>(scene.fluid->bodies[0].shape);
@@ -380,6 +380,26 @@ double window_at_rest_in(const Case& scene, bool goes_along) {
   return longest;
 }
 
+/// Speed of a flow that gravity drives along periodic directions, the mean over the run: until it flows as between plates so far apart as
+/// the fluid reaches across, if it sticks to them, it falls freely [m/s].
+template <int D>
+double driven_speed(const Case& scene, const Vector<D>& gravity, const Vector<D>& extent) {
+  double fastest = 0;
+  for (int d = 0; d < D; ++d) {
+    if (!scene.periodic[d] || gravity[d] == 0) continue;
+    double across = infinity;
+    for (int other = 0; other < D; ++other)
+      if (other != d && !scene.periodic[other]) across = std::min(across, extent[other] + scene.fluid->spacing);
+    const bool sticks =
+        scene.fluid->viscosity && std::any_of(scene.walls.begin(), scene.walls.end(), [](auto& wall) { return !wall.slip; });
+    const double g = std::abs(gravity[d]), time = scene.end_time,
+                 steady = sticks ? g * across * across * scene.fluid->density / (8 * *scene.fluid->viscosity) : infinity;
+    const double in_fall = std::min(time, steady / g);
+    fastest = std::max(fastest, g * in_fall * (1 - 0.5 * in_fall / time));
+  }
+  return fastest;
+}
+
 template <int D>
 void estimate_fluid(const Case& scene, Estimate& result) {
   const FluidCase& fluid = *scene.fluid;
@@ -416,7 +436,7 @@ void estimate_fluid(const Case& scene, Estimate& result) {
     }
     fall = std::sqrt(2 * result.gravity * std::max(0.0, top - bottom));
   }
-  result.speed = mean_of_largest_speed<D>(scene, std::max(fall, least));
+  result.speed = mean_of_largest_speed<D>(scene, std::max({fall, least, driven_speed<D>(scene, mean, high - low)}));
   result.gravity_step = strongest > 0 ? fluid.numerics.gravity_courant * std::sqrt(fluid.spacing / strongest) : infinity;
   result.flow_step = result.speed > 0 ? fluid.numerics.courant * fluid.spacing / result.speed : infinity;
   if (const double root = mean_root_of_acceleration<D>(scene); root > 0)

@@ -35,18 +35,21 @@ void split(std::string_view line, std::vector<std::string_view>& cells) {
 constexpr double largest_value = 1e9;  // [m, rad, s]
 constexpr std::size_t most_rows = 1000000;
 
-// Second derivatives of the natural cubic spline: continuous inside, 0 at both ends (tridiagonal system).
+// Second derivatives of the cubic spline: continuous inside, constant between the first two rows and between the last two (tridiagonal
+// system). Of a table that begins or ends within a motion the natural spline, with 0 at both ends, would take the acceleration away there.
 std::vector<double> spline(const std::vector<double>& t, const std::vector<double>& y) {
   const std::size_t n = t.size();
   std::vector<double> second(n, 0), factor(n, 0);
   for (std::size_t i = 1; i + 1 < n; ++i) {
     const double before = t[i] - t[i - 1], after = t[i + 1] - t[i];
     const double jump = (y[i + 1] - y[i]) / after - (y[i] - y[i - 1]) / before;
-    const double pivot = 2 * (before + after) - before * factor[i - 1];
-    factor[i] = after / pivot;
+    const double ends = (i == 1 ? before : 0) + (i + 2 == n ? after : 0);
+    const double pivot = 2 * (before + after) + ends - before * factor[i - 1];
+    factor[i] = i + 2 == n ? 0 : after / pivot;
     second[i] = (6 * jump - before * second[i - 1]) / pivot;
   }
   for (std::size_t i = n - 1; i-- > 1;) second[i] -= factor[i] * second[i + 1];
+  if (n > 2) second.front() = second[1], second.back() = second[n - 2];
   return second;
 }
 

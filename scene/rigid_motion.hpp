@@ -11,8 +11,8 @@
 
 namespace tern {
 
-/// Displacement and angle over time, read from a CSV file. Between the rows natural cubic splines, whose second
-/// derivative is continuous: an acceleration exists everywhere. After the last row the last values are held.
+/// Displacement and angle over time, read from a CSV file. Between the rows cubic splines, whose second derivative
+/// is continuous, and constant between the first two rows and between the last two. After the last row the last values are held.
 class MotionTable {
  public:
   /// `text`: a header line of t_s and some of x_m, y_m, z_m, angle_rad, then at least two rows; lines that start with #

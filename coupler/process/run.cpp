@@ -271,6 +271,12 @@ void run(const CommandLine& command, const Case& scene, proto::CouplerChannel& c
       limit = "structure";
     }
     const Ticks duration = control.next(proposed, now, target);
+    if (control.crawls())
+      throw NumericalFailure(fmt::format(
+          "A window of {:.3g} s is asked for at t = {:.9g} s (limit \"{}\"), and less than ten ticks of time, {:.2g} s, have been "
+          "a hundred times in a row: the run would never end. Who asks for that has become unstable, or gives its "
+          "proposed_step_s in another unit than seconds.",
+          proposed, seconds(now), limit, seconds(10)));
     if (control.halvings() > 0) limit = "repeated";
     report.set_measure("window_s", seconds(duration));
     report.set_count("window_halvings", control.halvings());

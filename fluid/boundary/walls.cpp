@@ -287,13 +287,13 @@ WallRates Walls<D>::move_over(double begin, double duration, double last_duratio
     if (!wall.scene.motion) continue;
     const auto place_at = [&](double time) { return placement<D>(*wall.scene.motion, time); };
     const Placement<D> at_begin = place_at(begin), at_end = place_at(begin + duration);
-    wall.now.place = place_at(begin + 0.5 * duration);
+    wall.now.place = placement<D>(wall.scene, begin + 0.5 * duration);
     // Not of the mean velocity of the patch itself: the chord of an arc is shorter than the way along it.
     const Vector<D> mean_shift_rate = (at_end.shift - at_begin.shift) / duration;
     const double mean_turn_rate = (at_end.angle - at_begin.angle) / duration;
     if (first) {
       // Of the motion through three places, as if it had gone on so before: `own` is of a third of a window before `given`.
-      const Vector<D> change = 4 * (at_end.shift - 2 * wall.now.place.shift + at_begin.shift) / duration;
+      const Vector<D> change = 4 * (at_end.shift - 2 * place_at(begin + 0.5 * duration).shift + at_begin.shift) / duration;
       const double turn_change = 4 * (at_end.angle - 2 * wall.now.place.angle + at_begin.angle) / duration;
       followed.shift_rate[w] = mean_shift_rate - 0.5 * change;
       followed.turn_rate[w] = mean_turn_rate - 0.5 * turn_change;

@@ -30,7 +30,7 @@ std::vector<Vector<D>> wall_places(const std::vector<Wall<D>>& walls, double t) 
   std::vector<Vector<D>> places;
   for (const Wall<D>& wall : walls) {
     if (!wall.scene.motion) continue;
-    const Placement<D> place = placement<D>(*wall.scene.motion, t);
+    const Placement<D> place = placement<D>(wall.scene, t);
     places.push_back(place(Vector<D>::Zero()));
     for (int d = 0; d < D; ++d) places.push_back(place(Vector<D>::Unit(d)));
   }

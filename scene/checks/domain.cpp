@@ -17,7 +17,7 @@ Shape swept_box(const WallCase& wall, double end_time) {
   const Bounds<D> bounds = bounding_box<D>(wall.shape);
   Vector<D> low = bounds.min, high = bounds.max;
   for (int k = 0; k <= instants; ++k) {
-    const Placement<D> place = placement<D>(*wall.motion, end_time * k / instants);
+    const Placement<D> place = placement<D>(wall, end_time * k / instants);
     for (int corner = 0; corner < (1 << D); ++corner) {
       Vector<D> x = bounds.min;
       for (int d = 0; d < D; ++d)
@@ -62,6 +62,10 @@ void set_default_domain(Case& scene, const Setting& settings) {
 
 namespace {
 
+bool rotates(const RigidMotion& motion) {
+  return motion.table ? motion.table->rotates() : !(motion.rotation.is_constant() && motion.rotation(0) == 0);
+}
+
 // The fluid repeats itself in direction d: pairs have one nearest image, and walls have to repeat themselves as well.
 template <int D>
 void check_periodic(Case& scene, const Setting& settings, int d, const std::string& where) {
@@ -88,12 +92,15 @@ void check_periodic(Case& scene, const Setting& settings, int d, const std::stri
                     where, axis, count, period / std::round(count)));
   }
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
-    const WallCase& wall = scene.walls[i];
+    WallCase& wall = scene.walls[i];
     const Bounds<D> bounds = bounding_box<D>(wall.shape);
+    wall.continues[d] = wall.motion && wall.shape.kind == Shape::Kind::box && !rotates(*wall.motion) && bounds.min[d] <= low + slack &&
+                        bounds.max[d] >= high - slack;
     const Shape swept = wall.motion ? swept_box<D>(wall, scene.end_time) : Shape{};
     if (wall.motion && (swept.min[d] < bounds.min[d] - slack || swept.max[d] > bounds.max[d] + slack)) {
       fail_at(settings.at("wall").items[i].where, fmt::format("the wall '{}' moves in the periodic direction {}, where it would leave its "
-                                                              "period; let it move across that direction only.",
+                                                              "period; let it move across that direction only, or be a box from end to "
+                                                              "end of the period that does not turn.",
                                                               wall.name, axis));
     }
     if (bounds.min[d] < low - slack || bounds.max[d] > high + slack) {

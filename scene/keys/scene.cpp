@@ -46,7 +46,7 @@ const Rows<Case>& domain_rows() {
       {"max", &Case::domain_max, "m", required, a_place, "Upper corner."},
       {"periodic", directions(), "", "[]", any,
        "Directions in which the fluid repeats itself with the period max - min: what leaves on one side enters on the other; without "
-       "elastic bodies."},
+       "elastic bodies. A wall moves along them as a box from end to end alone, like a belt."},
   };
   // clang-format on
   return rows;

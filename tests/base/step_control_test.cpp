@@ -65,6 +65,20 @@ TEST(StepControl, GrowsFromASingleTick) {
   EXPECT_GT(seconds(*std::max_element(steps.begin(), steps.end() - 1)), 0.9e-3);
 }
 
+// Seen to fail: without the count, with which such a run goes on for years.
+TEST(StepControl, KnowsThatItCrawls) {
+  StepControl control;
+  const auto windows_until_it_crawls = [&](auto&& proposal) {
+    for (int k = 1; k <= 500; ++k) {
+      control.next(proposal(k), 0, to_ticks(1));
+      if (control.crawls()) return k;
+    }
+    return 0;
+  };
+  EXPECT_EQ(windows_until_it_crawls([](int k) { return k % 50 == 0 ? 1e-3 : 1e-12; }), 0);
+  EXPECT_EQ(windows_until_it_crawls([](int) { return 1e-12; }), 100);
+}
+
 // From rest the first proposal counts alone; later ones may exceed the step before by 10 %, and by 10 % more to meet a
 // target. Seen to fail: without the limit on growth.
 TEST(StepControl, GrowsByNoMoreThanTenPercentTwice) {

@@ -58,6 +58,40 @@ TEST(PoiseuilleFlow, StartsAndEndsAsItShould) {
   }
 }
 
+/// u(y, t) = U y - sum 2 U (-1)^(k+1)/(k pi) sin(k pi y) exp(-(k pi)^2 nu t): between a plate at rest and one that is set moving.
+double starting_couette(double y, double t, double nu, double speed) {
+  double u = speed * y;
+  for (int k = 1; k < 60; ++k)
+    u -= 2 * speed * (k % 2 == 0 ? -1 : 1) / (k * pi) * std::sin(k * pi * y) * std::exp(-std::pow(k * pi, 2) * nu * t);
+  return u;
+}
+
+// The upper of two plates slides along the period; it goes twice round it. Measured: 0.3 % of its speed at t = 1 s, 0.05 % when steady. Seen
+// to fail: with a plate that leaves its period.
+TEST(CouetteFlow, IsDrivenByAWallThatSlidesAlongThePeriod) {
+  constexpr double nu = 0.1, speed = 0.25;
+  Case c = scene(2, 0.05, {box({0, 0, 0}, {0.5, 1, 0})}, {obstacle({0, -0.2, 0}, {0.5, 0, 0}), obstacle({0, 1, 0}, {0.5, 1.2, 0})}, 0);
+  make_periodic(c, {0, -1, 0}, {0.5, 2, 0}, "x");
+  c.fluid->viscosity = nu * density;
+  c.end_time = 4;
+  c.walls[1].motion.emplace().displacement[0] = Expression(fmt::format("{}*t", speed));
+  c.walls[1].continues[0] = true;
+  Fluid<2> fluid(c);
+  const auto error = [&] {
+    double sum = 0;
+    for (std::size_t i = 0; i < fluid.state().size(); ++i)
+      sum += std::pow(fluid.state().velocity[i][0] - starting_couette(fluid.state().position[i][1], seconds(fluid.state().time), nu, speed),
+                      2);
+    return std::sqrt(sum / static_cast<double>(fluid.state().size())) / speed;
+  };
+  run(fluid, 1.0, [] {});
+  const double starting = error();
+  run(fluid, 4.0, [] {});
+  std::printf("Couette, 20 layers: error at 0.1 H^2/nu %.2e, steady %.2e of the speed\n", starting, error());
+  EXPECT_LT(starting, 0.02);
+  EXPECT_LT(error(), 0.01);
+}
+
 struct Decay {
   double rate = 0;  ///< of ln |u|, from the kinetic energy at 0 and at the end [1/s]
   double loss = 0;  ///< of kinetic energy in the first unit of time

@@ -54,6 +54,9 @@ class VerifyCasesTest(unittest.TestCase):
     def test_the_bar_rings_at_its_wave_speed(self):
         self.verify("tensile_bar")
 
+    def test_the_bar_resists_its_torsion(self):
+        self.verify("twisted_bar")
+
     def test_the_cantilever_keeps_its_period_through_large_swings(self):
         self.verify("gray_cantilever")
 

@@ -2,6 +2,7 @@
 
 #include "scene/rigid_motion.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -29,6 +30,18 @@ TEST(MotionTable, GivesASmoothMotionWithTheAccelerationOfItsRows) {
     const double second = (table.at(t + step)[3] - 2 * table.at(t)[3] + table.at(t - step)[3]) / (step * step);
     EXPECT_NEAR(second, -std::sin(t), 0.02) << t;
   }
+}
+
+// A table that begins with an acceleration and ends in the middle of a motion. Seen to fail: with the natural spline (0 at both ends, and
+// a velocity of 0.009 m/s at the start).
+TEST(MotionTable, HasTheAccelerationOfItsFirstAndLastRows) {
+  const double step = 0.01, end = 0.5;
+  std::string text = "t_s,x_m\n";
+  for (int k = 0; k <= 50; ++k) text += fmt::format("{},{:.12g}\n", step * k, 0.05 * (1 - std::cos(8 * step * k)));
+  const MotionTable table(text, "heave.csv", 2);
+  const auto second = [&](double t) { return (table.at(t + 1e-3)[0] - 2 * table.at(t)[0] + table.at(t - 1e-3)[0]) / 1e-6; };
+  for (const double t : {1e-3, end - 1e-3}) EXPECT_NEAR(second(t), 3.2 * std::cos(8 * t), 0.15) << t;
+  EXPECT_NEAR(table.at(1e-4)[0] / 1e-4, 0.5 * 3.2 * 1e-4, 1e-4);
 }
 
 // Seen to fail without the limit of t to the last row.
