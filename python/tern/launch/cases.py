@@ -10,6 +10,8 @@ from pathlib import Path
 from tern import paths
 from tern.errors import BAD_INPUT, INPUT_OUTPUT, Error
 
+ROLES = ("fluid", "structure", "coupler")
+
 
 def named(file):
     """The names of all cases that have this file, e.g. case.toml."""
@@ -58,18 +60,22 @@ def is_run(directory):
     return (directory / "run.json").exists() or any(directory.glob("report.*.json"))
 
 
-def results_in(directory):
-    """The files a run writes, as far as they are in `directory`."""
-    names = ["run.json", "gauges.csv", "energy.csv", "steps.csv", "interface.record"]
-    for role in ("fluid", "structure", "coupler"):
+def results_in(directory, roles=ROLES):
+    """The files that these processes of a run write, as far as they are in `directory`."""
+    names = ["run.json"] if roles == ROLES else []
+    if "coupler" in roles:
+        names += ["gauges.csv", "energy.csv", "steps.csv", "interface.record"]
+    for role in roles:
         names += [f"report.{role}.json", f"{role}.h5", f"{role}.xmf", f"{role}.log"]
-    return [directory / name for name in names if (directory / name).exists()] + sorted((directory / "checkpoint").glob("*.*"))
+    kept = ("",) if roles == ROLES else (*roles, *(("manifest",) if "coupler" in roles else ()))
+    return ([directory / name for name in names if (directory / name).exists()]
+            + sorted(path for path in (directory / "checkpoint").glob("*.*") if path.name.startswith(kept)))
 
 
-def make_out_directory(case_name, asked, force):
+def make_out_directory(case_name, asked, force, roles=ROLES):
     """A directory for a new run. An earlier run is never overwritten unless forced: the name gets -2, -3, ...
 
-    `asked` is None for the default runs/<case>; with `force` the results in an existing directory are removed.
+    `asked` is None for the default runs/<case>; with `force` the results of `roles` in an existing directory are removed.
     """
     base = Path(asked) if asked else Path("runs") / case_name
     try:
@@ -81,7 +87,7 @@ def make_out_directory(case_name, asked, force):
                 break
             except FileExistsError:
                 if directory.is_dir() and ((force and is_run(directory)) or not any(directory.iterdir())):
-                    for result in results_in(directory):
+                    for result in results_in(directory, roles):
                         result.unlink()
                     break
                 if directory.is_dir() and not is_run(directory) and asked and number == 1:

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from tern import paths
 from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, PEER_LOST, STATUS, Error
-from tern.launch import build, cases, first_cause, hosts, packages, ranks, resumption, spent, window_repeat
+from tern.launch import build, cases, first_cause, hosts, packages, process_state, ranks, resumption, spent, status, window_repeat
 from tern.launch.processes import Group, Interrupts
 from tern.launch.record import ROOM, overwrite_json, write_json
 from tern.results import summary
@@ -24,6 +24,7 @@ IN_LAUNCH = ("until", "threads", "ranks", "oversubscribe", "hosts", "interface",
              "endpoint", "network_options")
 ROLES = ("coupler", "fluid", "structure")  # the order of starting: the coupler binds the endpoint
 TICK_S = 2.0**-32  # the clock of a run counts these
+A_MOMENT_S = 1.0  # in which another part of a run has emptied their directory
 
 
 @dataclass
@@ -177,11 +178,12 @@ def tell(text):
 
 
 class Work:
-    """What lasts over all parts of a run: the signals that end it, and the hold on its directory. A run of `one_role` shares that with
-    those of the others."""
+    """What lasts over all parts of a run: the signals that end it, and the hold on its directory. A run of one `role` may share that
+    with those of the others."""
 
-    def __init__(self, stack, one_role):
-        self._stack, self._one_role, self._held, self._interrupts = stack, one_role, None, None
+    def __init__(self, stack, role):
+        self._stack, self._role, self._held, self._interrupts = stack, role, None, None
+        self._descriptor = None
         self.spent = {}  # by what was begun anew
 
     def interrupts(self):
@@ -193,28 +195,64 @@ class Work:
     def interrupted(self):
         return self._interrupts is not None and self._interrupts.count > 0
 
-    def hold(self, directory):
-        """Nobody else is to work in this directory meanwhile. Raises Error where somebody does."""
+    def hold(self, directory, to_empty=False):
+        """No other run is to work in this directory meanwhile. Returns whether all of it may be emptied (`to_empty`): not where other
+        parts of this run are at work in it. Raises Error where another run is, or where this part is already."""
         directory = directory.resolve()
-        if self._one_role or directory == self._held:
-            return
+        if directory == self._held:
+            return self._role is None
         descriptor = os.open(directory, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
         self._stack.callback(os.close, descriptor)
         try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise Error(BAD_INPUT, f"Another ./tern is at work in {summary.shown(directory)}; wait for its end, or give another "
-                                   "--out.") from None
+            alone = (self._role is None or to_empty) and _lock(descriptor, fcntl.LOCK_EX)
+            if not alone and (self._role is None or not _lock(descriptor, fcntl.LOCK_SH, A_MOMENT_S)):
+                raise _at_work(directory)
         except OSError:
-            return  # a file system without locks
-        self._held = directory
+            return True  # a file system without locks
+        self._held, self._descriptor = directory, descriptor
+        return alone
+
+    def share(self):
+        """Lets the other parts of a run of one role in, once run.json says whose directory it is."""
+        if self._role and self._held and not _lock(self._descriptor, fcntl.LOCK_SH, A_MOMENT_S):
+            raise _at_work(self._held)
+
+    def join(self, case):
+        """Raises Error unless who is at work in the directory may be the other parts of this run: of the same case, and none of this
+        role."""
+        try:
+            there = json.loads((self._held / "run.json").read_text(encoding="utf-8"))
+        except (OSError, json.JSONDecodeError):
+            there = {}  # it is about to be written
+        lives = there.get("status") == "running" and process_state.of(there.get("launcher")) not in (None, "Z", "X")
+        same_part = lives and there.get("launch", {}).get("only") in (None, self._role)
+        if (same_part or (lives and there.get("case_hash") != case["hash"])
+                or any(process.startswith(f"{self._role},") for process in status.living(self._held))):
+            raise _at_work(self._held)
+
+
+def _at_work(directory):
+    return Error(BAD_INPUT, f"Another ./tern is at work in {summary.shown(directory)}; wait for its end, or give another --out.")
+
+
+def _lock(descriptor, kind, patience_s=0.0):
+    """Whether the lock could be had in so long."""
+    until = time.monotonic() + patience_s
+    while True:
+        try:
+            fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
+            return True
+        except BlockingIOError:
+            if time.monotonic() >= until:
+                return False
+            time.sleep(0.02)
 
 
 def run(request):
     """Runs a case. Returns (why it ended: first_cause.Cause, directory of the results). Windows that have failed are taken back and
     repeated at half their length. After a lost process a run with retries goes on from its newest checkpoint."""
     with contextlib.ExitStack() as stack:
-        return _run(request, Work(stack, request.only is not None))
+        return _run(request, Work(stack, request.only))
 
 
 def _run(request, work):
@@ -306,9 +344,11 @@ def _run_once(request, work):
         if request.repeat and case["hash"] != request.repeat.case_hash:
             raise Error(BAD_INPUT, f"{path} has changed since the windows that are to be repeated: begin anew.")
         asked = Path(request.out) if request.out else Path("runs") / case["name"]
-        if request.force and asked.is_dir():
-            work.hold(asked)  # before anything in it is removed
-        out = cases.make_out_directory(case["name"], request.out, request.force)
+        whose = cases.ROLES
+        if request.force and asked.is_dir() and not work.hold(asked, to_empty=True):  # before anything in it is removed
+            work.join(case)
+            whose = roles
+        out = cases.make_out_directory(case["name"], request.out, request.force, whose)
         work.hold(out)
     if not request.quiet:
         # Said before the first progress line: where the results appear, and under which name.
@@ -355,6 +395,7 @@ def _run_once(request, work):
         endpoint = request.endpoint or f"ipc://{group.directory}/tern.sock"
         try:
             write_json(out / "run.json", contents, ROOM)
+            work.share()
             for role in roles:
                 own = list(options)
                 if len(roles) > 1 or request.only:
