@@ -15,10 +15,12 @@ import time
 import unittest
 from pathlib import Path
 
+import h5py
 import numpy as np
 from fake_build import ROOT, is_alive, wait_until
 from real_run import RealRunTest
 
+from tern.participant.side import _cause_of
 from tern.participant.structure_side import Surface, _Coupled
 from tern.results import series
 
@@ -235,6 +237,40 @@ class EndOfARunTest(ParticipantTest):
             self.assertRegex(self.contents()["first_cause"], sentence)
             self.assertEqual(self.contents()["first_cause_role"], "structure")
             self.assertRegex(self.contents()["processes"]["coupler"]["cause"], f"The structure process stopped.*{sentence}")
+
+
+    # Seen to fail: with the h5py.File on the disk itself in hdf5_file() (the frames before cannot be read), and with what is
+    # written in place before what lengthens the file in commit() (the same: "truncated file").
+    def test_a_full_disk_ends_a_participant_with_5_and_leaves_the_frames_before(self):
+        script = ("import resource, sys\nfrom tern.participant.frames import FrameWriter\n"
+                  "resource.setrlimit(resource.RLIMIT_FSIZE, 2 * (int(sys.argv[2]),))\n"
+                  "frames = FrameWriter(sys.argv[1], 'structure', 2)\n"
+                  "while frames.frames < 10**4: frames.write(0.1, 1, {'position': [[0.0, 1.0]] * 100})\n")
+        for room in (*range(20000, 41000, 1500), 100):
+            where = self.path / str(room)
+            where.mkdir()
+            # No file can grow beyond this: what the system then says is another thing than of a full disk, and refused at the same place.
+            answer = subprocess.run(["/usr/bin/python3", "-c", script, where, str(room)], stderr=subprocess.PIPE, text=True, timeout=60,
+                                    check=False)
+            self.assertEqual(answer.returncode, 1, answer.stderr)  # no crash of HDF5 at the end
+            self.assertRegex(answer.stderr.splitlines()[-1],
+                             rf"RunEnded: Cannot write {where}/structure.(h5|xmf): File too large; free space")
+            if room > 100:
+                with h5py.File(where / "structure.h5", "r") as file:
+                    frames = len(file)
+                    self.assertGreater(frames, 0)
+                    self.assertTrue(all(file[name]["position"].shape == (100, 3) for name in file), room)
+                self.assertIn(frames - (where / "structure.xmf").read_text().count("<Time"), (0, 1))
+
+    # Seen to fail: without NO_ROOM (exit code 5, and "was refused by the system" without a remedy).
+    def test_a_full_disk_that_a_solver_meets_is_told_with_the_remedy(self):
+        full = "No space left on device"
+        for error, said in ((OSError(28, full, "mine.txt"), f"Cannot write mine.txt: {full}; free space"),
+                            (OSError(28, full), f"Cannot write a file of mine.py: {full}; free space"),
+                            (OSError("odd"), "mine.py was refused by the system: odd")):
+            code, sentence = _cause_of(error, "mine.py")
+            self.assertEqual(code, 5)
+            self.assertIn(said, sentence)
 
 
 class CommandTest(ParticipantTest):

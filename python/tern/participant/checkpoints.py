@@ -10,6 +10,7 @@ import numpy
 
 from tern.errors import BAD_INPUT
 from tern.participant.channel import RunEnded
+from tern.participant.disk import writing
 
 KEPT = 2
 
@@ -43,17 +44,18 @@ class Checkpoints:
 
     def save(self, step, arrays):
         """Keeps `arrays`, name -> array, for this step; returns the hash."""
-        self._folder.mkdir(parents=True, exist_ok=True)
+        with writing(self._folder):
+            self._folder.mkdir(parents=True, exist_ok=True)
         content = io.BytesIO()
         numpy.savez(content, **arrays)
         temporary, path = self._folder / f"{self._role}.npz.tmp", self._folder / f"{self._role}.{step:09d}.npz"
         try:
-            with open(temporary, "wb") as file:
+            with writing(path), open(temporary, "wb") as file:
                 file.write(content.getbuffer())
                 file.flush()
                 os.fsync(file.fileno())
             os.replace(temporary, path)
-        except OSError:
+        except (OSError, RunEnded):
             temporary.unlink(missing_ok=True)
             raise
         older = [other for other in self._paths() if other < step]

@@ -6,6 +6,8 @@ from pathlib import Path
 import h5py
 import numpy
 
+from tern.participant.disk import hdf5_file, put, writing
+
 _HEAD = ('<?xml version="1.0" ?>\n<!DOCTYPE Xdmf SYSTEM "Xdmf.dtd" []>\n<Xdmf Version="3.0">\n<Domain>\n'
          '<Grid Name="frames" GridType="Collection" CollectionType="Temporal">\n')
 _TAIL = "</Grid>\n</Domain>\n</Xdmf>\n"
@@ -28,8 +30,10 @@ class FrameWriter:
         self._units = _UNITS | {"surface_force": "N/m" if dimension == 2 else "N"}
         self._end, self.frames = len(_HEAD), 0  # of the index [bytes]
         if anew:
-            h5py.File(self._data, "w").close()
-            self._index.write_text(_HEAD + _TAIL, encoding="utf-8")
+            with hdf5_file(self._data, anew=True):
+                pass
+            with writing(self._index):
+                self._index.write_text(_HEAD + _TAIL, encoding="utf-8")
 
     def mark(self):
         """Where the files are, for go_back()."""
@@ -44,7 +48,8 @@ class FrameWriter:
             more = set(file) - set(kept)
         if more:
             anew = self._data.with_suffix(".h5.tmp")
-            h5py.File(anew, "w").close()
+            with hdf5_file(anew, anew=True):
+                pass
             with h5py.File(self._data, "r") as file:
                 for name in kept:
                     frame = file[name]
@@ -55,7 +60,7 @@ class FrameWriter:
     @staticmethod
     def _put(path, name, numbers, datasets):
         """Adds a frame: {name: number}, {name: (array, unit or None)}. In the order of names, in which HDF5 gives them back."""
-        with h5py.File(path, "a") as file:
+        with hdf5_file(path) as file:
             group = file.create_group(name + ".unfinished")
             for key in sorted(numbers):
                 group.attrs[key] = numbers[key]
@@ -94,10 +99,14 @@ class FrameWriter:
         return array
 
     def _append(self, text):
-        """Puts text before the end of the index."""
-        content = text.encode()
-        with open(self._index, "r+b", buffering=0) as file:
-            file.seek(self._end)
-            file.write(content + _TAIL.encode())
-            file.truncate()
+        """Puts text before the end of the index, which on a full disk stays as it was."""
+        content, tail = text.encode(), _TAIL.encode()
+        with writing(self._index), open(self._index, "r+b", buffering=0) as file:
+            try:
+                put(file.fileno(), content + tail, self._end)
+            except OSError:
+                put(file.fileno(), tail, self._end)
+                file.truncate(self._end + len(tail))
+                raise
+            file.truncate(self._end + len(content) + len(tail))
         self._end += len(content)

@@ -5,6 +5,7 @@ results directory, log, report, signals and exit code. structure_side.py and flu
 import argparse
 import contextlib
 import ctypes
+import errno
 import json
 import math
 import os
@@ -28,6 +29,7 @@ from tern.participant.schema import wire
 TICKS_PER_SECOND = 2.0**32
 REPORT_INTERVAL_S = 2.0
 PATIENCE_S = 1.0  # after a signal: for the coupler to complete the window, have a checkpoint made and end the run
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _SIGNAL_NAMES = {signal.SIGINT: "SIGINT (Ctrl-C)", signal.SIGTERM: "SIGTERM", signal.SIGHUP: "SIGHUP (terminal closed)"}
 _ROLES = {"fluid": wire.FLUID, "structure": wire.STRUCTURE}
 
@@ -329,6 +331,9 @@ def _cause_of(error, program):
         return error.exit_code, str(error)
     if isinstance(error, zmq.ZMQError):
         return PEER_LOST, f"The coupler process cannot be reached any more: {error}."
+    if isinstance(error, OSError) and error.errno in NO_ROOM:
+        what = error.filename or f"a file of {program}"
+        return INPUT_OUTPUT, f"Cannot write {what}: {error.strerror}; free space or choose another --out."
     if isinstance(error, OSError):
         return INPUT_OUTPUT, f"{program} was refused by the system: {error}."
     place = _last_place_outside(Path(__file__).parent, error)
