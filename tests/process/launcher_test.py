@@ -157,6 +157,26 @@ class LauncherTest(unittest.TestCase):
         reports = {"coupler": {"status": "failed", "cause": said, "cause_time": 1.0}}
         self.assertEqual(first_cause.find(ended, reports, interrupted=False).sentence, said)
 
+    def test_a_program_without_a_report_that_obeys_an_abort_is_not_the_cause(self):
+        # Seen to fail: without _is_echo() ("spring ended with exit code 3 and left no report of the cause"; it ends before the others have
+        # written theirs), and, where it is the cause, with a rule that looks neither at the time nor at whom the others have lost.
+        said = "Pressure is nan at step 5."
+
+        def find(code, ended_at, *others):
+            ended = [Process("structure", "spring", None, -1, exit_code=code, ended_at=ended_at)]
+            ended += [Process(role, f"tern-{role}", None, -1, exit_code=its_code, ended_at=2.2) for role, its_code, _ in others]
+            reports = {role: {"status": "failed", "cause": cause, "cause_time": 2.0, "exit_code": its_code}
+                       for role, its_code, cause in others}
+            return first_cause.find(ended, reports, interrupted=False)
+        both = (("fluid", 3, said), ("coupler", 3, f"The fluid process stopped at step 5: {said}"))
+        for ended_at in (1.9, 2.1, 6.0):
+            self.assertEqual((find(3, ended_at, *both).role, find(3, ended_at, *both).sentence), ("fluid", said), ended_at)
+        bad = "The fluid process sent an InterfaceParticles that cannot be used."
+        self.assertEqual(find(4, 1.9, ("coupler", 4, bad), ("fluid", 4, f"The coupler process stopped: {bad}")).sentence, bad)
+        lost = ("coupler", 4, "The structure process (process 7) was lost.")
+        for cause in (find(3, 0.5, *both), find(2, 1.9, *both), find(4, 1.9, lost)):
+            self.assertIn("left no report of the cause", cause.sentence)
+
     def test_a_run_on_a_full_disk_that_cannot_go_on_says_why(self):
         # Seen to fail: with the interval as the only reason.
         for run, said in (({"exit_code": 5, "first_cause": "Cannot write structure.h5."}, "at its end: Cannot write structure.h5"),

@@ -42,6 +42,19 @@ def _candidate(process, report):
     return min(when, process.ended_at), Cause(code if code in STATUS and code != DONE else PEER_LOST, sentence, process.role)
 
 
+def _lost(role):
+    """What the others say of a process that they have lost (session.cpp); "a message was lost" is another thing."""
+    return re.compile(rf"The {role} process( \([^)]*\))? was lost")
+
+
+def _is_echo(process, told, reports):
+    """Whether a process without a word of its own has only done what an Abort asks for, and ended with the exit code of another one's
+    cause: that one is known at that time, or is being written down. Who was lost by the others has not heard an Abort."""
+    return process.exit_code > 0 and not reports.get(process.role, {}).get("cause") and any(
+        process.exit_code == reports[other.role].get("exit_code", cause.exit_code) and when < process.ended_at + SAME_MOMENT_S
+        and not _lost(process.role).search(cause.sentence) for other, (when, cause) in told)
+
+
 def by_user():
     """The cause of a run that the user has ended."""
     return Cause(INTERRUPTED, "The run was interrupted by the user; the results up to there are readable.")
@@ -50,8 +63,9 @@ def by_user():
 def find(processes, reports, interrupted):
     """The first cause of a run that has ended; an empty one (exit code 0) when every process is done.
 
-    Order: time. Three kinds of echo are passed over: a lost peer (code 4) when another process was killed or failed by
-    itself, the end of a participant that the coupler has told to finish when the coupler has something to say, and a
+    Order: time. Four kinds of echo are passed over: a lost peer (code 4) when another process was killed or failed by
+    itself, the end of a participant that the coupler has told to finish when the coupler has something to say, the end of
+    a program without a report that got an Abort (_is_echo), and a
     sentence that only repeats another one with the name of who said it. What the launcher ended itself is
     no cause, unless nothing else is (`interrupted`: the user ended the run). Neither is the end of a process that a
     signal to all has reached before it could answer. A program that ends with 0 before the run does leaves no cause of its own.
@@ -68,7 +82,8 @@ def find(processes, reports, interrupted):
     # Who could not write a report (the disk is full) has told the others.
     told = [entry for entry in failed if reports.get(entry[0].role, {}).get("cause")]
     failed = [entry for entry in failed if entry in told
-              or not any(f"The {entry[0].role} process stopped" in cause.sentence for _, (_, cause) in told)]
+              or not (any(f"The {entry[0].role} process stopped" in cause.sentence for _, (_, cause) in told)
+                      or _is_echo(entry[0], told, reports))]
     failed = [entry for entry in failed if entry[1][1].sentence != TOLD_TO_FINISH] or failed
     if not failed:
         if interrupted and any(process.exit_code != DONE for process in processes):
@@ -79,7 +94,7 @@ def find(processes, reports, interrupted):
                                         f"the launcher.", process.role)
         return Cause()
     for process in processes:
-        lost = re.compile(rf"The {process.role} process( \([^)]*\))? was lost")  # session.cpp; "a message was lost" is another thing
+        lost = _lost(process.role)
         is_missed = any(lost.search(cause.sentence) for _, (_, cause) in failed)
         if is_missed and process.exit_code == DONE and reports.get(process.role, {}).get("status") != "done":
             return Cause(PEER_LOST, f"{process.program} ended with exit code 0 in the middle of the run, and without a word.", process.role)
