@@ -157,6 +157,18 @@ class LauncherTest(unittest.TestCase):
         reports = {"coupler": {"status": "failed", "cause": said, "cause_time": 1.0}}
         self.assertEqual(first_cause.find(ended, reports, interrupted=False).sentence, said)
 
+    def test_a_log_that_a_foreign_program_does_not_write_is_not_pointed_to(self):
+        # Seen to fail: without without_missing_logs() in run(), and without its look at the file and at who is foreign.
+        self.assertIn('Its own messages and {}.log in the output directory may say why.',
+                      (ROOT / "proto/transport/session.cpp").read_text(encoding="utf-8"))
+        said = "The structure process was lost: it froze. Its own messages{} may say why."
+        log = " and structure.log in the output directory"
+        words = {"coupler": f"sleep 0.3 report 4 {said.format(log)}", "fluid": "wait"}
+        for make, foreign, expected in (("", True, ""), ("touch runs/pond/structure.log; ", True, log), ("", False, log)):
+            command = ("--structure", f"sh -c '{make}exec sleep 30'") if foreign else ()
+            self.fake.run(*command, "--force", "--out", "runs/pond", structure="wait", **words)
+            self.assertEqual(self.contents()["first_cause"], said.format(expected))
+
     def test_a_program_without_a_report_that_obeys_an_abort_is_not_the_cause(self):
         # Seen to fail: without _is_echo() ("spring ended with exit code 3 and left no report of the cause"; it ends before the others have
         # written theirs), and, where it is the cause, with a rule that looks neither at the time nor at whom the others have lost.

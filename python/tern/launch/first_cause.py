@@ -55,6 +55,15 @@ def _is_echo(process, told, reports):
         and not _lost(process.role).search(cause.sentence) for other, (when, cause) in told)
 
 
+def without_missing_logs(sentence, processes, out):
+    """The sentence about a lost process (session.cpp) points to its log, which a foreign program need not write into `out`."""
+    for process in processes:
+        log = f"{process.role}.log"
+        if process.foreign and not (out / log).exists():
+            sentence = sentence.replace(f"Its own messages and {log} in the output directory may", "Its own messages may")
+    return sentence
+
+
 def by_user():
     """The cause of a run that the user has ended."""
     return Cause(INTERRUPTED, "The run was interrupted by the user; the results up to there are readable.")

@@ -425,6 +425,7 @@ def _run_once(request, work):
             half_written.unlink(missing_ok=True)
         reports = _reports(out, roles)
         cause = first_cause.find(group.processes, reports, interrupts.count > 0)
+        cause.sentence = first_cause.without_missing_logs(cause.sentence, group.processes, out)
         if before:
             # The process that keeps time has taken an older checkpoint where the newest was not whole.
             contents["resumed"][-1] |= reports[timekeeper].pop("resumed", {})
