@@ -93,6 +93,20 @@ class RunTest(unittest.TestCase):
         (self.path / "energy.csv").write_text("t_s,fluid_kinetic_J\n0,0\n0.1,1\n")
         self.assertNotIn("has made", summary.text(contents, self.path))
 
+    # Seen to fail: without NEGLIGIBLE, with the potential energy itself in place of its change, and with the last kinetic energy in place
+    # of the largest.
+    def test_next_to_nothing_that_the_coupling_has_made_is_no_alarm(self):
+        contents = {"case": "c", "status": "done", "wall_s": 1.0, "cpu_s": 1.0, "steps": 2,
+                    "processes": {"coupler": {"exit_code": 0, "settings": {"dimension": 2}}}}
+        for made, kinetic, potential, negligible in ((2e-10, 1e-4, -5e-3, True), (2e-6, 1e-4, -5e-3, True), (2e-6, 5e-3, 0, True),
+                                                     (2e-6, 1e-4, 0, False), (6e-6, 1e-4, -5e-3, False)):
+            (self.path / "energy.csv").write_text("t_s,fluid_kinetic_J,fluid_potential_J,interface_work_on_structure_J,"
+                                                  f"interface_staggering_J\n0,0,100,0,0\n0.1,{kinetic},{100 + potential},{made / 2},0\n"
+                                                  f"0.2,0,{100 + potential},{made / 2},{made}\n")
+            line = next(line for line in summary.text(contents, self.path).splitlines() if "has made" in line)
+            self.assertEqual("200.0% of what went" in line and "half the windows" in line, not negligible, line)
+            self.assertEqual(line.endswith(f"+{made:.3g} J/m, less than 0.1% of what the run has moved"), negligible, line)
+
     # Seen to fail: with a plain exception.
     def test_a_directory_without_results_is_an_error_of_tern(self):
         for directory, sentence in ((self.path, "holds no results"), (self.path / "nowhere", "There is no directory")):

@@ -7,6 +7,9 @@ from tern.results.tables import read_cells
 
 #: Part of the energy that went through the interface from which what it made is worth a word of advice.
 WORTH_SAYING = 0.1
+#: Part of the energy that the run has moved below which what the coupling made is nothing: of still water little goes through the interface
+#: at all, and a part of that says nothing.
+NEGLIGIBLE = 1e-3
 
 # What every run is asked about: measure, label, form.
 CONSERVATION = (
@@ -111,8 +114,23 @@ def text(contents, out):
     return "\n".join(lines)
 
 
+def _moved(header, rows):
+    """The energy that a run has moved [J, J/m], from energy.csv: of all bodies the largest kinetic and strain energy, and the way of the
+    potential one from its lowest to its highest value (its zero is arbitrary)."""
+    moved = 0.0
+    for column, name in enumerate(header):
+        energy = [float(row[column] or 0) for row in rows]
+        if name.endswith(("_kinetic_J", "_strain_J")):
+            moved += max(energy)
+        elif name.endswith("_potential_J"):
+            moved += max(energy) - min(energy)
+    return moved
+
+
 def _made_by_coupling(contents, out):
-    """The sum of the works on both sides of the interface (docs/SCHEMES.md), and its part of all that has gone through it to and fro."""
+    """The sum of the works on both sides of the interface (docs/SCHEMES.md), and its part of all that has gone through it to and fro.
+    Without this part, and without advice, where it is less than NEGLIGIBLE of the energy that the run has moved: the largest kinetic and
+    strain energy and the change of the potential one."""
     path = out / "energy.csv"
     if "coupler" not in contents["processes"] or not path.is_file():
         return None
@@ -126,8 +144,11 @@ def _made_by_coupling(contents, out):
     if not math.isfinite(made) or through == 0:
         return None
     unit = "J/m" if contents["processes"]["coupler"].get("settings", {}).get("dimension") == 2 else "J"
+    said = f"energy that the coupling has made: {made:+.3g} {unit}"
+    if abs(made) < NEGLIGIBLE * _moved(header, rows):
+        return f"{said}, less than {NEGLIGIBLE:.1%} of what the run has moved"
     advice = "; half the windows make about half of it (fluid.numerics courant, gravity_courant)" if made > WORTH_SAYING * through else ""
-    return f"energy that the coupling has made: {made:+.3g} {unit}, {made / through:.1%} of what went through the interface{advice}"
+    return f"{said}, {made / through:.1%} of what went through the interface{advice}"
 
 
 def _reached(contents):
