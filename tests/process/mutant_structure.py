@@ -15,6 +15,9 @@ from tern.participant.side import Run
 from tern.participant.structure_side import Surface
 
 MUTANT = sys.argv[sys.argv.index("--mutant") + 1]
+INSIDE = " inside"  # of a mutant: the load is misused where the account does not see it
+MISUSES = {"load doubled": lambda f, normal: 2 * f, "components exchanged": lambda f, normal: f[:, ::-1],
+           "points reversed": lambda f, normal: f[::-1], "one face ignored": lambda f, normal: f * (normal[:, :1] > -0.5)}
 SOLVER = {}  # the one there is
 
 
@@ -29,6 +32,7 @@ class Cantilever:
         self.mass = body["density"] * np.prod(high - low) / 5  # of the square of the mode
         self.frequency = np.array([200.0, 600.0])  # of bending and of stretching [1/s]
         self.weight = self.mass * 5 / 3 * case.gravity
+        self.misuse = MISUSES.get(MUTANT.removesuffix(INSIDE), lambda f, normal: f)
         self.state = np.zeros((2, 2))  # displacement of the top, and its velocity
         SOLVER["it"] = self
 
@@ -45,6 +49,7 @@ class Cantilever:
         return Surface(position, velocity, self.normal, self.area)
 
     def advance(self, time_s, duration_s, force):
+        force = self.misuse(force, self.normal) if MUTANT.endswith(INSIDE) else force
         rest = ((self.mode * force).sum(axis=0) + self.weight) / (self.mass * self.frequency**2)
         c, s, (u, v) = np.cos(self.frequency * duration_s), np.sin(self.frequency * duration_s), self.state
         self.state = np.array([rest + (u - rest) * c + v / self.frequency * s, v * c - (u - rest) * self.frequency * s])
@@ -65,7 +70,11 @@ class Cantilever:
 class Coupled(structure_side._Coupled):
     """What is done wrong in the course of a window."""
 
+    def misused(self, load):
+        return load if MUTANT.endswith(INSIDE) else self.solver.misuse(load, self.solver.normal)
+
     def predict(self, begin_s, duration_s):
+        duration_s *= 1.2 if MUTANT == "clock 20 % fast" else 1
         begin = self._begin
         surface = super().predict(begin_s, duration_s)
         if MUTANT == "position at the begin":
@@ -77,19 +86,21 @@ class Coupled(structure_side._Coupled):
         return surface
 
     def respond(self, load):
-        answer = super().respond(load)
+        answer = super().respond(self.misused(load))
         if MUTANT == "trial not undone":
             self._state = self.solver.state
         return answer
 
     def apply(self, load):
-        work = self.interface_work
+        load, work = self.misused(load), self.interface_work
         if MUTANT == "last load ignored":
             last = self.load
             super().apply(last)
             self.load = load
         else:
             super().apply(load)
+        if MUTANT.startswith("work times "):
+            self.interface_work = work + float(MUTANT.split()[-1]) * (self.interface_work - work)
         if MUTANT == "work sign":
             self.interface_work = 2 * work - self.interface_work
 

@@ -6,6 +6,7 @@ Most checks start the participant anew: as a command, or, where there is none, b
 
 import numpy
 
+from tern.participant import conformance_load as load
 from tern.participant import conformance_motion as motion
 from tern.participant.channel import PROTOCOL_VERSION
 from tern.participant.conformance_orders import ORDERS, FluidOrders, StructureOrders
@@ -258,13 +259,15 @@ CHECKS = {
     "trial": motion.answers_the_last_load_as_its_surface,
     "motion": motion.goes_where_its_velocity_says,
     "middle": motion.is_halfway_through_the_window,
-    "work": motion.accounts_for_the_work,
+    "faces": load.moves_along_with_the_load,
+    "work": load.accounts_for_the_work,
+    "energy": load.gains_no_energy_of_its_own,
     "account": motion.accounts_for_the_begin,
     "gauge": motion.gauges_its_own_motion,
 }
 NEEDS_PROCESS = {"interrupt"}
 OF_FLUID = {"extent"}
-OF_STRUCTURE = {"shape", "last load", "trial", "motion", "middle", "work", "account", "gauge"}
+OF_STRUCTURE = {"shape", "last load", "trial", "motion", "middle", "faces", "work", "energy", "account", "gauge"}
 
 
 def run(subject, names, surface_at_rest, say):

@@ -20,6 +20,8 @@ UNLOADED, WINDOWS = 3, 40
 PUSH = 0.02         # velocity that the load gives in a long window [m/s]
 HELD = 1e12         # section_mass of a point that does not move
 HEARTBEAT_S = 3.0   # three intervals of 1.6
+ASTRAY = 0.1        # of a way through all windows: what velocity and position may differ by, if the windows resolve the motion:
+STEADY = 0.05       # if this part of it at most is left then
 TOO_LITTLE = 1e-9   # of the largest motion: a point that moves less does not move
 
 
@@ -215,6 +217,11 @@ def goes_where_its_velocity_says(s):
     if not 0.75 < factor < 1.25 or left > 0.5:
         raise Breach("4, Surface", f"the surface moves {factor:.3g} times as far as its velocity says ({left:.2g} of its motion does not "
                                    "follow it at all); the factor must be between 0.75 and 1.25")
+    # All the way from the begin: what a mixture of velocities leaves out in one window it makes up for in the next.
+    (factor,), left = _fit(*(values.cumsum(axis=0) for values in (moved, carried)))
+    if abs(factor - 1) > ASTRAY and left < STEADY:
+        raise Breach("4, Surface", f"in {len(moved)} windows the surface moves {factor:.3g} times as far as its velocity carries it; the "
+                                   f"factor must be within {ASTRAY:g} of 1. Is its window as long as BeginWindow says?")
 
 
 def _moving_life(s):
@@ -237,22 +244,6 @@ def is_halfway_through_the_window(s):
         raise Breach("4, Surface", f"position is that of {where} of the window ({part:.2f} of the way through it, as windows of different "
                                    f"length show; the surface moves {factor:.2f} times as far as its velocity says); it must "
                                    "be halfway, 0.5")
-
-
-def accounts_for_the_work(s):
-    """accounts for the work of the load: force times displacement"""
-    life = _moving_life(s)
-    columns = s.subject.scene["account"]["structure"]["energy"]
-    column = next(n for n, name in enumerate(columns) if name.startswith("interface_work"))
-    told = numpy.diff([account.energy[column] for account in life.accounts])[1:]
-    begin, _, carried = life.begin()
-    done = (life.force[1:-1] * carried[:-1]).sum(axis=(1, 2))
-    if told.shape != done.shape or not done.any():
-        return
-    (factor,), _ = _fit(told, done)
-    if not 0.5 < factor < 2:
-        raise Breach("4, Account", f"energy[{column}], {columns[column]}, grows by {told.sum():.3g} J where the load does "
-                                   f"{done.sum():.3g} J of work on the surface ({factor:.3g} times it, window by window)")
 
 
 def _displacement_gauges(s, life):
