@@ -1,6 +1,8 @@
 #!/usr/bin/python3 -B
 """tern.Run on small made-up results: columns with units, undefined values, frames of both sides, what came of the run."""
 
+import itertools
+import math
 import tempfile
 import unittest
 from pathlib import Path
@@ -106,6 +108,30 @@ class RunTest(unittest.TestCase):
             line = next(line for line in summary.text(contents, self.path).splitlines() if "has made" in line)
             self.assertEqual("200.0% of what went" in line and "half the windows" in line, not negligible, line)
             self.assertEqual(line.endswith(f"+{made:.3g} J/m, less than 0.1% of what the run has moved"), negligible, line)
+
+    # Seen to fail: with the last row in place of the steps from row to row (works that drift apart); without the bound of
+    # how much they go together (works that do not); without the question whether the structure is foreign; with 5 rows.
+    def test_a_foreign_structure_whose_work_is_not_that_of_the_coupler_is_named(self):
+        steps = [math.sin(0.7 * n) for n in range(30)]
+        other = [math.cos(1.9 * n) for n in range(30)]
+        header = "t_s,interface_work_on_structure_J,interface_work_on_fluid_J\n0,0,0\n"
+        twice = [2 * a for a in steps]
+        for command, told, found, factor in (("my beam.py", twice, steps, "2"), (None, twice, steps, None),
+                                             ("my beam.py", [-a for a in steps], steps, "-1"), ("my beam.py", other, steps, None),
+                                             ("my beam.py", [1.2 * a for a in steps], steps, None),
+                                             ("my beam.py", twice[:10], steps[:10], None),
+                                             ("my beam.py", steps, [a + 0.1 for a in steps], None)):
+            sums = zip(itertools.accumulate(told), itertools.accumulate(found))
+            (self.path / "energy.csv").write_text(header + "".join(f"{n},{a},{-b}\n" for n, (a, b) in enumerate(sums, 1)))
+            contents = {"commands": {"structure": command} if command else {},
+                        "processes": {"coupler": {"settings": {"dimension": 2}}}}
+            said = summary.warnings(contents, self.path)
+            self.assertEqual(len(said), 1 if factor else 0, said)
+            if factor:
+                self.assertIn(f"tells of {sum(told):.3g} J/m of work", said[0])
+                self.assertIn(f"of {sum(found):.3g} J/m that the fluid has lost to it; from row to row of energy.csv the first is {factor} "
+                              "times the second.", said[0])
+                self.assertIn("./tern conform structure 'my beam.py'", said[0])
 
     # Seen to fail: with a plain exception.
     def test_a_directory_without_results_is_an_error_of_tern(self):

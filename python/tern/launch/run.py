@@ -430,7 +430,7 @@ def _run_once(request, work):
             # The process that keeps time has taken an older checkpoint where the newest was not whole.
             contents["resumed"][-1] |= reports[timekeeper].pop("resumed", {})
         contents = _merged(contents, group.processes, reports, cause, wall_s)
-        contents["warnings"] = summary.warnings(contents)
+        contents["warnings"] = summary.warnings(contents, out)
         refused = before and cause.exit_code == BAD_INPUT
         if refused:
             contents = before  # what was there is as it was

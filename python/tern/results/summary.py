@@ -2,6 +2,7 @@
 
 import math
 import os
+import shlex
 
 from tern.results.tables import read_cells
 
@@ -10,6 +11,10 @@ WORTH_SAYING = 0.1
 #: Part of the energy that the run has moved below which what the coupling made is nothing: of still water little goes through the interface
 #: at all, and a part of that says nothing.
 NEGLIGIBLE = 1e-3
+
+#: The works of both sides at the interface, row by row: how much they go together, and the factor between them, before a foreign structure
+#: is named. In right runs the factor is 0.8 to 1.3, or they do not go together (docs/PROTOCOL.md, 5.6).
+TOGETHER, FACTOR, ROWS = 0.98, 1.5, 20
 
 # What every run is asked about: measure, label, form.
 CONSERVATION = (
@@ -37,8 +42,8 @@ def measure(contents, name):
     return None
 
 
-def warnings(contents):
-    """What its results do not show by themselves, in sentences: fluid that has been lost."""
+def warnings(contents, out):
+    """What its results do not show by themselves, in sentences: fluid that has been lost, a foreign structure with a work of its own."""
     said = []
     if through := measure(contents, "particles_leaked") or 0:
         said.append(f"{through:.0f} particle{'s' * (through != 1)} of the fluid went through a face of a wall or body. What pushed them "
@@ -47,7 +52,44 @@ def warnings(contents):
         left = measure(contents, "particles") or 0
         said.append(f"The fluid has lost {removed:.0f} of {removed + left:.0f} particles, and as much of its mass, at the edge of "
                     "[domain].")
+    if (command := contents.get("commands", {}).get("structure")) and (works := _unlike_works(contents, out)):
+        said.append(f"{works} One of them is wrong: the structure misuses its load, or its work or velocity is of another size. "
+                    f"./tern conform structure {shlex.quote(command)} can tell.")
     return said
+
+
+def _works(contents, out, *names):
+    """Columns of energy.csv of a coupled run, from its begin; None if they are not there."""
+    path = out / "energy.csv"
+    if "coupler" not in contents["processes"] or not path.is_file():
+        return None
+    header, rows = read_cells(path)
+    if len(rows) < 2 or not set(names) <= set(header):
+        return None
+    return [[float(row[header.index(name)] or "nan") for row in rows] for name in names]
+
+
+def _unit(contents):
+    return "J/m" if contents["processes"]["coupler"].get("settings", {}).get("dimension") == 2 else "J"
+
+
+def _unlike_works(contents, out):
+    """Both works at the interface in a sentence, if they go together and differ; None if not."""
+    works = _works(contents, out, "interface_work_on_structure_J", "interface_work_on_fluid_J")
+    if works is None or len(works[0]) <= ROWS:
+        return None
+    on_structure = [after - before for before, after in zip(works[0], works[0][1:])]
+    from_fluid = [before - after for before, after in zip(works[1], works[1][1:])]
+    squares = [sum(a * a for a in steps) for steps in (on_structure, from_fluid)]
+    both = sum(a * b for a, b in zip(on_structure, from_fluid))
+    if not all(0 < square < math.inf for square in squares) or abs(both) < TOGETHER * math.sqrt(squares[0] * squares[1]):
+        return None
+    factor = both / squares[1]
+    if 1 / FACTOR <= factor <= FACTOR:
+        return None
+    return (f"The account of the structure tells of {works[0][-1]:.3g} {_unit(contents)} of work that the fluid has done on it, and the "
+            f"coupler of {-works[1][-1]:.3g} {_unit(contents)} that the fluid has lost to it; from row to row of energy.csv the first is "
+            f"{factor:.3g} times the second.")
 
 
 def _timing(report):
@@ -131,21 +173,15 @@ def _made_by_coupling(contents, out):
     """The sum of the works on both sides of the interface (docs/SCHEMES.md), and its part of all that has gone through it to and fro.
     Without this part, and without advice, where it is less than NEGLIGIBLE of the energy that the run has moved: the largest kinetic and
     strain energy and the change of the potential one."""
-    path = out / "energy.csv"
-    if "coupler" not in contents["processes"] or not path.is_file():
+    works = _works(contents, out, "interface_work_on_structure_J", "interface_staggering_J")
+    if works is None:
         return None
-    header, rows = read_cells(path)
-    if len(rows) < 2 or not {"interface_staggering_J", "interface_work_on_structure_J"} <= set(header):
-        return None
-    column = header.index("interface_work_on_structure_J")
-    work = [float(row[column] or 0) for row in rows]
+    work, made = [0 if math.isnan(value) else value for value in works[0]], works[1][-1]
     through = sum(abs(after - before) for before, after in zip(work, work[1:]))
-    made = float(rows[-1][header.index("interface_staggering_J")] or "nan")
     if not math.isfinite(made) or through == 0:
         return None
-    unit = "J/m" if contents["processes"]["coupler"].get("settings", {}).get("dimension") == 2 else "J"
-    said = f"energy that the coupling has made: {made:+.3g} {unit}"
-    if abs(made) < NEGLIGIBLE * _moved(header, rows):
+    said = f"energy that the coupling has made: {made:+.3g} {_unit(contents)}"
+    if abs(made) < NEGLIGIBLE * _moved(*read_cells(out / "energy.csv")):
         return f"{said}, less than {NEGLIGIBLE:.1%} of what the run has moved"
     advice = "; half the windows make about half of it (fluid.numerics courant, gravity_courant)" if made > WORTH_SAYING * through else ""
     return f"{said}, {made / through:.1%} of what went through the interface{advice}"
