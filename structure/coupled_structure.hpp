@@ -43,12 +43,13 @@ class CoupledStructure {
   Surface<D> predict_surface(Ticks begin, Ticks duration) {
     begin_ = begin;
     duration_ = duration;
+    begun_ = false;
     if (algorithm_ == CouplingAlgorithm::explicit_staggering) {
       Surface<D> surface = at_begin_;
       for (std::size_t k = 0; k < surface.position.size(); ++k) surface.position[k] += 0.5 * seconds(duration) * surface.velocity[k];
       return surface;
     }
-    Surface<D> trial = structure_.trial(begin, duration);
+    Surface<D> trial = this->trial();
     trial.velocity = velocity_at_end(trial.position);
     for (std::size_t k = 0; k < trial.position.size(); ++k) {
       trial.position[k] = 0.5 * (at_begin_.position[k] + trial.position[k]);
@@ -58,15 +59,18 @@ class CoupledStructure {
     return trial;
   }
 
-  /// Implicit coupling: velocities of the surface at the end of the window under this load.
+  /// Velocities of the surface at the end of the window under this load, which is tried. The explicit coupling tries none; who asks all the
+  /// same gets those of the points.
   std::vector<Vector<D>> respond(const SurfaceLoad<D>& load) {
+    if (!begun_) trial();
     structure_.advance(load);
+    if (algorithm_ == CouplingAlgorithm::explicit_staggering) return structure_.surface().velocity;
     return velocity_at_end(structure_.surface().position);
   }
 
   /// Brings the structure to the end of the window under this load.
   void apply(const SurfaceLoad<D>& load) {
-    if (algorithm_ == CouplingAlgorithm::explicit_staggering) structure_.trial(begin_, duration_);
+    if (!begun_) trial();
     structure_.advance(load);
     Surface<D> end = structure_.surface();
     if (algorithm_ != CouplingAlgorithm::explicit_staggering)
@@ -91,6 +95,12 @@ class CoupledStructure {
   }
 
  private:
+  /// Once in a window.
+  Surface<D> trial() {
+    begun_ = true;
+    return structure_.trial(begin_, duration_);
+  }
+
   void note_begin() {
     if (algorithm_ != CouplingAlgorithm::explicit_staggering) free_at_begin_ = structure_.free_motions();
   }
@@ -127,6 +137,7 @@ class CoupledStructure {
   Structure<D>& structure_;
   CouplingAlgorithm algorithm_;
   Ticks begin_ = 0, duration_ = 0;
+  bool begun_ = false;                        ///< trial() has been called in this window
   Surface<D> at_begin_;                       ///< of the window; velocity: as the fluid was given it
   std::vector<Vector<D>> own_velocity_;       ///< FollowedVelocity::own of each point, at the begin of the window
   std::vector<FreeMotion<D>> free_at_begin_;  ///< of each body, at the begin of the window

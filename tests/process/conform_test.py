@@ -108,7 +108,8 @@ class ConformTest(unittest.TestCase):
     def test_what_cannot_be_tested_is_said_in_a_sentence(self):
         for words, sentence in ((["structure", "no-such-program"], "is neither a file nor a program on the PATH"),
                                 (["structure", "/bin/true", "--check", "magic"], "There is no check 'magic'"),
-                                (["structure", "/bin/true", "--case", "hydrostatic_tank"], "has no structure")):
+                                (["structure", "/bin/true", "--case", "hydrostatic_tank"], "has no structure"),
+                                (["structure", "/bin/true", "--set", "coupling.algorithm=explicit"], "Add --set coupling.algorithm=auto.")):
             code, text = conform(self.build, *words)
             self.assertEqual(code, 2, text)
             self.assertIn(sentence, text)

@@ -95,8 +95,8 @@ TEST(Estimate, GoesAlongWithAScene) {
   EXPECT_NEAR(estimate(c).speed, 30, 1e-9);
 }
 
-// g H^2/(8 nu) = 0.625 m/s in the middle of a channel, which falling freely reaches after 1.25 of 20 s. Seen to fail: with half of sqrt(g H)
-// alone.
+// g H^2/(8 nu) = 0.625 m/s in the middle of a channel, which falling freely reaches after 1.25 of 20 s. Seen to fail: with half of
+// sqrt(g H) alone.
 TEST(Estimate, KnowsHowFastGravityDrivesAPeriodicChannel) {
   Case c = case_of("taylor_green");
   c.periodic = {true, false, false};
