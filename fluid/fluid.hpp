@@ -64,8 +64,8 @@ class Fluid {
 
   /// Step wanted for the next window.
   StepProposal propose_step() const { return fluid::propose_step(reference_, largest_speed(), largest_speed_in_frame(), state_); }
-  /// Of the observer who goes along with the scene: as the wall of wall_of_frame() shifts, or, where there is neither wall nor structure, as
-  /// fast as the fluid was on the mean at the start. Nothing where a wall is at rest [m/s].
+  /// Of the observer who goes along with the scene: as the wall of wall_of_frame() shifts, or, where there is neither wall nor structure,
+  /// as fast as the fluid was on the mean at the start. Nothing where a wall is at rest [m/s].
   std::optional<Vector<D>> frame_velocity() const;
   /// Which surface can be left out of the next window; nothing where the fluid is periodic and has no end.
   std::optional<FluidExtent<D>> extent() const;

@@ -223,8 +223,8 @@ bool is_settled(const Case& scene, const Vector<D>& gravity) {
   return true;
 }
 
-/// Adds the largest speed that a motion, or none, gives the corners of the shape between one instant and the next, where it is larger, to an
-/// observer [m/s].
+/// Adds the largest speed that a motion, or none, gives the corners of the shape between one instant and the next, where it is larger, to
+/// an observer [m/s].
 template <int D>
 void raise_to_motion(const std::optional<RigidMotion>& motion, const Shape& shape, double end_time, const Frame<D>& frame,
                      std::vector<double>& speed) {
@@ -264,8 +264,8 @@ bool is_taken_along(const Case& scene, const StructureBody& body) {
                      [&](const ClampCase& clamp) { return clamp.body == body.name && clamp.motion.has_value(); });
 }
 
-/// Mean over the run of the largest of `least` and the speeds of fluid and bodies at the start, walls and clamps, to the observer to whom it
-/// is less [m/s].
+/// Mean over the run of the largest of `least` and the speeds of fluid and bodies at the start, walls and clamps, to the observer to whom
+/// it is less [m/s].
 template <int D>
 double mean_of_largest_speed(const Case& scene, double least) {
   std::vector<double> smallest(instants, infinity);
@@ -316,8 +316,8 @@ double mean_root_of_acceleration(const Case& scene) {
   return sum / (instants - 1);
 }
 
-/// Sums over places and instants of the run of the square of a load, and of its rate [units of the load, and those/s]. A few jumps, as of a
-/// load that sets in, are no motion that windows could resolve; many are, and the load swings faster than it is looked at.
+/// Sums over places and instants of the run of the square of a load, and of its rate [units of the load, and those/s]. A few jumps, as of
+/// a load that sets in, are no motion that windows could resolve; many are, and the load swings faster than it is looked at.
 template <int D>
 std::pair<double, double> size_and_rate(const LoadCase& load, const Bounds<D>& loaded, double end_time) {
   constexpr int looks = 40000, most_jumps = looks / 100;
@@ -448,8 +448,8 @@ void estimate_fluid(const Case& scene, Estimate& result) {
 }
 
 /// Cost of a sub-step of a particle, in that of a solid in 2D. In 3D the particles on the faces of a solid, with so many of them across,
-/// have fewer neighbours; what completes the derivatives of two layers makes up for it (bench-structure_substep over what is measured here:
-/// 4.3 with two, 4.2 with three, 7.6 with six). The few particles of a shell are not worked on four at a time.
+/// have fewer neighbours; what completes the derivatives of two layers makes up for it (bench-structure_substep over what is measured
+/// here: 4.3 with two, 4.2 with three, 7.6 with six). The few particles of a shell are not worked on four at a time.
 template <int D>
 double solid_work(double across) {
   return D == 3 ? 11 - 20 / std::max(3.0, across) : 1;
@@ -598,8 +598,8 @@ Estimate estimate_in(const Case& scene, const Costs& costs) {
   // Measured is fluid beside a body. Without one there are no faces of it, and pressures are solved for with a looser tolerance.
   const double alone = scene.structure ? 1 : 0.55;
   result.fluid_cpu = alone * costs.fluid * (D == 3 ? 3 : 1) * particles * result.steps * solves;
-  // Which particles see a point past the other points of its body, and its mirror images, is found in each pass. The factor 3 holds as many
-  // points a particle as dam_break_plate_3d has.
+  // Which particles see a point past the other points of its body, and its mirror images, is found in each pass. The factor 3 holds as
+  // many points a particle as dam_break_plate_3d has.
   constexpr double point_of_fluid_in_3d = 15e-6;  // between what a dry and a wet point take, 12 and 40 us [CPU s]
   constexpr double points_held = 610.0 / 7500;
   if (D == 3 && scene.fluid)

@@ -68,16 +68,16 @@ struct Estimate {
 
 Estimate estimate(const Case& scene, const Costs& costs = {});
 
-/// Length of the first window of fluid and structure at most [s]; infinite where no body moves at the start and none is loaded. A body that
-/// does may vibrate, and nothing has yet been seen of that: ten times as long as sound takes from particle to particle.
+/// Length of the first window of fluid and structure at most [s]; infinite where no body moves at the start and none is loaded. A body
+/// that does may vibrate, and nothing has yet been seen of that: ten times as long as sound takes from particle to particle.
 double first_window(const Case& scene);
 
-/// Window that resolves how the loads on the bodies change in time [s]; infinite where they do not. An eighth of the ratio of their size to
-/// their rate, root mean squares over the run: a load that swings has 50 windows a period.
+/// Window that resolves how the loads on the bodies change in time [s]; infinite where they do not. An eighth of the ratio of their size
+/// to their rate, root mean squares over the run: a load that swings has 50 windows a period.
 double window_of_loads(const Case& scene);
 
-/// Of an observer who goes along with the scene, by its number: where all walls move, the one that he stands on, the first container or else
-/// the first of them. Nothing where a wall is at rest, or there is none.
+/// Of an observer who goes along with the scene, by its number: where all walls move, the one that he stands on, the first container or
+/// else the first of them. Nothing where a wall is at rest, or there is none.
 std::optional<std::size_t> wall_of_frame(const Case& scene);
 
 /// Window of a fluid in which nothing moves, and on which nothing acts, yet [s]: what the largest speed and acceleration of walls and

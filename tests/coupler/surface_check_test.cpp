@@ -187,8 +187,8 @@ TEST(SurfaceCheck, TheFirstSurfaceIsThatOfTheBodies) {
          "the sum of area over the body 'plate' is ");
 }
 
-// A body that has gone farther than it is thick by the middle of the first window, with its tank. Seen to fail: with the shape as it is held
-// against the points as they are then.
+// A body that has gone farther than it is thick by the middle of the first window, with its tank. Seen to fail: with the shape at the start
+// beside the points as they are then.
 TEST(SurfaceCheck, TheFirstSurfaceMayHaveMoved) {
   const Vector<2> velocity(100, -30);
   const Change gone = [&](Surface<2>& s) {

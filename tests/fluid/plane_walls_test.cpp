@@ -165,7 +165,8 @@ TEST(PlaneWalls, CountWhatGoesThroughThemAtASlant) {
   EXPECT_EQ(count_leaks<3>(dx, 1e-3, seen.boundary.seen_walls(), seen.boundary.wall_rows, before, after), 1u);
 }
 
-// From the middle of a window to its end a wall goes as far as a particle before it. Seen to fail: with the wall where it was at the middle.
+// From the middle of a window to its end a wall goes as far as a particle before it. Seen to fail: with the wall where it was at the
+// middle.
 TEST(Walls, ThatMoveTakeTheirPlaceAtTheEndOfAWindow) {
   const auto leaks = [](double wall, double particle) {
     Faces<2> faces{{{0, 0}}, {{1, 0}}, {0.1}, {1}, {{wall, 0}}, {}, {}};

@@ -43,7 +43,8 @@ if "--endpoint" in sys.argv:  # like a real socket file: something to clean up
     address = sys.argv[sys.argv.index("--endpoint") + 1].removeprefix("ipc://")
     open(address + "." + role, "w").close()
 with open(f"{out}/pid.{role}.tmp", "w") as file:
-    file.write(json.dumps({"pid": os.getpid(), "words": sys.argv[1:], "spins": os.environ.get("GOMP_SPINCOUNT")}))
+    file.write(json.dumps({"pid": os.getpid(), "words": sys.argv[1:], "spins": os.environ.get("GOMP_SPINCOUNT"),
+                           "blas_threads": os.environ.get("OPENBLAS_NUM_THREADS")}))
 os.rename(f"{out}/pid.{role}.tmp", f"{out}/pid.{role}")
 
 counts = {}

@@ -93,6 +93,7 @@ class LauncherTest(unittest.TestCase):
             with unittest.mock.patch.dict(os.environ, said):
                 self.fake.run("--force", "--out", str(path.parent))
             self.assertEqual(json.loads(path.read_text())["spins"], spins)
+            self.assertEqual(json.loads(path.read_text())["blas_threads"], os.environ.get("OPENBLAS_NUM_THREADS", "1"))
 
     def test_fluid_that_was_lost_is_said_at_the_end(self):
         # Seen to fail: without summary.warnings().

@@ -252,8 +252,8 @@ TEST(Continuation, RefusesTheStateOfAnotherScene) {
   EXPECT_THROW(other.set_state(one.state()), BadInput);
 }
 
-// A load that is tried leaves no trace, with the explicit coupling as well, which tries none by itself. Seen to fail: without the begin of the
-// window in respond(), where such a trial ended the process.
+// A load that is tried leaves no trace, with the explicit coupling as well, which tries none by itself. Seen to fail: without the begin
+// of the window in respond(), where such a trial ended the process.
 TEST(Continuation, LoadsMayBeTriedWithEitherCoupling) {
   for (const CouplingAlgorithm algorithm : {CouplingAlgorithm::automatic, CouplingAlgorithm::explicit_staggering}) {
     Structure<2> a(strip<2>(Integrator::explicit_steps)), b(strip<2>(Integrator::explicit_steps));

@@ -19,8 +19,8 @@ def conform(arguments):
         if not scene[f"has_{side}"]:
             raise Error(BAD_INPUT, f"The case {scene['name']} has no {side}: a participant is tested in a case with both.")
     if scene["settings"].get("coupling", {}).get("algorithm") == "explicit":
-        raise Error(BAD_INPUT, f"The case {scene['name']} has coupling.algorithm explicit: what is asked of a participant is that of auto, the "
-                               "default, and more than explicit asks. Add --set coupling.algorithm=auto.")
+        raise Error(BAD_INPUT, f"The case {scene['name']} has coupling.algorithm explicit: what is asked of a participant is that of "
+                               "auto, the default, and more than explicit asks. Add --set coupling.algorithm=auto.")
     command = None if address else run.foreign_command(arguments.target, arguments.role, scene, ["fluid", "structure"])
     if command:
         packages.ensure_for(command)

@@ -89,9 +89,10 @@ class Interrupts:
 
 
 def _patient(environment):
-    """With how long threads wait for each other, unless the user has said it (GCC's libgomp)."""
+    """With how long threads wait for each other (GCC's libgomp), and without threads of OpenBLAS, which nothing uses and which do not end
+    where memory is short; unless the user has said it."""
     said = {"GOMP_SPINCOUNT", "OMP_WAIT_POLICY"} & environment.keys()
-    return {**environment} if said else {**environment, "GOMP_SPINCOUNT": str(SPINS)}
+    return {"OPENBLAS_NUM_THREADS": "1"} | ({} if said else {"GOMP_SPINCOUNT": str(SPINS)}) | {**environment}
 
 
 class Group:
@@ -175,8 +176,9 @@ class Group:
                         say_at = now + SILENT_AFTER_SUCCESS_S
             if say_at is not None and now >= say_at and terminate_at < float("inf") and self.running():
                 say_at = float("inf")
-                print(f"tern: the run is done, but {' and '.join(process.program for process in self.running())} has not ended; it is ended "
-                      f"in {terminate_at - now:.0f} s.", file=sys.stderr, flush=True)
+                names = " and ".join(process.program for process in self.running())
+                print(f"tern: the run is done, but {names} has not ended; it is ended in {terminate_at - now:.0f} s.", file=sys.stderr,
+                      flush=True)
             if now >= interrupt_others_at:
                 interrupt_others_at = float("inf")
                 self._signal_all(signal.SIGINT)
