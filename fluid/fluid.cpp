@@ -26,7 +26,7 @@ Fluid<D>::Fluid(const Case& scene, const Ranks& ranks, const StartParticles<D>& 
   if (scene.walls.empty() && !scene.structure && largest > 0) {
     Vector<D> sum = fluid::momentum(1 / static_cast<double>(start.size()), state_);
     ranks.sum(std::span<double>(sum.data(), D));
-    mean_at_start_ = sum;
+    if (sum.norm() > 1e-9 * largest) mean_at_start_ = sum;  // not the round-off of a flow that stays where it is
   }
   state_.reference_speed = std::max({2 * reference_.speed_floor, largest, largest_clamp_speed(scene)});
   domain_.cut_anew(state_);
