@@ -58,12 +58,11 @@ double displaced_mass(const StructureBody& body, double fluid_density) {
   return fluid_density * displaced / (body.density * own);
 }
 
-/// At how many ends of its longest free extent a body is clamped.
+/// At how many ends of its longest free extent a body is clamped; `is_held`: its held_particles().
 template <int D>
-int held_ends(const StructureBody& body) {
+int held_ends(const StructureBody& body, const std::vector<bool>& is_held) {
   Vector<D> low = Vector<D>::Constant(infinity), high = -low;
   std::vector<Vector<D>> held;
-  const std::vector<bool> is_held = held_particles<D>(body);
   std::size_t n = 0;
   for (const Vector<D>& x : fill_body<D>(body)) {
     if (is_held[n++])
@@ -110,7 +109,7 @@ BodyEstimate estimate_body(const Case& scene, const StructureBody& body) {
       return scene.fluid->density / (wave_number * body.density * result.thickness);
     };
     result.added_mass_ratio = added_mass_ratio(1.875104 / length);
-    const double wave_number = (held_ends<D>(body) == 1 ? 1.875104 : 4.730041) / length;  // else held or free at both ends
+    const double wave_number = (held_ends<D>(body, held) == 1 ? 1.875104 : 4.730041) / length;  // else held or free at both ends
     const double plate_speed = std::sqrt(body.young_modulus / (body.density * (1 - nu * nu)));
     result.bending_period = 2 * std::numbers::pi * std::sqrt(12 * (1 + added_mass_ratio(wave_number))) /
                             (wave_number * wave_number * result.thickness * plate_speed);
@@ -122,7 +121,7 @@ BodyEstimate estimate_body(const Case& scene, const StructureBody& body) {
 template <int D>
 bool gives_way(const Case& scene, const StructureBody& body, double gravity, double depth) {
   if (body.clamps.empty()) return true;
-  if (held_ends<D>(body) != 1) return false;
+  if (held_ends<D>(body, held_particles<D>(body)) != 1) return false;
   const double thickness = body.is_shell ? mid_surface<D>(body).thickness : thin_section<D>(body), nu = body.poisson_ratio;
   const double stiffness = body.young_modulus * std::pow(thickness, 3) / (12 * (1 - nu * nu));
   return scene.fluid->density * gravity * depth * std::pow(free_length<D>(body), 4) > 8 * stiffness * scene.fluid->spacing;

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "base/error.hpp"
+#include "scene/checks/checks.hpp"
 #include "scene/mid_surface.hpp"
 #include "scene/parameter_table.hpp"
 #include "scene/scene_check.hpp"
@@ -30,14 +31,17 @@ constexpr double lost_at_teeth = 0.06;
 constexpr double said_softness = 0.05;
 constexpr double most_by_spacing = 0.06;  ///< of a shell's deflection
 
-/// Volume of a shape [m^D], where it is composed by Gauss' theorem over patches of a quarter of the spacing.
+/// Volume of a shape [m^D], where it is composed by Gauss' theorem over patches of a quarter of the spacing, or over a million larger ones
+/// where those were more.
 template <int D>
 double volume(const Shape& shape, double spacing) {
   if (shape.kind == Shape::Kind::box) {
     const Bounds<D> bounds = bounding_box<D>(shape);
     return (bounds.max - bounds.min).prod();
   }
-  const SurfacePoints<D> surface = sample_surface<D>(shape, 0.25 * spacing);
+  constexpr double most_patches = 1e6;
+  const double fine = 0.25 * spacing, coarser = std::pow(std::max(1.0, count_patches<D>(shape, fine) / most_patches), 1.0 / (D - 1));
+  const SurfacePoints<D> surface = sample_surface<D>(shape, coarser * fine);
   double sum = 0;
   for (std::size_t k = 0; k < surface.area.size(); ++k) sum += surface.position[k].dot(surface.normal[k]) * surface.area[k];
   return sum / D;
@@ -438,6 +442,13 @@ struct Section {
 
 template <int D>
 std::vector<Section> sections_of(const StructureBody& body) {
+  if (body.shape.kind == Shape::Kind::box) {
+    const Bounds<D> bounds = bounding_box<D>(body.shape);
+    const Vector<D> sides = bounds.max - bounds.min;
+    std::vector<Section> sections;
+    for (int d = 0; d < D; ++d) sections.push_back({sides[d], 2 * sides.prod() / sides[d], true, false});
+    return sections;
+  }
   const auto surface = sample_surface<D>(body.shape, body.spacing);
   const Matrix<D> axes = lattice_axes<D>(body.shape);
   std::vector<Section> sections;

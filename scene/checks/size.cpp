@@ -16,6 +16,10 @@ namespace {
 // faces of as many patches of a wall 10 GB.
 constexpr double most_particles = 5e7, most_patches = 5e7;
 
+// All bodies share one process, whose state of as many particles fills 20 GB in 3D; a sub-step of them takes about 2 s of CPU. The box
+// around a body says how many it has where the body is that box.
+constexpr double most_elastic_particles = 5e6;
+
 // Frames have names of six digits (run/frame_writer.cpp), by which they are sorted; a row of gauges.csv has some 100 bytes. Both intervals
 // also cut the steps: nobody needs frames or rows that often, a run of as many steps takes weeks.
 constexpr double most_frames = 1e6, most_rows = 1e8;
@@ -103,14 +107,22 @@ std::string measures(const Shape& shape) {
 }
 
 template <int D>
-void check_body(const Shape& shape, double spacing, double patch, const std::string& where) {
+double cells_around(const Shape& shape, double spacing) {
   const Bounds<D> bounds = bounding_box<D>(shape);
   double cells = 1;
   for (int d = 0; d < D; ++d) cells *= std::max(1.0, (bounds.max[d] - bounds.min[d]) / spacing);
-  if (cells > most_particles) {
-    fail_at(where, fmt::format("the spacing {} m would make up to {:.3g} particles of a body of {}, but at most {} are allowed; use a "
+  return cells;
+}
+
+/// `before`: cells of the bodies before it, which share their process with it.
+template <int D>
+void check_body(const Shape& shape, double spacing, double patch, double most, double before, const std::string& where) {
+  const double cells = cells_around<D>(shape, spacing);
+  if (before + cells > most) {
+    const std::string others = before > 0 ? fmt::format(" beside {:.3g} of the bodies before it", before) : "";
+    fail_at(where, fmt::format("the spacing {} m would make up to {:.3g} particles of a body of {}{}, but at most {} are allowed; use a "
                                "larger spacing, or a smaller shape.",
-                               spacing, cells, measures<D>(shape), most_text(most_particles)));
+                               spacing, cells, measures<D>(shape), others, most_text(most)));
   }
   if (const double sides = count_sides(shape); shape.kind != Shape::Kind::box && cells * sides > most_looks) {
     fail_at(where,
@@ -166,7 +178,7 @@ void check_sizes(const Case& scene, const Setting& settings) {
   if (scene.fluid) {
     const double dx = scene.fluid->spacing;
     for (std::size_t i = 0; i < scene.fluid->bodies.size(); ++i)
-      check_body<D>(scene.fluid->bodies[i].shape, dx, dx, settings.at("fluid").at("body").items[i].where);
+      check_body<D>(scene.fluid->bodies[i].shape, dx, dx, most_particles, 0, settings.at("fluid").at("body").items[i].where);
     double before = 0;
     for (std::size_t i = 0; i < scene.walls.size(); ++i) {
       const WallCase& wall = scene.walls[i];
@@ -181,11 +193,15 @@ void check_sizes(const Case& scene, const Setting& settings) {
     }
   }
   if (!scene.structure) return;
+  double before = 0;
   for (std::size_t i = 0; i < scene.structure->bodies.size(); ++i) {
     const StructureBody& body = scene.structure->bodies[i];
     const std::string& where = settings.at("structure").at("body").items[i].where;
-    check_body<D>(body.shape, body.spacing, patch_length(body.spacing, scene.fluid), where);
     check_far_end<D>(scene, body, where);
+    const bool fills_box = body.shape.kind == Shape::Kind::box && !body.is_shell;
+    const double most = fills_box ? most_elastic_particles : most_particles;
+    check_body<D>(body.shape, body.spacing, patch_length(body.spacing, scene.fluid), most, fills_box ? before : 0, where);
+    if (fills_box) before += cells_around<D>(body.shape, body.spacing);
   }
 }
 

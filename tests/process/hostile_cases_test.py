@@ -21,6 +21,8 @@ CASES = sorted((ROOT / "cases").glob("*/case.toml"))
 MUTANTS = int(os.environ.get("TERN_MUTANTS", "150"))
 MEMORY = 500 << 20  # of address space
 SECONDS = 2         # of CPU time; on the clock ten times as much, because the machine may be busy
+LARGE = 5_000_000   # particles of fluid: so many and more are counted one by one, in LARGER times the memory and the time
+LARGER = 8
 
 NUMBER = re.compile(r"(?<![\w.\"])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?(?![\w.\"])")
 TEXT = re.compile(r"\"[^\"\n]*\"")
@@ -32,6 +34,9 @@ ABSURD_TEXTS = ('""', '"x"', '"\\u0000"', '"\\n\\u001b[31m"', '"' + "a" * 3000 +
 OTHER_TYPES = ("true", '"text"', "7", "0.25", "[]", "[[]]", "{}", "1979-05-27", "[1, 2]", "[0, 0, 0, 0]", "{ box = {} }", '["", ""]')
 # A number in what a program prints: not in a word, and not in a name or text of the case.
 NOT_A_NUMBER = re.compile(r"(?<![\w'\"])[-+]?(?:nan|inf)(?![\w'\"])", re.IGNORECASE)
+
+BODY = re.compile(r"^  nan ")  # the name of a body, in a table
+FLUID = re.compile(r"^  fluid +(\d+) of ", re.MULTILINE)
 
 
 def replace_one(pattern, text, values, choose):
@@ -88,14 +93,14 @@ class HostileCases(unittest.TestCase):
         self.limited = b"__asan_init" not in self.program.read_bytes()
         self.largest = {"memory": (0, ""), "time": (0, "")}
 
-    def run_limited(self, *words):
+    def run_limited(self, *words, times=1):
         def limit():
-            resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-            resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS + 1))
+            resource.setrlimit(resource.RLIMIT_AS, (times * MEMORY, times * MEMORY))
+            resource.setrlimit(resource.RLIMIT_CPU, (times * SECONDS, times * SECONDS + 1))
         process = subprocess.Popen([self.program, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL,
                                    preexec_fn=limit if self.limited else None)
         try:
-            output, errors = process.communicate(timeout=10 * SECONDS)
+            output, errors = process.communicate(timeout=10 * times * SECONDS)
         except subprocess.TimeoutExpired:
             process.kill()
             process.communicate()
@@ -108,9 +113,14 @@ class HostileCases(unittest.TestCase):
         before = time.monotonic()
         code, output, errors = self.run_limited(command, self.path, *words)
         took = time.monotonic() - before
+        if code not in (0, 2):
+            _, large, _ = self.run_limited("check", self.path, *words, times=LARGER)
+            if any(int(particles) >= LARGE for particles in FLUID.findall(large)):
+                code, output, errors = self.run_limited(command, self.path, *words, times=LARGER)
         self.largest["time"] = max(self.largest["time"], (took, errors or output.partition("\n")[0]))
         if code == 0:
-            found = NOT_A_NUMBER.search("\n".join(line for line in output.splitlines()[1:] if not line.startswith("* The")))
+            lines = (BODY.sub("", line) for line in output.splitlines()[1:] if not line.startswith("* The"))
+            found = NOT_A_NUMBER.search("\n".join(lines))
             return f"prints {found.group()}: {output}" if found else f"says {errors}" if errors else ""
         if code != 2:
             return f"exit code {code}: {errors}"
@@ -176,6 +186,15 @@ class HostileCases(unittest.TestCase):
     def test_a_body_that_reaches_far_is_not_filled(self):
         text = self.changed("hydrostatic_plate", "max = [1.05, 0] }", "max = [1e5, 0] }")
         self.expect_refused(text, "case.toml:", "stands outside the container", "in direction x")
+
+    # Seen to fail: with the bound of the fluid's particles, 5e7, taken instead; with each body counted alone.
+    def test_elastic_bodies_are_counted_together(self):
+        box = "shape = { box = { min = [-0.5, -0.5], max = [0.5, 0.5] } }"
+        self.expect_refused(self.changed("spinning_plate", box, box.replace("0.5] } }", "1e5] } }")), "1 x 100000 m", "at most 5e+06")
+        half = self.changed("spinning_plate", box, box.replace("0.5] } }", "1e4] } }"))
+        body = half[half.index("[[structure.body]]"):].split("\n\n")[0]
+        other = body.replace('"plate"', '"other"').replace("-0.5, -0.5", "1.5, -0.5").replace("0.5, 1e4", "2.5, 1e4")
+        self.expect_refused(half.replace(body, body + "\n\n" + other), "beside 4e+06")
 
     # Seen to fail: with all of a primitive sampled, however little of it the shape has: no answer in 10 s.
     def test_what_is_cut_out_may_reach_far(self):
