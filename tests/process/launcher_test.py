@@ -15,6 +15,7 @@ from pathlib import Path
 from fake_build import ROOT, FakeBuild, is_alive, wait_until
 from tern.errors import TOLD_TO_FINISH, Error
 from tern.launch import first_cause, resumption, run
+from tern.launch import reports as report_files
 from tern.launch.processes import Process
 
 
@@ -140,6 +141,17 @@ class LauncherTest(unittest.TestCase):
         self.assertEqual(self.contents()["first_cause"], "tern-structure was killed by signal 9 (SIGKILL).")
         self.assertEqual(self.contents()["exit_codes"]["structure"], -9)
         self.assertEqual(self.contents()["processes"]["structure"]["status"], "killed")
+
+    def test_reports_of_foreign_programs_hold_what_they_may(self):
+        # Seen to fail: with what json.loads() gives taken as it is (a traceback of the launcher).
+        path = self.fake.path / "report.structure.json"
+        for contents, expected in (
+                ("[]", {}), ("null", {}), ("{", {}), ("[" * 100000, {}), ('{"cause": 3, "steps": true, "x": []}', {"x": []}),
+                                   ('{"cause": "hot", "cause_time": "soon", "cpu_s": 2}', {"cause": "hot", "cpu_s": 2})):
+            path.write_text(contents)
+            self.assertEqual(report_files.read(path), expected)
+            ended = [Process("structure", "mine.py", None, -1, exit_code=3, ended_at=1.0)]
+            self.assertEqual(first_cause.find(ended, {"structure": report_files.read(path)}, interrupted=False).exit_code, 3)
 
     def test_a_program_that_ends_with_0_in_the_middle_of_a_run_is_named(self):
         # Seen to fail: without `is_missed` (the coupler's guess that it "was killed, crashed, or froze").

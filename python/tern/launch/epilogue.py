@@ -33,7 +33,7 @@ def close(out):
             report["status"] = "killed"
     write_json(path, run | {
         "status": STATUS[PEER_LOST], "exit_code": PEER_LOST, "first_cause": SENTENCE, "first_cause_role": "launcher",
-        "exit_codes": {role: report.get("exit_code") for role, report in reports.items()},
+        "exit_codes": {role: None if report.get("status") == "killed" else report.get("exit_code") for role, report in reports.items()},
         "wall_s": taken[spent.RUN]["wall_s"], "cpu_s": sum(report["cpu_s"] for report in reports.values()),
         "steps": max((report.get("steps") or 0 for report in reports.values()), default=0),
         "version": next((report.get("version", "") for report in reports.values()), ""),

@@ -15,6 +15,7 @@ from pathlib import Path
 from tern import paths
 from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, PEER_LOST, STATUS, Error
 from tern.launch import build, cases, first_cause, hosts, packages, process_state, ranks, resumption, spent, status, window_repeat
+from tern.launch import reports as report_files
 from tern.launch.processes import Group, Interrupts
 from tern.launch.record import ROOM, overwrite_json, write_json
 from tern.results import summary
@@ -116,17 +117,6 @@ def _touched(path):
         return path.stat().st_mtime_ns
     except OSError:
         return None
-
-
-def _reports(out, roles):
-    """report.<role>.json of each role; an empty one where it is missing or unreadable."""
-    reports = {}
-    for role in roles:
-        try:
-            reports[role] = json.loads((out / f"report.{role}.json").read_text(encoding="utf-8"))
-        except (OSError, json.JSONDecodeError):
-            reports[role] = {}
-    return reports
 
 
 def _write_end(path, contents):
@@ -423,7 +413,7 @@ def _run_once(request, work):
         wall_s = time.monotonic() - began
         for half_written in [*out.glob("*.tmp"), *out.glob("checkpoint/*.tmp")]:  # by a process that was killed while it wrote
             half_written.unlink(missing_ok=True)
-        reports = _reports(out, roles)
+        reports = {role: report_files.read(out / f"report.{role}.json") for role in roles}
         cause = first_cause.find(group.processes, reports, interrupts.count > 0)
         cause.sentence = first_cause.without_missing_logs(cause.sentence, group.processes, out)
         if before:

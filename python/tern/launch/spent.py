@@ -1,6 +1,6 @@
 """What a run has taken: wall and CPU time of all its parts, those of windows that were computed in vain as well."""
 
-import json
+from tern.launch import reports
 
 RUN = "run"  # the launcher's own wall time, beside those of the processes
 
@@ -19,13 +19,8 @@ def by_reports(earlier, reports):
 
 def reports_in(out):
     """report.ROLE.json of a run that has not ended well, by role."""
-    reports = {}
-    for path in sorted(out.glob("report.*.json")):
-        try:
-            reports[path.name.split(".")[1]] = json.loads(path.read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            continue
-    return reports
+    found = {path.name.split(".")[1]: reports.read(path) for path in sorted(out.glob("report.*.json"))}
+    return {role: report for role, report in found.items() if report}
 
 
 def until_now(run, out):

@@ -1,5 +1,6 @@
 """./tern status: how a run is doing, seen from outside: how far it is, which process lives, and who waits for whom."""
 
+import contextlib
 import json
 import re
 import time
@@ -7,6 +8,7 @@ from datetime import datetime
 from pathlib import Path
 
 from tern.launch import process_state
+from tern.launch import reports as report_files
 from tern.results import report as run_report
 from tern.results import summary
 from tern.errors import DONE
@@ -68,10 +70,9 @@ def text(directory):
 
     reports = {}
     for path in paths:
-        try:
-            reports[path.name.split(".")[1]] = (json.loads(path.read_text(encoding="utf-8")), path.stat().st_mtime)
-        except (OSError, json.JSONDecodeError):
-            continue  # just being replaced, or gone: the run has ended in this moment
+        with contextlib.suppress(OSError):  # just being replaced, or gone: the run has ended in this moment
+            if report := report_files.read(path):
+                reports[path.name.split(".")[1]] = report, path.stat().st_mtime
     now = time.time()
     lead = max((report for report, _ in reports.values()), key=lambda report: report.get("time_s") or 0, default={})
     head = f"{summary.shown(directory)}: running since {datetime.fromisoformat(run['started']).astimezone():%Y-%m-%d %H:%M:%S}"

@@ -90,7 +90,7 @@ TEST_F(PythonParticipant, TakesPartInARunWithKeysAndIsToldWhenTheyDoNotFit) {
                              std::filesystem::copy_options::overwrite_existing);
   TemporaryEndpoint place;
   const std::string output = place.directory() + "/err";
-  CouplerChannel coupler({"tcp://127.0.0.1:*", keys.path()}, 40, 20);
+  CouplerChannel coupler({"tcp://127.0.0.1:*", keys.path()}, 200, 20);  // four Pythons start one after the other
   auto fluids = std::async(std::launch::async, [&] {
     EXPECT_EQ(python_fluid(coupler.endpoint(), "ab12", output, others.path()).get(), 2);
     EXPECT_NE(read(output).find("refused the key " + others.path() + "/fluid.secret"), std::string::npos) << read(output);
