@@ -147,7 +147,7 @@ class LauncherTest(unittest.TestCase):
         path = self.fake.path / "report.structure.json"
         for contents, expected in (
                 ("[]", {}), ("null", {}), ("{", {}), ("[" * 100000, {}), ('{"cause": 3, "steps": true, "x": []}', {"x": []}),
-                                   ('{"cause": "hot", "cause_time": "soon", "cpu_s": 2}', {"cause": "hot", "cpu_s": 2})):
+                ('{"cause": "hot", "cause_time": "soon", "cpu_s": 2}', {"cause": "hot", "cpu_s": 2})):
             path.write_text(contents)
             self.assertEqual(report_files.read(path), expected)
             ended = [Process("structure", "mine.py", None, -1, exit_code=3, ended_at=1.0)]
