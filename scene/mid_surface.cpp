@@ -673,8 +673,10 @@ ShellFit shell_fit(const StructureBody& body) {
 
 template <int D>
 LatticePoints<D> fill_body(const StructureBody& body) {
-  if (body.shape.kind == Shape::Kind::box && !body.is_shell) return fill_lattice<D>(body.shape, body.spacing);  // none is loose
-  if (!body.is_shell) return without_loose_particles<D>(fill_lattice<D>(body.shape, body.spacing));
+  if (!body.is_shell) {
+    const LatticePoints<D> points = fill_lattice<D>(body.shape, body.spacing);
+    return body.shape.kind == Shape::Kind::box ? points : without_loose_particles<D>(points);  // a box has no loose ones
+  }
   LatticePoints<D> points(bounding_box<D>(body.shape).min, Vector<D>::Constant(body.spacing));
   for (const SurfaceCell<D>& cell : cells_of(mid_surface<D>(body))) points.add_off_lattice(cell.place.position);
   return points;

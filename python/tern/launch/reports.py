@@ -2,7 +2,7 @@
 
 import json
 
-NUMBERS = ("cause_time", "cpu_s", "exit_code", "process_id", "steps", "time_s")
+NUMBERS = ("cause_time", "cpu_s", "end_time_s", "exit_code", "process_id", "steps", "time_s", "wall_s")
 TEXTS = ("cause", "git", "status", "version")
 
 
