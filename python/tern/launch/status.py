@@ -1,7 +1,6 @@
 """./tern status: how a run is doing, seen from outside: how far it is, which process lives, and who waits for whom."""
 
 import contextlib
-import json
 import re
 import time
 from datetime import datetime
@@ -50,10 +49,7 @@ def living(directory):
     """Names of the processes of a run that live on this machine."""
     found = []
     for path in sorted(directory.glob("report.*.json")):
-        try:
-            contents = json.loads(path.read_text(encoding="utf-8"))
-        except (OSError, json.JSONDecodeError):
-            continue
+        contents = report_files.read(path)
         state = _process_state(contents, directory)
         if contents.get("status") == "running" and not state.startswith(("gone", "not seen")):
             found.append(f"{contents.get('role', path.name)}, process {contents['process_id']}")
