@@ -34,7 +34,6 @@ Reference<D>::Reference(const Case& scene, const StartParticles<D>& start)
   gravity_size = largest_gravity<D>(scene, places);
   window_at_rest = tern::window_at_rest(scene);
   window_at_rest_in_frame = tern::window_at_rest(scene, true);
-  end_time = scene.end_time;
   has_bodies = scene.structure.has_value();
   Vector<D> mean = Vector<D>::Zero(), low = places[0], high = low;
   for_each_place([&](const Vector<D>& x) {

@@ -65,7 +65,6 @@ struct Reference {
   bool has_bodies = false;             ///< there is a structure
   double window_at_rest = 0;           ///< where nothing moves and nothing acts yet [s]
   double window_at_rest_in_frame = 0;  ///< the same to the observer who goes along [s]
-  double end_time = 0;                 ///< of the case [s]
   double speed_floor = 0;              ///< half the fall through the height of the fluid: bounds the first steps from rest [m/s]
 };
 

@@ -18,9 +18,7 @@ struct EnclosedAccount {
   double largest_flux = 0;  ///< net sum V (div u* - s) taken out of the source of a region, largest by size [m^D/s]
   double volume_error = 0;  ///< volume that faces have pushed into a region over its volume, largest by size [-]
   bool warned = false;
-  double way = 0;         ///< volume that faces of bodies have swept in enclosed fluid, to and fro [m^D]
-  double recent_way = 0;  ///< the same of the last windows
-  double lag = 0;         ///< volume that they lag behind what it keeps, over recent_way; 0: hardly any
+  double way = 0;  ///< volume that faces of bodies have swept in enclosed fluid, to and fro [m^D]
   bool warned_of_lag = false;
   std::vector<double> pushed;  ///< volume error by label of the particle, which keeps it while regions join and part; empty: none yet
 
@@ -32,8 +30,6 @@ struct EnclosedAccount {
     visit("volume_error", all.volume_error...);
     visit("warned", all.warned...);
     visit("way", all.way...);
-    visit("recent_way", all.recent_way...);
-    visit("lag", all.lag...);
     visit("warned_of_lag", all.warned_of_lag...);
     visit("pushed", all.pushed...);
   }
@@ -46,6 +42,7 @@ struct EnclosedPast {
   std::vector<int> size;           ///< particles
   std::vector<double> pushed_in;   ///< volume that faces have pushed into it since it is enclosed [m^D]
   std::vector<double> lasting;     ///< what of that lasts: its mean over the last windows, of which late ones count more [m^D]
+  std::vector<double> mean_size;   ///< mean of its absolute value over the same windows [m^D]
   std::vector<double> taken_away;  ///< of its rate: what the first pass of the window told the fluid to take away [m^D/s]
   /// What bodies have answered to that, times what they were told, and the square of this, four fifths of each kept per window [m^2D/s^2].
   std::vector<double> answered, square;
@@ -56,6 +53,7 @@ struct EnclosedPast {
     visit("size", all.size...);
     visit("pushed_in", all.pushed_in...);
     visit("lasting", all.lasting...);
+    visit("mean_size", all.mean_size...);
     visit("taken_away", all.taken_away...);
     visit("answered", all.answered...);
     visit("square", all.square...);

@@ -4,17 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "base/step_control.hpp"
 #include "fluid/gauges/totals.hpp"
 
 namespace tern::fluid {
-namespace {
-
-// Bodies around enclosed fluid give a share of what they lag back in each window, however long it is. So where that is not small the next
-// windows are shorter, by and by, but not by so much that a run would crawl.
-constexpr double small_lag = 0.02, shortest_by_lag = 0.1, shortest_of_run = 1e-3;
-
-}  // namespace
 
 template <int D>
 StepProposal propose_step(const Reference<D>& reference, double fastest, const std::optional<double>& fastest_in_frame,
@@ -39,11 +31,6 @@ StepProposal propose_step(const Reference<D>& reference, double fastest, const s
     if (by_viscosity < proposal.seconds) proposal = {by_viscosity, "viscosity"};
   }
   if (proposal.seconds >= 1e300) proposal = {fastest > 0 ? reference.window_at_rest_in_frame : reference.window_at_rest, "rest"};
-  if (state.enclosed.lag > small_lag) {
-    const double by_lag = state.last_duration * std::max(small_lag / state.enclosed.lag, StepControl::fastest_shortening);
-    const double least = std::min(shortest_by_lag * proposal.seconds, shortest_of_run * reference.end_time);
-    if (by_lag < proposal.seconds) proposal = {std::max(by_lag, least), "enclosed"};
-  }
   return proposal;
 }
 

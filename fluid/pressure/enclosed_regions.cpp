@@ -20,8 +20,6 @@ namespace {
 constexpr double tolerated_volume_error = 1e-3;
 constexpr double tolerated_lag = 0.1;  ///< of what bodies have swept; worth a warning where that is more than ...
 constexpr double least_way = 0.01;     ///< spacings
-constexpr double least_lag = 1e-4;     ///< spacings: less is as good as none
-constexpr double newest = 0.05;        ///< part of the last window in the mean of what has been pushed in
 constexpr double kept = 0.8;           ///< per window, of how a region has answered
 
 }  // namespace
@@ -206,22 +204,27 @@ void select_regions(const EnclosedRegions& regions, const std::vector<int>& numb
 
 namespace {
 
-/// Number of the wall whose patches the particles of each region see most of; -1: no wall moves, or none is seen.
+/// Number of the wall whose patches the particles of each region see most of; -1: no wall moves, none is seen, or the region is counted in
+/// the frame at rest, of a plane wall that is not seen patch by patch.
 template <int D>
 std::vector<int> main_walls(const Boundary<D>& boundary, const EnclosedRegions& regions) {
   std::vector<int> result(regions.size.size(), -1);
   if (!boundary.walls.moving()) return result;
   const std::vector<Wall<D>>& walls = boundary.walls.all();
-  std::vector<double> seen(regions.size.size() * walls.size(), 0);
+  const std::size_t columns = walls.size() + 1;
+  std::vector<double> seen(regions.size.size() * columns, 0);
   const FaceRows& rows = boundary.wall_rows;
   for (std::size_t i = 0; i < regions.region.size(); ++i) {
     if (regions.region[i] < 0) continue;
+    double* const of_region = &seen[static_cast<std::size_t>(regions.region[i]) * columns];
+    of_region[walls.size()] += rows.before_plane(static_cast<std::ptrdiff_t>(i));
     for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry)
-      seen[static_cast<std::size_t>(regions.region[i]) * walls.size() + boundary.walls.wall_of(rows.face[entry])] += rows.weight[entry];
+      of_region[boundary.walls.wall_of(rows.face[entry])] += rows.weight[entry];
   }
   regions.ranks.sum(std::span(seen));
   for (std::size_t r = 0; r < result.size(); ++r) {
-    const auto first = seen.begin() + static_cast<std::ptrdiff_t>(r * walls.size());
+    const auto first = seen.begin() + static_cast<std::ptrdiff_t>(r * columns);
+    if (first[static_cast<std::ptrdiff_t>(walls.size())] > 0) continue;
     const auto most = std::max_element(first, first + static_cast<std::ptrdiff_t>(walls.size()));
     if (*most > 0) result[r] = static_cast<int>(most - first);
   }
@@ -312,7 +315,7 @@ void SweptVolume<D>::find(const Constants<D>& constants, double duration, const 
   if (first && boundary.walls.moving()) find_shares_of_walls(constants, boundary, regions, wall_share);
   const std::size_t count = regions.size.size();
   // One sum over the ranks: of each region, and the way and the area of all.
-  enum Sum : std::size_t { of_rate, of_pushed_in, of_lasting, of_change, of_taken_away, of_answered, of_square, kinds };
+  enum Sum : std::size_t { of_rate, of_pushed_in, of_lasting, of_mean_size, of_change, of_taken_away, of_answered, of_square, kinds };
   sums.assign(kinds * count + 2, 0);
   for (std::size_t i = 0; i < regions.region.size(); ++i) {
     const int r = regions.region[i];
@@ -351,6 +354,7 @@ void SweptVolume<D>::find(const Constants<D>& constants, double duration, const 
       const EnclosedPast& of = state.enclosed_past;
       sum(of_pushed_in) += of.pushed_in[old] / of.size[old];
       sum(of_lasting) += of.lasting[old] / of.size[old];
+      sum(of_mean_size) += of.mean_size[old] / of.size[old];
       sum(of_taken_away) += of.taken_away[old] / of.size[old];
       sum(of_answered) += of.answered[old] / of.size[old];
       sum(of_square) += of.square[old] / of.size[old];
@@ -363,14 +367,15 @@ void SweptVolume<D>::find(const Constants<D>& constants, double duration, const 
   area = sums[kinds * count + 1];
   rate.resize(count);
   past.size = regions.size;
-  for (std::vector<double>* values : {&past.pushed_in, &past.lasting, &past.taken_away, &past.answered, &past.square})
+  for (std::vector<double>* values : {&past.pushed_in, &past.lasting, &past.mean_size, &past.taken_away, &past.answered, &past.square})
     values->resize(count);
   for (std::size_t r = 0; r < count; ++r) {
     const double* const sum = &sums[kinds * r];
     rate[r] = sum[of_rate];
     if (!first) continue;
     past.pushed_in[r] = sum[of_pushed_in];
-    past.lasting[r] = sum[of_lasting] + newest * (past.pushed_in[r] - sum[of_lasting]);
+    past.lasting[r] = sum[of_lasting] + newest_in_mean * (past.pushed_in[r] - sum[of_lasting]);
+    past.mean_size[r] = sum[of_mean_size] + newest_in_mean * (std::abs(past.pushed_in[r]) - sum[of_mean_size]);
     past.answered[r] = kept * sum[of_answered] - (is_answered ? sum[of_change] * sum[of_taken_away] : 0);
     past.square[r] = kept * sum[of_square] + (is_answered ? sum[of_taken_away] * sum[of_taken_away] : 0);
   }
@@ -381,6 +386,12 @@ double SweptVolume<D>::answer(std::size_t region) const {
   constexpr double least = 0.5, most = 2;
   const double square = past.square[region];
   return square > 0 ? std::clamp(past.answered[region] / square, least, most) : 1;
+}
+
+template <int D>
+double SweptVolume<D>::taken_away(std::size_t region, double duration) const {
+  const double mean_size = past.mean_size[region];
+  return level_taken_away(rate[region], past.pushed_in[region] / duration, mean_size > 0 ? past.lasting[region] / mean_size : 1);
 }
 
 template <int D>
@@ -400,17 +411,10 @@ void SweptVolume<D>::remember(double duration, const Faces<D>& surface, const En
 template <int D>
 void SweptVolume<D>::watch_lag(const Constants<D>& constants, const Window& window, const EnclosedRegions& regions, State<D>& state) const {
   EnclosedAccount& account = state.enclosed;
-  account.lag = 0;
-  account.recent_way *= 1 - given_back;
   if (!regions.any()) return;
   account.way += way;
-  account.recent_way += way;
   double lag = 0;
   for (const double volume : past.pushed_in) lag = std::max(lag, std::abs(volume));
-  double lasting = 0;
-  for (const double volume : past.lasting) lasting = std::max(lasting, std::abs(volume));
-  const double least = least_lag * constants.spacing * area;
-  if (lasting > least) account.lag = lasting / std::max(account.recent_way, least);
   if (account.warned_of_lag || account.way < least_way * constants.spacing * area || lag < tolerated_lag * account.way) return;
   account.warned_of_lag = true;
   if (!regions.ranks.first()) return;

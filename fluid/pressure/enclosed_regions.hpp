@@ -57,12 +57,13 @@ void find_enclosed_regions_of_ranks(const Domain<D>& domain, const Neighbours<D>
 void select_regions(const EnclosedRegions& regions, const std::vector<int>& number, EnclosedRegions& selected);
 
 /// What the level of an enclosed pressure takes away of the volume that bodies sweep [m^D/s]: nearly all of the `rate` that is theirs
-/// under the load of the last window, and little of what they have pushed in, given as a rate over one window. A part of the rate alone
-/// makes of the enclosed fluid a spring, the stiffer the more nearly it is all: that feeds no motion, of however many modes. With more than
-/// all of it the spring would be one that pushes the wrong way. What has been pushed in is an integral, and feeds slow motion by the square
-/// of its share (tests/coupler/interface_velocity_test.cpp).
-inline constexpr double given_back = 0.02;
-inline double level_taken_away(double rate, double pushed_in) { return 0.95 * rate + given_back * pushed_in; }
+/// under the load of the last window, and of what they have pushed in, given as a rate over one window, little as far as it lasts. A part
+/// of the rate alone makes of the enclosed fluid a spring, the stiffer the more nearly it is all: that feeds no motion, of however many
+/// modes. With more than all of it the spring would be one that pushes the wrong way. What has been pushed in is an integral: it feeds
+/// vibrations, but what these push in has hardly a mean. `lasting`: the mean of what has been pushed in over the mean of its size, from -1
+/// to 1 (tests/coupler/interface_velocity_test.cpp).
+inline double level_taken_away(double rate, double pushed_in, double lasting) { return 0.95 * rate + 0.1 * lasting * lasting * pushed_in; }
+inline constexpr double newest_in_mean = 0.02;  ///< part of the last window in both means
 
 /// How the faces of the structure have moved since the middle of the last window; where that is not known, since the begin of this one, as
 /// their velocity has it.
@@ -100,6 +101,8 @@ struct SweptVolume {
             const EnclosedRegions& regions, const State<D>& state);
   /// How many times as much as it is told the volume of a region changes by a load.
   double answer(std::size_t region) const;
+  /// Of a region in the first pass of a window: what its level takes away of `rate` [m^D/s].
+  double taken_away(std::size_t region, double duration) const;
   /// Into the state, for the window to come.
   void remember(double duration, const Faces<D>& surface, const EnclosedRegions& regions, State<D>& state);
   /// Warns once where what has been pushed in is no longer small beside what bodies have swept: windows are too long for them.

@@ -118,7 +118,7 @@ void assemble_pressure_source(const Constants<D>& constants, double duration, co
     wanted.resize(swept.rate.size());
     left.resize(swept.rate.size());
     for (std::size_t r = 0; r < wanted.size(); ++r) {
-      if (first) left[r] = swept.rate[r] - level_taken_away(swept.rate[r], swept.past.pushed_in[r] / duration);
+      if (first) left[r] = swept.rate[r] - swept.taken_away(r, duration);
       wanted[r] = (swept.rate[r] - left[r]) / swept.answer(r);
       if (first) swept.past.taken_away[r] = wanted[r];
     }

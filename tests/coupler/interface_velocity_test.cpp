@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <numbers>
 
 #include "fluid/pressure/enclosed_regions.hpp"
@@ -181,26 +182,54 @@ class HeldMode {
   TakenAway taken_away_;
 };
 
-/// Largest factor by which a state grows in a window: of one mode, from omega dt = `least` to 50, ...
-double growth_in_enclosed_fluid(double answers, double least, auto&& taken_away) {
+/// What the level of a region takes away, which knows what has been pushed in so far.
+struct Level {
+  double mean = 0, mean_size = 0;
+  double operator()(double rate, double pushed_in) {
+    mean += fluid::newest_in_mean * (pushed_in - mean);
+    mean_size += fluid::newest_in_mean * (std::abs(pushed_in) - mean_size);
+    return fluid::level_taken_away(rate, pushed_in, mean_size > 0 ? mean / mean_size : 1);
+  }
+};
+
+/// Factor by which the motion of a stiff and a slow mode of omega dt = y, y_slow grows in a window, over the last half of 6000 windows.
+double growth_by_level(double answers, double y, double slow = 0, double y_slow = 0.01) {
+  constexpr int windows = 6000, seen = 1500;
+  double before = 0, after = 0;
+  Level level;
+  const HeldMode mode(y, answers, std::ref(level), slow, y_slow);
+  Eigen::Vector<double, 7> q = Eigen::Vector<double, 7>::Zero();
+  q[0] = q[5] = 1;
+  for (int n = 0; n < windows; ++n) {
+    q = mode(q);
+    const double energy = y * y * q[0] * q[0] + q[1] * q[1] + (slow > 0 ? y_slow * y_slow * q[5] * q[5] + q[6] * q[6] : 0);
+    if (n >= windows / 2 - seen && n < windows / 2) before = std::max(before, energy);
+    if (n >= windows - seen) after = std::max(after, energy);
+  }
+  return after > 1e-60 ? std::pow(after / before, 1. / windows) : 0;
+}
+
+/// Largest factor by which a state of one mode grows in a window, from omega dt = 0.001 to 50, ...
+double growth_in_enclosed_fluid(double answers, auto&& taken_away) {
   double largest = 0;
-  for (double y = least; y < 50; y *= 1.02) largest = std::max(largest, HeldMode(y, answers, taken_away).growth());
+  for (double y = 0.001; y < 50; y *= 1.02) largest = std::max(largest, HeldMode(y, answers, taken_away).growth());
   return largest;
 }
 
-/// ... and of two modes, each stiff or not for the windows, that share the answer in every proportion.
-double growth_of_two_modes(double answers, auto&& taken_away) {
+/// ... and of two modes, each stiff or not for the windows, that share the answer in every proportion: the largest of growth(y, share of
+/// the slow one, y_slow).
+double growth_of_two_modes(double ratio, auto&& growth) {
   double largest = 0;
-  for (const double y_slow : {0.001, 0.01, 0.1, 0.5, 1.0, 3.0, 3.3})
-    for (double y = 1.1 * y_slow; y < 50; y *= 1.1)
-      for (const double slow : {0.003, 0.03, 0.2, 0.5, 0.8, 0.97})
-        largest = std::max(largest, HeldMode(y, answers, taken_away, slow, y_slow).growth());
+  for (const double y_slow : {0.001, 0.01, 0.03, 0.1, 0.2, 0.5, 1.0, 3.0, 3.3})
+    for (double y = 1.1 * y_slow; y < 50; y *= ratio)
+      for (const double slow : {0.003, 0.03, 0.2, 0.5, 0.8, 0.97}) largest = std::max(largest, growth(y, slow, y_slow));
   return largest;
 }
 
 /// Windows by which a mode lags behind the walls, which go on at a constant speed.
-double lag_in_enclosed_fluid(double y, auto&& taken_away) {
-  const HeldMode mode(y, 1, taken_away);
+double lag_in_enclosed_fluid(double y) {
+  Level level;
+  const HeldMode mode(y, 1, std::ref(level));
   Eigen::Vector<double, 7> q = Eigen::Vector<double, 7>::Zero();
   double sum = 0;
   for (int n = 0; n < 1000; ++n) {
@@ -215,39 +244,39 @@ double part_of_the_rate(double rate, double) { return 0.95 * rate; }
 // Seen to fail: with all of the rate taken away and half of what has been pushed in (1.4 to 3.0).
 TEST(InterfaceVelocity, OfAModeThatEnclosedFluidHoldsDiesOutWhateverItsStiffness) {
   for (const double answers : {0.5, 0.75, 0.9, 1.0, 1.03})
-    EXPECT_LE(growth_in_enclosed_fluid(answers, 0.001, fluid::level_taken_away), 1 + 1e-9) << answers;
+    for (double y = 0.001; y < 50; y *= 1.1) EXPECT_LE(growth_by_level(answers, y) - 1, 1e-8) << answers << ", " << y;
 }
 
 // A part of the rate makes of enclosed fluid a spring that several modes hold. A spring feeds no motion. Seen to fail: with 1.05 times the
 // rate, a spring that pushes the wrong way.
 TEST(InterfaceVelocity, OfSeveralModesThatEnclosedFluidHoldsDoesNotGrow) {
-  for (const double answers : {0.5, 0.9, 1.0, 1.03}) EXPECT_LE(growth_of_two_modes(answers, part_of_the_rate), 1 + 1e-6) << answers;
+  for (const double answers : {0.5, 0.9, 1.0, 1.03})
+    EXPECT_LE(growth_of_two_modes(
+                  1.1, [&](double y, double slow, double y_slow) { return HeldMode(y, answers, part_of_the_rate, slow, y_slow).growth(); }),
+              1 + 1e-6)
+        << answers;
 }
 
-// What has been pushed in is an integral, and feeds slow motion, the less the smaller its share and the more nearly all of the rate is
-// taken away. Of the share that is taken 5e-4 a window where a slow and a stiff mode have 62 windows a period together; more only of modes
-// whose period is a window.
-// Seen to fail: with 0.65 of the rate and 0.25 of what has been pushed in (1.13).
+// What has been pushed in is an integral, and feeds slow motion, unless only what lasts is given back.
+// Seen to fail: with a tenth of all that has been pushed in (1.0019), with 0.65 of the rate (1.0037).
 TEST(InterfaceVelocity, OfSeveralModesThatEnclosedFluidHoldsHardlyGrowsByWhatIsGivenBack) {
-  const double growth = growth_of_two_modes(1, fluid::level_taken_away);
+  const double growth = growth_of_two_modes(1.3, [](double y, double slow, double y_slow) { return growth_by_level(1, y, slow, y_slow); });
   std::printf("[ %.6f a window ]\n", growth);
-  EXPECT_LE(growth, 1.0008);
+  EXPECT_LE(growth, 1.0003);
 }
 
 // A stiff mode has to be loaded anew in every window, and what a window leaves of it comes back by what has been pushed in.
-// Seen to fail: with half of the rate (300 windows).
-TEST(InterfaceVelocity, OfAModeThatEnclosedFluidDrivesOnLagsBySomeWindows) {
-  double soft = 0, stiff = 0;
-  for (const double y : {0.01, 0.1, 0.3}) soft = std::max(soft, std::abs(lag_in_enclosed_fluid(y, fluid::level_taken_away)));
-  for (const double y : {1.0, 3.0, 10.0, 30.0}) stiff = std::max(stiff, std::abs(lag_in_enclosed_fluid(y, fluid::level_taken_away)));
-  std::printf("[ %.2f windows; stiff %.1f ]\n", soft, stiff);
-  EXPECT_LT(soft, 0.5);
-  EXPECT_LT(stiff, 20);
+// Seen to fail: with 0.65 of the rate (10.7 windows), with 0.02 of what lasts in place of 0.1 (7.4).
+TEST(InterfaceVelocity, OfAModeThatEnclosedFluidDrivesOnLagsByLessThanAWindow) {
+  double largest = 0;
+  for (const double y : {0.01, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0}) largest = std::max(largest, std::abs(lag_in_enclosed_fluid(y)));
+  std::printf("[ %.2f windows ]\n", largest);
+  EXPECT_LT(largest, 0.8);
 }
 
 // Why the answer is learnt: more than all of the rate turns the velocity round for ever.
 TEST(InterfaceVelocity, WouldTurnRoundForEverInEnclosedFluidIfMoreThanAllOfTheRateWereTakenAway) {
-  EXPECT_GT(growth_in_enclosed_fluid(1.1, 0.01, fluid::level_taken_away), 1.04);
+  EXPECT_GT(growth_in_enclosed_fluid(1.1, part_of_the_rate), 1.04);
 }
 
 }  // namespace

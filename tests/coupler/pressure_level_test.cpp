@@ -175,7 +175,7 @@ double volume_without_work(InterfaceScheme scheme, Place place) {
   }
   EXPECT_FALSE(water.fluid.sealed().any);
   EXPECT_GT(std::abs(power / level), 0.01 * either_way);
-  return std::abs(told - fluid::level_taken_away(power / level, 0.5 * power / level)) / either_way;
+  return std::abs(told - fluid::level_taken_away(power / level, 0.5 * power / level, 1)) / either_way;
 }
 
 /// Volume that enclosed water takes away in the last of `windows` for a block that turns about its centre, over the square of the speed

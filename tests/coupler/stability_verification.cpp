@@ -207,9 +207,9 @@ TEST(Stability, APlateBetweenTwoFullChambersStaysInItsPlaceInABoxThatIsAccelerat
   EXPECT_LT(std::abs(moved.mean), 2e-5);
 }
 
-// A lid that is wider than its channel presses water on an elastic pad and stops. Seen to fail: with the weights with which particles see
-// the patches of the lid as they are (-7.3 mm), and with the patches that the channel covers (-9.7 mm).
-TEST(Stability, APadUnderFullWaterFollowsTheLidThatPressesIt) {
+/// A lid that is wider than its channel presses water on an elastic pad by 8 mm in 0.2 s and stops. How far the pad has gone after 0.5 s [m],
+/// and whether there was a warning that it lags behind while the lid moves.
+std::pair<double, bool> pressed_by_lid(double window_s) {
   Case c = scene(2, 0.02);
   c.end_time = 1;
   c.gravity = constant(0, -9.81);
@@ -239,12 +239,20 @@ TEST(Stability, APadUnderFullWaterFollowsTheLidThatPressesIt) {
   c.structure->numerics.integrator = Integrator::automatic;
   Participants all(c);
   auto& [fluid, structure, coupled, coupler] = all;
-  const Ticks window = to_ticks(4e-3);
-  for (int n = 0; n < 125; ++n) run_window<2>(fluid, coupled, coupler, n * window, window);
-  const double moved = structure.displacement(structure.material_point("pad", {0.05, 0.2, 0}))[1];
-  std::printf("[ %.2f mm ]\n", 1e3 * moved);
-  EXPECT_NEAR(moved, -0.008, 2e-4);
-  EXPECT_TRUE(fluid.sealed().warned_of_lag) << "while the lid moves, in windows of 4 ms";
+  const Ticks window = to_ticks(window_s);
+  for (int n = 0; n < std::lround(0.5 / window_s); ++n) run_window<2>(fluid, coupled, coupler, n * window, window);
+  return {structure.displacement(structure.material_point("pad", {0.05, 0.2, 0}))[1], fluid.sealed().warned_of_lag};
+}
+
+// Seen to fail: with the weights with which particles see the patches of the lid as they are (-7.3 mm), and with the patches that the
+// channel covers (-9.7 mm).
+TEST(Stability, APadUnderFullWaterFollowsTheLidThatPressesIt) {
+  for (const auto& [window, lags] : {std::pair{4e-3, false}, {2e-2, true}}) {
+    const auto [moved, warned] = pressed_by_lid(window);
+    std::printf("[ windows of %g s: %.2f mm ]\n", window, 1e3 * moved);
+    EXPECT_NEAR(moved, -0.008, 2e-4);
+    EXPECT_EQ(warned, lags) << window;
+  }
 }
 
 /// A piston goes 1 mm into a pipe full of water that an elastic wall closes. The volume that the wall has given way by at the end, over
@@ -298,14 +306,14 @@ std::pair<double, int> given_way_to_piston(double young_modulus, double gravity,
 }
 
 // However stiff the wall is, water has nowhere else to go. Windows of water at rest are long beside the motion of a stiff wall: it answers
-// as one of a thousand times its mass. Seen to fail: with windows that do not become shorter for the lag (0.93 to 0.95 of the volume
-// without gravity); with a hundred times the guess as the heaviest (3025 windows for steel).
+// as one of a thousand times its mass. Seen to fail: with 0.02 of what has been pushed in given back, whether it lasts or not (0.93 to 0.95
+// of the volume without gravity); with a hundred times the guess as the heaviest (3025 windows for steel).
 TEST(Stability, AWallGivesWayAsFarAsAPistonPressesWaterAgainstIt) {
   for (const auto& [young_modulus, gravity] : {std::pair{1e7, 0.0}, {1e9, 0.0}, {2e11, 9.81}}) {
     const auto [share, windows] = given_way_to_piston(young_modulus, gravity, 1);
     std::printf("[ E %.0e Pa, g %.2f m/s^2: %.3f of the volume, %d windows ]\n", young_modulus, gravity, share, windows);
     EXPECT_NEAR(share, 1, 0.02) << young_modulus;
-    EXPECT_LT(windows, 2000) << young_modulus;
+    EXPECT_LT(windows, 400) << young_modulus;
   }
 }
 
