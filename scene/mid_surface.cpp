@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numbers>
 
 #include "base/error.hpp"
+#include "scene/geodesic_sphere.hpp"
 #include "scene/loose_particles.hpp"
 
 namespace tern {
@@ -451,57 +451,18 @@ MidSurface<D> mid_surface(const StructureBody& body) {
 
 namespace {
 
-/// The cells of a sphere of radius 1. The corners of the triangles of a face are where sums of its corners with the weights sin(i w/n)
-/// point to, w the angle of an edge: on the edges they are evenly spaced.
+/// The cells of a sphere of radius 1.
 std::vector<SurfaceCell<3>> cells_of_sphere(int parts) {
-  const double golden = std::numbers::phi, angle = std::acos(1 / std::sqrt(5.0));
-  std::vector<Vector<3>> corner;
-  for (int axis = 0; axis < 3; ++axis)
-    for (const double one : {-1.0, 1.0})
-      for (const double other : {-golden, golden}) {
-        Vector<3> x = Vector<3>::Zero();
-        x[(axis + 1) % 3] = one, x[(axis + 2) % 3] = other;
-        corner.push_back(x.normalized());
-      }
+  const GeodesicSphere sphere = geodesic_sphere(parts);
   std::vector<SurfaceCell<3>> cells;
-  std::map<std::array<int, 6>, std::size_t> known;  // by the corners of the icosahedron that have a share, and their shares
-  const auto cell_at = [&](const std::array<int, 3>& of, const std::array<int, 3>& share) {
-    std::array<int, 6> key{-1, -1, -1, 0, 0, 0};
-    Vector<3> x = Vector<3>::Zero();
-    for (int n = 0, m = 0; n < 3; ++n) {
-      if (share[n] == 0) continue;
-      key[m] = of[n], key[3 + m++] = share[n];
-      x += std::sin(share[n] * angle / parts) * corner[of[n]];
-    }
-    const auto [entry, is_new] = known.try_emplace(key, cells.size());
-    if (is_new) {
-      SurfaceCell<3> cell{{x.normalized(), {}}, 0, EdgeKind::free};
-      int least = 0;
-      x.cwiseAbs().minCoeff(&least);
-      const Vector<3> normal = cell.place.position, first = Vector<3>::Unit(least).cross(normal).normalized();
-      cell.place.frame << first, normal.cross(first), normal;
-      cells.push_back(cell);
-    }
-    return entry->second;
-  };
-  const auto add_triangle = [&](const std::array<std::size_t, 3>& at) {
-    const Vector<3>&a = cells[at[0]].place.position, &b = cells[at[1]].place.position, &c = cells[at[2]].place.position;
-    const double area = 2 * std::atan2(std::abs(a.dot(b.cross(c))), 1 + a.dot(b) + b.dot(c) + c.dot(a));
-    for (const std::size_t n : at) cells[n].area += area / 3;
-  };
-  const int count = static_cast<int>(corner.size());
-  const auto are_neighbours = [&](int a, int b) { return corner[a].dot(corner[b]) > 0.9 * std::cos(angle); };
-  for (int a = 0; a < count; ++a)
-    for (int b = a + 1; b < count; ++b)
-      for (int c = b + 1; c < count; ++c) {
-        if (!are_neighbours(a, b) || !are_neighbours(b, c) || !are_neighbours(a, c)) continue;
-        const auto at = [&](int i, int j) { return cell_at({a, b, c}, {parts - i - j, i, j}); };
-        for (int i = 0; i < parts; ++i)
-          for (int j = 0; i + j < parts; ++j) {
-            add_triangle({at(i, j), at(i + 1, j), at(i, j + 1)});
-            if (i + j + 1 < parts) add_triangle({at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
-          }
-      }
+  for (std::size_t k = 0; k < sphere.corner.size(); ++k) {
+    SurfaceCell<3> cell{{sphere.corner[k], {}}, sphere.area[k], EdgeKind::free};
+    int least = 0;
+    sphere.corner[k].cwiseAbs().minCoeff(&least);
+    const Vector<3> normal = sphere.corner[k], first = Vector<3>::Unit(least).cross(normal).normalized();
+    cell.place.frame << first, normal.cross(first), normal;
+    cells.push_back(cell);
+  }
   return cells;
 }
 

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "scene/geodesic_sphere.hpp"
 #include "scene/geometry.hpp"
 #include "scene/plane_polygon.hpp"
 #include "scene/shell_sampling.hpp"
@@ -632,6 +633,13 @@ SurfacePoints<D> sample_shell_surface(const StructureBody& body, const std::vect
       return Sampler<2>(shape, spacing, cuts_of(surface, shape.radius * (shape.end - shape.begin), spacing)).points;
     if (surface.kind == MidSurface<2>::Kind::path)
       return Sampler<2>(shape, spacing, cuts_of(surface, surface.corner_at.back(), spacing)).points;
+  } else if (body.shape.kind == Shape::Kind::difference) {
+    const MidSurface<3> surface = mid_surface<3>(body);
+    const GeodesicSphere sphere = geodesic_sphere(surface.parts);
+    SurfacePoints<3> points;
+    for (const double side : {1.0, -1.0})
+      sample_sphere(sphere, surface.origin, surface.radius + 0.5 * side * surface.thickness, side > 0, spacing, points);
+    return points;
   }
   return sample_surface<D>(body.shape, spacing);
 }

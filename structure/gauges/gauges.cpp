@@ -1,9 +1,5 @@
 #include "structure/gauges/gauges.hpp"
 
-#include <limits>
-
-#include "scene/mid_surface.hpp"
-
 namespace tern::structure {
 namespace {
 
@@ -43,16 +39,14 @@ Append<D> reaction(const GaugeCase& gauge, const Case&, const Structure<D>& at_s
 }
 
 /// The points of the surface within half a diameter of the sensor on the undeformed body, on its side of a thin one; at least the
-/// nearest. `thickness`: of a shell, infinite otherwise; a sensor on one face of it lies so far behind the other.
+/// nearest.
 template <int D>
 std::vector<std::size_t> points_of_sensor(const Surface<D>& surface, const std::vector<std::uint32_t>& body_of_point, std::uint32_t body,
-                                          const Vector<D>& at, double diameter, double thickness) {
+                                          const Vector<D>& at, double diameter) {
   std::vector<std::size_t> points;
   const auto distance = [&](std::size_t k) { return (surface.position[k] - at).norm(); };
-  const auto is_behind = [&](std::size_t k) { return (at - surface.position[k]).dot(surface.normal[k]) <= -0.5 * thickness; };
-  const auto before = [&](std::size_t k, std::size_t l) { return is_behind(k) == is_behind(l) ? distance(k) < distance(l) : is_behind(l); };
   for (std::size_t k = 0; k < body_of_point.size(); ++k)
-    if (body_of_point[k] == body && (points.empty() || before(k, points[0]))) points = {k};
+    if (body_of_point[k] == body && (points.empty() || distance(k) < distance(points[0]))) points = {k};
   if (points.empty()) return points;
   const std::size_t nearest = points[0];
   for (std::size_t k = 0; k < body_of_point.size(); ++k) {
@@ -65,11 +59,8 @@ std::vector<std::size_t> points_of_sensor(const Surface<D>& surface, const std::
 /// p = -sum f . n / sum a over the points k of the sensor.
 template <int D>
 Append<D> body_pressure(const GaugeCase& gauge, const Case& scene, const Structure<D>& at_start) {
-  const std::uint32_t number = body_index(gauge, scene);
-  const StructureBody& body = scene.structure->bodies[number];
-  const double thickness = body.is_shell ? mid_surface<D>(body).thickness : std::numeric_limits<double>::infinity();
-  const auto points = points_of_sensor(at_start.surface(), at_start.surface_properties().body, number, gauge.place<D>("at"),
-                                       gauge.number("diameter"), thickness);
+  const auto points = points_of_sensor(at_start.surface(), at_start.surface_properties().body, body_index(gauge, scene),
+                                       gauge.place<D>("at"), gauge.number("diameter"));
   return [points](const Structure<D>& structure, GaugeValues& values) {
     if (structure.time() == 0) return values.push_back(std::nullopt);  // before the first pressure solve
     const Surface<D> surface = structure.surface();
