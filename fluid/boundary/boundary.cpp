@@ -1,5 +1,6 @@
 #include "fluid/boundary/boundary.hpp"
 
+#include "base/parallel.hpp"
 #include "fluid/boundary/line_of_sight.hpp"
 #include "fluid/boundary/plane_walls.hpp"
 #include "fluid/boundary/wetness.hpp"
@@ -13,16 +14,31 @@ Boundary<D>::Boundary(const Case& scene, const Constants<D>& constants, bool who
   wall_finder.fill(walls.faces(), constants.faces.support());
 }
 
+namespace {
+
+/// Forgets what is known of the space before patches that move, or beside which another one may be that does.
+template <int D>
+void forget_space_beside_moving(const Constants<D>& constants, Boundary<D>& boundary) {
+  std::vector<double>& space = boundary.space_before_walls;
+  const double reach = constants.faces.support() + 0.01 * constants.spacing;  // it is looked at a hair before a patch
+  parallel_for(static_cast<std::ptrdiff_t>(space.size()), [&](std::ptrdiff_t k) {
+    if (space[k] >= 0 && boundary.walls.is_beside_moving(static_cast<std::size_t>(k), reach)) space[k] = -1;
+  });
+}
+
+}  // namespace
+
 template <int D>
 void move_walls(const Constants<D>& constants, const Ranks& ranks, const Window& window, Boundary<D>& boundary, State<D>& state) {
+  forget_space_beside_moving(constants, boundary);
   const WallRates rates = boundary.walls.move_over(window.begin, window.duration, state.last_duration, state.walls);
   double largest[] = {rates.speed, rates.acceleration, rates.speed_in_frame};
   if (!boundary.walls.whole()) ranks.most(std::span<double>(largest));
   state.wall_speed = largest[0];
   state.wall_acceleration = largest[1];
   state.wall_speed_in_frame = largest[2];
-  boundary.wall_finder.fill(boundary.walls.faces(), constants.faces.support(), boundary.walls.lowest());
-  boundary.space_before_walls.assign(boundary.walls.faces().size(), -1);
+  boundary.wall_finder.fill(boundary.walls.faces(), constants.faces.support(), &boundary.walls.lowest());
+  forget_space_beside_moving(constants, boundary);
   boundary.clipped_walls.reset();
 }
 

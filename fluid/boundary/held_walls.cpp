@@ -52,7 +52,7 @@ void find_anew(const Constants<D>& constants, Boundary<D>& boundary) {
   WallBoxes<D> of_walls;
   for (const Wall<D>& wall : boundary.walls.all()) of_walls.push_back(own[static_cast<std::size_t>(wall.frame)]);
   boundary.walls.hold(of_walls, own[0][0]);
-  boundary.wall_finder.fill(boundary.walls.faces(), constants.faces.support(), boundary.walls.lowest());
+  boundary.wall_finder.fill(boundary.walls.faces(), constants.faces.support(), &boundary.walls.lowest());
   boundary.space_before_walls.assign(boundary.walls.faces().size(), -1);  // at the edge of what was held it was not all that there is
   boundary.clipped_walls.reset();
 }

@@ -60,7 +60,8 @@ View look(const Walls<3>& walls, const Box& structure, double support, double bl
     view.empty = view.empty && beyond >= 0;
   }
   for (int w : walls.not_plane()) {
-    const double beyond = std::abs(signed_distance<3>(walls.all()[w].scene.shape, x)) - support;
+    const Wall<3>& wall = walls.all()[w];
+    const double beyond = std::abs(signed_distance<3>(wall.scene.shape, wall.reference(x))) - support;
     slack = std::min(slack, beyond);
     view.empty = view.empty && beyond >= 0;
     view.planes_alone = view.planes_alone && beyond >= 0;

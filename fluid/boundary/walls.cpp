@@ -74,7 +74,7 @@ Walls<D>::Walls(const Case& scene, double fluid_spacing, double support, bool wh
         may_have_corners_ || !wall.container || (wall.shape.kind != Shape::Kind::box && wall.shape.kind != Shape::Kind::ball);
     walls_.push_back({wall, wall.motion ? ++frame : 0, 0, 0, {}, {}});
   }
-  if (!moving_ && !std::count(ends_.periodic.begin(), ends_.periodic.begin() + D, true)) find_planes();
+  if (!std::count(ends_.periodic.begin(), ends_.periodic.begin() + D, true)) find_planes();
   whole_ ? hold_all() : look_at_all(share);
   if (!frame_) return;
   const RigidMotion& motion = *walls_[*frame_].scene.motion;
@@ -105,6 +105,7 @@ void Walls<D>::look_at_all(PatchShare share) {
 template <int D>
 void Walls<D>::hold_all() {
   hold(std::vector<std::vector<Bounds<D>>>(walls_.size(), {Bounds<D>::everywhere()}), Bounds<D>::everywhere());
+  for (std::size_t k = 0; k < faces_.size(); ++k) lowest_ = lowest_.cwiseMin(reference(k));
 }
 
 template <int D>
@@ -164,7 +165,7 @@ void Walls<D>::find_planes() {
   if constexpr (D == 3) {
     for (std::size_t w = 0; w < walls_.size(); ++w) {
       const WallCase& scene = walls_[w].scene;
-      if (!scene.container || scene.shape.kind != Shape::Kind::box) {
+      if (!scene.container || scene.shape.kind != Shape::Kind::box || scene.motion) {
         not_plane_.push_back(static_cast<int>(w));
         continue;
       }
@@ -233,6 +234,15 @@ template <int D>
 std::size_t Walls<D>::wall_of(int k) const {
   const auto behind = [](std::size_t patch, const Wall<D>& wall) { return patch < wall.last; };
   return static_cast<std::size_t>(std::upper_bound(walls_.begin(), walls_.end(), static_cast<std::size_t>(k), behind) - walls_.begin());
+}
+
+template <int D>
+bool Walls<D>::is_beside_moving(std::size_t k, double reach) const {
+  const Vector<D>& x = faces_.position[k];
+  return !faces_.original.empty() || std::any_of(walls_.begin(), walls_.end(), [&](const Wall<D>& wall) {
+    return wall.scene.motion &&
+           ((k >= wall.first && k < wall.last) || std::abs(signed_distance<D>(wall.scene.shape, wall.reference(x))) < reach);
+  });
 }
 
 namespace {

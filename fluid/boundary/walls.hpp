@@ -93,8 +93,9 @@ class Walls {
   Walls in_whole() const;
   /// Places the patches as `other` has them, of the same scene.
   void move_as(const Walls& other);
-  /// The lowest coordinates that patches have at t = 0, where these walls are not whole.
-  const Vector<D>* lowest() const { return whole_ ? nullptr : &lowest_; }
+  /// The lowest coordinates that patches have at t = 0: of walls that are not whole, and in every window, the patches are found in the order
+  /// of all as they are then.
+  const Vector<D>& lowest() const { return lowest_; }
 
   const Faces<D>& faces() const { return faces_; }
   bool moving() const { return moving_; }
@@ -112,7 +113,9 @@ class Walls {
   std::size_t wall_of(int k) const;
   /// Where patch k was at t = 0.
   const Vector<D>& reference(std::size_t k) const { return moving_ ? reference_[k] : faces_.position[k]; }
-  /// Sides of box-shaped containers, in 3D where no wall moves and nothing is periodic, ...
+  /// Whether patch k moves, or a wall that moves may have a patch nearer to it than `reach` [m].
+  bool is_beside_moving(std::size_t k, double reach) const;
+  /// Sides of box-shaped containers that do not move, in 3D where nothing is periodic, ...
   const std::vector<PlaneWall>& planes() const { return planes_; }
   /// ... and the numbers of the other walls.
   const std::vector<int>& not_plane() const { return not_plane_; }

@@ -17,15 +17,6 @@
 namespace tern::fluid::testing {
 namespace {
 
-/// With all patches of walls that move, found in the order in which a part of them is: by cells that do not move.
-template <int D>
-void hold_all(const Fluid<D>& fluid, Boundary<D>& boundary) {
-  const std::vector<Bounds<D>> everywhere(2, Bounds<D>::everywhere());
-  boundary.held.own.assign(1 + boundary.walls.all().size(), everywhere);
-  boundary.held.cuts = fluid.domain().cuts();
-  boundary.walls.hold(WallBoxes<D>(boundary.walls.all().size(), everywhere), everywhere[0]);
-}
-
 /// What particles at some places see of the walls and of a structure.
 template <int D>
 void look(const Fluid<D>& fluid, const std::vector<Vector<D>>& position, const Surface<D>& surface, Boundary<D>& boundary) {
@@ -54,8 +45,7 @@ void expect_the_sums_of_all_patches(const Case& c, const Surface<D>& surface) {
   const Bounds<D> water = Bounds<D>::around(std::span<const Vector<D>>(all));
   const double length = water.max[0] - water.min[0], dx = c.fluid->spacing;
   const bool moving = c.walls[0].motion.has_value();
-  Boundary<D> whole(c, fluid.constants(), !moving), part(c, fluid.constants(), false);
-  if (moving) hold_all(fluid, whole);
+  Boundary<D> whole(c, fluid.constants()), part(c, fluid.constants(), false);
   State<D> of_whole = fluid.state(), of_part = fluid.state();
   Window window{0, 0.01};
   std::size_t most_held = 0, with_wall = 0, with_structure = 0, by_place = 0, changes = 0, moved = 0;
