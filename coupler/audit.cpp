@@ -37,9 +37,10 @@ void audit_balance(Workspace<D>& window) {
                       "at the interface has run away. Try a smaller fluid.numerics.courant.",
                       k, window.begin));
     add(window.surface.position[k], window.load.force[k]);
-    // The fluid sees the surface move at the predicted velocity. The structure's own account uses the motion under the new load;
-    // the sum of both is what staggering creates or destroys.
-    audit.work_on_fluid -= window.duration * window.load.force[k].dot(window.surface.velocity[k]);
+    // The fluid sees the surface end the window at the velocity that its own load makes of the one it was sent, as both sides have agreed;
+    // one that does not iterate, at the one it was sent. The structure's own account uses the way that the surface has gone; the sum of
+    // both is what staggering creates or destroys.
+    audit.work_on_fluid -= window.duration * window.load.force[k].dot(window.velocity_at_end[k]);
   }
   audit.force_sum = force.norm();
   audit.force_size = size;
