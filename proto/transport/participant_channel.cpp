@@ -28,6 +28,8 @@ using Clock = std::chrono::steady_clock;
 constexpr double nobody_there_s = 1;  // then the user is told; a run on one machine meets sooner
 // Keys that do not fit look like a coupler that is just ending, and like a tunnel whose far end is not there yet.
 constexpr std::chrono::seconds broken_off_patience{4};
+// Of a handshake that ends after as long a silence nothing is known of keys: who should answer stands still (half of handshake_ms).
+constexpr std::chrono::milliseconds silent{2500};
 
 }  // namespace
 
@@ -102,13 +104,16 @@ struct ParticipantChannel::State {
     Waiting waiting(name(role), connected ? "coupler" : coupler, place.step, place.time_s,
                     connected ? progress_deadline_s : start_deadline_s);
     if (place.step > 0) waiting.be_patient();
-    std::optional<Clock::time_point> first_broken_off;
+    std::optional<Clock::time_point> first_broken_off, reached;
     for (;;) {
       if (auto message = take(expected)) return std::move(*message);
       bool lost_now = coupler_gone;
       while (const auto event = socket.next_event()) {
         using What = SocketEvent::What;
-        if (event->what == What::reached) connection = event->connection;
+        if (event->what == What::reached) {
+          connection = event->connection;
+          reached = Clock::now();
+        }
         if (connected) {
           lost_now |= event->what == What::disconnected;
           continue;
@@ -120,6 +125,8 @@ struct ParticipantChannel::State {
         } else if (event->what == What::nobody_there) {
           waiting.set_whom(coupler + ", where nobody answers (not started yet, another address, or a firewall)");
           waiting.speak_after(nobody_there_s);
+        } else if (event->what == What::broken_off && reached && Clock::now() - *reached > silent) {
+          waiting.set_whom(coupler + ", which is silent during the handshake (it stands still, or it is no coupler)");
         } else if (event->what == What::broken_off || event->what == What::other_key) {
           if (!first_broken_off) first_broken_off = Clock::now();
           waiting.set_whom(coupler + ", which ends the connection during the handshake");

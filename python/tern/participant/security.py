@@ -13,6 +13,7 @@ import zmq
 EVENTS = (zmq.EVENT_CONNECTED | zmq.EVENT_HANDSHAKE_SUCCEEDED | zmq.EVENT_DISCONNECTED | zmq.EVENT_HANDSHAKE_FAILED_AUTH |
           zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL | zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL)
 BROKEN_OFF_PATIENCE_S = 4.0
+SILENT_S = 2.5  # of a handshake that ends after as long a silence nothing is known of keys: who should answer stands still
 CONNECT_TIMEOUT_MS = 3000
 HANDSHAKE_TIMEOUT_MS = 5000
 MECHANISM_MISMATCH = 0x11000002  # ZMQ_PROTOCOL_ERROR_ZMTP_MECHANISM_MISMATCH
@@ -59,6 +60,7 @@ class Handshake:
         self._endpoint, self._role, self._keys = endpoint, role, keys
         self._number, local = _resolved(endpoint)
         self._first_broken_off = None
+        self._reached = None
         if keys and insecure:
             raise CannotConnect("keys and insecure contradict each other; leave out one of them.")
         if keys:
@@ -85,6 +87,9 @@ class Handshake:
 
     def hear(self, event, value):
         """Takes one event from before the connection stands. Raises CannotConnect when waiting is of no use."""
+        now = time.monotonic()
+        if event == zmq.EVENT_CONNECTED:
+            self._reached = now
         if event == zmq.EVENT_HANDSHAKE_FAILED_AUTH:
             raise CannotConnect(f"The coupler at {self._endpoint} refused the key {self._keys}/{self._role}.secret: its public key is not "
                                 "in the coupler's list (participants.allowed).")
@@ -93,7 +98,8 @@ class Handshake:
                 f"was started without keys, and this {self._role} has some: give both keys, or neither." if self._keys else
                 f"demands keys, and this {self._role} was started without: give keys=DIR."))
         if event in (zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL, zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL):
-            now = time.monotonic()
+            if event == zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL and self._reached is not None and now - self._reached > SILENT_S:
+                return
             self._first_broken_off = self._first_broken_off or now
             if now - self._first_broken_off > BROKEN_OFF_PATIENCE_S:
                 reason = (f"{self._keys}/coupler.public is not the key of the coupler there, it was started without keys" if self._keys
