@@ -69,7 +69,7 @@ def results(directory, *, fluid=(0, 0, 0), staggering=0.0, loads=None, drift=0.0
             load_columns="load.Fx_N_per_m,load.Fy_N_per_m"):
     """A run that ended, by its files: three rows of the account, a load per window, the measures."""
     directory.mkdir(exist_ok=True)
-    (directory / "run.json").write_text(json.dumps({"steps": 40, "first_cause": "", "processes": {"fluid": {
+    (directory / "run.json").write_text(json.dumps({"status": "done", "steps": 40, "first_cause": "", "processes": {"fluid": {
         "measures": {"largest_speed_of_run_m_per_s": speed, "volume_drift_largest": drift},
         "counts": {"particles": 100, "particles_leaked": 0}}}}))
     (directory / "energy.csv").write_text("t_s,fluid_kinetic_J,fluid_potential_J,interface_staggering_J\n"
@@ -115,7 +115,7 @@ class VerdictTest(unittest.TestCase):
         for code, sentence, expected in ((3, right, "stopped"), (2, "case.toml:3: courant of [fluid.numerics] is 7.", "stopped"),
                                          (3, "It burst at t = 0.1 s.", "wrong"), (3, "Use a smaller fluid.numerics.courant.", "wrong"),
                                          (4, right, "wrong"), (5, right, "wrong"), (1, right, "wrong"), (-11, right, "wrong")):
-            (self.path / "run.json").write_text(json.dumps({"first_cause": sentence, "steps": 3}))
+            (self.path / "run.json").write_text(json.dumps({"status": "", "first_cause": sentence, "steps": 3}))
             self.assertEqual(verdict.classify(self.cell, self.path, code)["class"], expected, (code, sentence))
 
     def test_a_run_that_does_not_end_is_wrong_and_is_ended(self):

@@ -206,7 +206,7 @@ class LauncherTest(unittest.TestCase):
         # Seen to fail: with the interval as the only reason.
         for run, said in (({"exit_code": 5, "first_cause": "Cannot write structure.h5."}, "at its end: Cannot write structure.h5"),
                           ({"exit_code": 3, "first_cause": "J <= 0."}, "after 300 s")):
-            contents = {"launch": {"only": None}, "settings": {"output": {"checkpoint_interval": 300}}} | run
+            contents = {"status": "stopped", "launch": {"only": None}, "settings": {"output": {"checkpoint_interval": 300}}} | run
             (self.fake.path / "run.json").write_text(json.dumps(contents), encoding="utf-8")
             with self.assertRaisesRegex(Error, f"{said}.*\\.$"):
                 resumption.newest(self.fake.path)

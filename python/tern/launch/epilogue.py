@@ -3,23 +3,22 @@
     python3 -m tern.launch.epilogue RUN
 """
 
-import json
 import sys
 from pathlib import Path
 
-from tern.errors import PEER_LOST, STATUS
+from tern.errors import PEER_LOST, STATUS, UnreadableRun
 from tern.launch import process_state, spent
 from tern.launch.record import write_json
+from tern.results import report as run_report
 
 SENTENCE = "The launcher was killed; its guardian ended the run."
 
 
 def close(out):
     """Completes run.json of a run that says it is still running; does nothing to any other."""
-    path = out / "run.json"
     try:
-        run = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        run = run_report.read(out)
+    except UnreadableRun:
         return
     launcher = run.get("launcher")
     # A zombie (Z) has ended, and nobody has asked about it yet.
@@ -31,7 +30,7 @@ def close(out):
         report |= taken[role]
         if report.get("status") == "running":
             report["status"] = "killed"
-    write_json(path, run | {
+    write_json(out / "run.json", run | {
         "status": STATUS[PEER_LOST], "exit_code": PEER_LOST, "first_cause": SENTENCE, "first_cause_role": "launcher",
         "exit_codes": {role: None if report.get("status") == "killed" else report.get("exit_code") for role, report in reports.items()},
         "wall_s": taken[spent.RUN]["wall_s"], "cpu_s": sum(report["cpu_s"] for report in reports.values()),

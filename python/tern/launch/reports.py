@@ -2,8 +2,8 @@
 
 import json
 
-NUMBERS = ("cause_time", "cpu_s", "end_time_s", "exit_code", "process_id", "steps", "time_s", "wall_s")
-TEXTS = ("cause", "git", "status", "version")
+from tern.results.entries import wrong
+from tern.results.report import PROCESS
 
 
 def read(path):
@@ -14,6 +14,4 @@ def read(path):
         return {}
     if not isinstance(report, dict):
         return {}
-    types = dict.fromkeys(NUMBERS, (int, float)) | dict.fromkeys(TEXTS, str)
-    return {key: value for key, value in report.items()
-            if value is None or isinstance(value, types.get(key, object)) and not (key in NUMBERS and isinstance(value, bool))}
+    return {key: value for key, value in report.items() if not wrong(value, PROCESS.entries.get(key))}

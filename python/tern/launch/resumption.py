@@ -8,13 +8,14 @@ from tern.launch import cases, status
 from tern.results import report, summary
 
 MAY_CHANGE = ("end_time", "output.frame_interval", "output.gauge_interval", "output.checkpoint_interval")
+NEEDED = ("case_hash", "case_path", "commands", "launch", "options", "settings")  # of run.json
 IN_WORDS = f"{', '.join(MAY_CHANGE)} may change, and gauges be added"
 
 
 def flat(settings, prefix=""):
     """{"fluid.spacing": 0.004, "wall.tank.shape...": ...} of nested settings; entries of lists by their name or number."""
     if isinstance(settings, list) and all(isinstance(entry, dict) for entry in settings):
-        settings = {entry.get("name", str(number)): entry for number, entry in enumerate(settings)}
+        settings = {str(entry.get("name", number)): entry for number, entry in enumerate(settings)}
     if not isinstance(settings, dict):
         return {prefix: settings}
     found = {}
@@ -73,6 +74,7 @@ def newest(directory):
     found = manifests(directory)
     if contents["launch"].get("only") in (None, "coupler") and not found:
         raise Error(BAD_INPUT, f"{summary.shown(directory)} has no checkpoint to go on from: {_why_no_checkpoint(contents, directory)}.")
+    report.demand(directory, contents, NEEDED)
     return contents, found[0] if found else None
 
 

@@ -2,7 +2,6 @@
 
 import contextlib
 import fcntl
-import json
 import os
 import shlex
 import shutil
@@ -13,11 +12,12 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from tern import paths
-from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, PEER_LOST, STATUS, Error
+from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, PEER_LOST, STATUS, Error, UnreadableRun
 from tern.launch import build, cases, first_cause, hosts, packages, process_state, ranks, resumption, spent, status, window_repeat
 from tern.launch import reports as report_files
 from tern.launch.processes import Group, Interrupts
 from tern.launch.record import ROOM, overwrite_json, write_json
+from tern.results import report as run_report
 from tern.results import summary
 
 OLD_SOLVERS = Path("proto/python/participants")  # where they were one version ago
@@ -211,8 +211,8 @@ class Work:
         """Raises Error unless who is at work in the directory may be the other parts of this run: of the same case, and none of this
         role."""
         try:
-            there = json.loads((self._held / "run.json").read_text(encoding="utf-8"))
-        except (OSError, json.JSONDecodeError):
+            there = run_report.read(self._held)
+        except UnreadableRun:
             there = {}  # it is about to be written
         lives = there.get("status") == "running" and process_state.of(there.get("launcher")) not in (None, "Z", "X")
         same_part = lives and there.get("launch", {}).get("only") in (None, self._role)
@@ -292,13 +292,13 @@ def resumed(out, request):
     """The request for what is left of the run in `out`; of `request` what may be new: end, threads, ranks, deadline, quiet, and more
     --set."""
     contents, _ = resumption.newest(out)
-    launch = contents["launch"]
+    launch, commands = contents["launch"], contents["commands"]
     own = {"case": contents["case_path"], "case_options": contents["options"], "out": str(out), "resume": str(out),
-           "until": request.until or launch["until"], "threads": request.threads or launch["threads"],
-           "ranks": request.ranks or launch["ranks"], "oversubscribe": request.oversubscribe or launch["oversubscribe"],
-           **{name: getattr(request, name) or launch.get(name) for name in ("hosts", "interface", "ports")},
-           "deadline": request.deadline or launch["deadline"], "quiet": request.quiet, "build": request.build}
-    return Request(**{**launch, **contents["commands"], **own})
+           "until": request.until or launch.get("until"),
+           **{name: getattr(request, name) or launch.get(name) for name in ("threads", "ranks", "hosts", "interface", "ports", "deadline")},
+           "oversubscribe": request.oversubscribe or launch.get("oversubscribe", False), "quiet": request.quiet, "build": request.build}
+    of_before = {name: value for name, value in (launch | commands).items() if name in (*IN_LAUNCH, "fluid", "structure")}
+    return Request(**{**of_before, **own})
 
 
 def _run_once(request, work):

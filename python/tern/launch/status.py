@@ -28,7 +28,7 @@ def _process_state(report, directory):
     state = process_state.of(number)
     if words is None or state is None:
         return "gone, or on another machine"
-    if str(directory).encode() not in words and f"tern-{report['role']}".encode() not in words:
+    if str(directory).encode() not in words and f"tern-{report.get('role')}".encode() not in words:
         return "gone"  # the number belongs to somebody else by now
     return STATES.get(state, state)
 
@@ -64,6 +64,7 @@ def text(directory):
         cause = f": {run['first_cause']}" if run.get("first_cause") else ""
         return [f"{summary.shown(directory)}: {run['status']}{cause}", f"  {run.get('steps', 0)} steps, wall {run.get('wall_s', 0):.1f} s"]
 
+    run_report.demand(directory, run, ("started",))
     reports = {}
     for path in paths:
         with contextlib.suppress(OSError):  # just being replaced, or gone: the run has ended in this moment
@@ -75,15 +76,15 @@ def text(directory):
     reached, end = lead.get("time_s") or 0, lead.get("end_time_s") or 0
     begun = lead.get("resumed", {}).get("time_s", 0)  # wall_s is of this part
     if reached > begun and end:
-        left = lead["wall_s"] * (end - reached) / (reached - begun)
-        head += f", t = {reached:.4g} s of {end:g} s ({100 * reached / end:.0f} %), step {lead['steps']}, about {left:.0f} s to go"
+        left = (lead.get("wall_s") or 0) * (end - reached) / (reached - begun)
+        head += f", t = {reached:.4g} s of {end:g} s ({100 * reached / end:.0f} %), step {lead.get('steps', 0)}, about {left:.0f} s to go"
     lines = [head]
     living = 0
     for role, (report, written) in reports.items():
         state = _process_state(report, directory)
         living += not state.startswith("gone")
-        lines.append(f"  {role:<10} process {report.get('process_id', '?'):<8} {state:<20} step {report.get('steps', 0)}, "
-                     f"CPU {report.get('cpu_s', 0):.1f} s, last report {max(0, now - written):.0f} s ago")
+        lines.append(f"  {role:<10} process {report.get('process_id') or '?':<8} {state:<20} step {report.get('steps', 0)}, "
+                     f"CPU {report.get('cpu_s') or 0:.1f} s, last report {max(0, now - written):.0f} s ago")
         lines += [f"  {'':<10} {line}" for line in summary.ranks(report)]
         waiting = _waiting(directory / f"{role}.log", written)
         if waiting:

@@ -132,7 +132,7 @@ def timing(run):
         wall = report.get("wall_s") or sum(times.get(name, 0) for name in names) or 1.0
         share = {name: 100 * times.get(name, 0) / wall for name in names}
         bar = "".join(f'<span class="part{place % 5}" style="width:{share[name]:.1f}%"></span>' for place, name in enumerate(names))
-        rows.append([text(role), f"{report.get('cpu_s', 0):.1f}", f"{wall:.1f}"]
+        rows.append([text(role), f"{report.get('cpu_s') or 0:.1f}", f"{wall:.1f}"]
                     + [f"{times.get(name, 0):.3g} ({share[name]:.0f} %)" for name in names]
                     + [f'<span class="bar" aria-hidden="true">{bar}</span>'])
         inner += [[text(role), text(name.replace(".", ": ", 1).replace("_", " ")), f"{value:.3g}", f"{100 * value / wall:.0f}"]

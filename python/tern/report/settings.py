@@ -15,7 +15,7 @@ GIVEN = "given by the case"
 def _is_leaf(value):
     if isinstance(value, dict):
         return bool(SHAPES & set(value))
-    return not (isinstance(value, list) and value and isinstance(value[0], dict) and not SHAPES & set(value[0]))
+    return not (isinstance(value, list) and value and all(isinstance(entry, dict) and not SHAPES & set(entry) for entry in value))
 
 
 def flatten(settings, path=(), table=()):
