@@ -130,7 +130,7 @@ class ReducerTest(unittest.TestCase):
         # Seen to fail: without the isfinite check in series.read() (max() of a list steps over the NaN in it).
         row = self.judge(lambda t: math.nan if t == 1.0 else 0.0, kind="maximum", at_most=1)
         self.assertFalse(row["passed"])
-        self.assertIn("data row 102: P.ux_m is nan", row["why"])
+        self.assertIn("line 102: P.ux_m is nan", row["why"])
 
     def test_a_missing_file_or_column_fails_and_says_so(self):
         table = EVERYWHERE | {"kind": "maximum", "column": "Q.ux_m", "at_most": 1.0}

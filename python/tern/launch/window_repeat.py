@@ -1,9 +1,9 @@
 """Windows that have failed are taken back to a state from ten to twenty windows before, and repeated at half their length."""
 
-import csv
 from dataclasses import dataclass
 
-from tern.errors import NUMERICAL_FAILURE
+from tern.errors import NUMERICAL_FAILURE, UnreadableRun
+from tern.results import tables
 
 MOST_HALVINGS = 4  # a failure that windows of a sixteenth do not mend has another cause
 FIRST_WINDOWS = 20  # a failure among these begins the run anew: nothing from well before it has been kept
@@ -29,10 +29,10 @@ class Repeat:
 def _longest_window(out, since, last):
     """The longest of those that ended after the time `since` (from steps.csv) and the `last` one, which has failed [s]."""
     try:
-        with open(out / "steps.csv", encoding="utf-8") as table:
-            return max([float(row["dt_s"]) for row in csv.DictReader(table) if float(row["t_s"]) > since] + [last])
-    except FileNotFoundError:
+        steps = tables.read_columns(out / "steps.csv")
+    except (FileNotFoundError, UnreadableRun):
         return last
+    return max([length for t, length in zip(steps.get("t_s", []), steps.get("dt_s", [])) if t > since] + [last])
 
 
 def may_help(contents, cause):

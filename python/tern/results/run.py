@@ -98,24 +98,24 @@ class Run:
 
     # Curves over time.
 
-    def table(self, name):
-        """A table by the name of its file."""
-        return Table(self.directory / name, per_depth=self.dimension == 2)
+    def table(self, name, needed=()):
+        """A table by the name of its file; `needed`: columns that have to be there. UnreadableRun where it is damaged."""
+        return Table(self.directory / name, per_depth=self.dimension == 2, needed=needed)
 
     @functools.cached_property
     def gauges(self):
         """gauges.csv: "t_s" and a column per component of each gauge."""
-        return self.table("gauges.csv")
+        return self.table("gauges.csv", ["t_s"])
 
     @functools.cached_property
     def energies(self):
         """energy.csv: "t_s", the energies of both sides, work and dissipation [J; in 2D J/m]."""
-        return self.table("energy.csv")
+        return self.table("energy.csv", ["t_s"])
 
     @functools.cached_property
     def steps(self):
         """steps.csv: a row per step (window of a coupled run): "t_s", "dt_s", "limit" (text), "pressure_iterations", "wall_ms"."""
-        return self.table("steps.csv")
+        return self.table("steps.csv", ["t_s", "dt_s"])
 
     # Fields.
 

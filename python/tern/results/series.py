@@ -3,25 +3,32 @@
 import math
 from bisect import bisect_left
 
-from tern.errors import ReductionError
-from tern.results.tables import read_cells
+from tern.errors import ReductionError, UnreadableRun
+from tern.results import tables
 
 
 def read(path, column):
-    """[(t, value)] of one column, rows with an undefined value left out."""
+    """[(t, value)] of one column, rows with an undefined value left out. ReductionError where there are none, or the file is damaged."""
     if not path.is_file():
         raise ReductionError(f"{path} does not exist")
-    header, rows = read_cells(path)
+    try:
+        return _pairs(path, column)
+    except UnreadableRun as error:
+        raise ReductionError(str(error)) from None
+
+
+def _pairs(path, column):
+    header, rows = tables.read_cells(path)
     if "t_s" not in header or column not in header:
         raise ReductionError(f"{path} has no column {column}; it has {', '.join(header)}")
     at_time, at_value = header.index("t_s"), header.index(column)
     series = []
-    for number, row in enumerate(rows, 2):
+    for line, row in rows:
         if row[at_value].strip():
-            value = float(row[at_value])
+            value = tables.number(path, line, column, row[at_value])
             if not math.isfinite(value):
-                raise ReductionError(f"{path}, data row {number}: {column} is {row[at_value]}")
-            series.append((float(row[at_time]), value))
+                raise ReductionError(f"{path}, line {line}: {column} is {row[at_value]}")
+            series.append((tables.number(path, line, "t_s", row[at_time]), value))
     return series
 
 

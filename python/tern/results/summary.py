@@ -4,7 +4,8 @@ import math
 import os
 import shlex
 
-from tern.results.tables import read_cells
+from tern.errors import UnreadableRun
+from tern.results.tables import read_columns
 
 #: Part of the energy that went through the interface from which what it made is worth a word of advice.
 WORTH_SAYING = 0.1
@@ -58,15 +59,22 @@ def warnings(contents, out):
     return said
 
 
-def _works(contents, out, *names):
-    """Columns of energy.csv of a coupled run, from its begin; None if they are not there."""
+def _energies(contents, out):
+    """The columns of energy.csv of a coupled run; none if they are not there or damaged: the end of a run is told all the same."""
     path = out / "energy.csv"
     if "coupler" not in contents["processes"] or not path.is_file():
+        return {}
+    try:
+        return read_columns(path)
+    except UnreadableRun:
+        return {}
+
+
+def _works(energies, *names):
+    """Columns of energy.csv, from the begin of the run; None if they are not there."""
+    if not set(names) <= set(energies) or len(energies[names[0]]) < 2:
         return None
-    header, rows = read_cells(path)
-    if len(rows) < 2 or not set(names) <= set(header):
-        return None
-    return [[float(row[header.index(name)] or "nan") for row in rows] for name in names]
+    return [energies[name] for name in names]
 
 
 def _unit(contents):
@@ -75,7 +83,7 @@ def _unit(contents):
 
 def _unlike_works(contents, out):
     """Both works at the interface in a sentence, if they go together and differ; None if not."""
-    works = _works(contents, out, "interface_work_on_structure_J", "interface_work_on_fluid_J")
+    works = _works(_energies(contents, out), "interface_work_on_structure_J", "interface_work_on_fluid_J")
     if works is None or len(works[0]) <= ROWS:
         return None
     on_structure = [after - before for before, after in zip(works[0], works[0][1:])]
@@ -156,16 +164,14 @@ def text(contents, out):
     return "\n".join(lines)
 
 
-def _moved(header, rows):
+def _moved(energies):
     """The energy that a run has moved [J, J/m], from energy.csv: of all bodies the largest kinetic and strain energy, and the way of the
     potential one from its lowest to its highest value (its zero is arbitrary)."""
     moved = 0.0
-    for column, name in enumerate(header):
-        energy = [float(row[column] or 0) for row in rows]
-        if name.endswith(("_kinetic_J", "_strain_J")):
-            moved += max(energy)
-        elif name.endswith("_potential_J"):
-            moved += max(energy) - min(energy)
+    for name, values in energies.items():
+        if name.endswith(("_kinetic_J", "_strain_J", "_potential_J")):
+            energy = [0.0 if math.isnan(value) else value for value in values]
+            moved += max(energy) - (min(energy) if name.endswith("_potential_J") else 0.0)
     return moved
 
 
@@ -173,7 +179,8 @@ def _made_by_coupling(contents, out):
     """The sum of the works on both sides of the interface (docs/SCHEMES.md), and its part of all that has gone through it to and fro.
     Without this part, and without advice, where it is less than NEGLIGIBLE of the energy that the run has moved: the largest kinetic and
     strain energy and the change of the potential one."""
-    works = _works(contents, out, "interface_work_on_structure_J", "interface_staggering_J")
+    energies = _energies(contents, out)
+    works = _works(energies, "interface_work_on_structure_J", "interface_staggering_J")
     if works is None:
         return None
     work, made = [0 if math.isnan(value) else value for value in works[0]], works[1][-1]
@@ -181,7 +188,7 @@ def _made_by_coupling(contents, out):
     if not math.isfinite(made) or through == 0:
         return None
     said = f"energy that the coupling has made: {made:+.3g} {_unit(contents)}"
-    if abs(made) < NEGLIGIBLE * _moved(*read_cells(out / "energy.csv")):
+    if abs(made) < NEGLIGIBLE * _moved(energies):
         return f"{said}, less than {NEGLIGIBLE:.1%} of what the run has moved"
     advice = "; half the windows make about half of it (fluid.numerics courant, gravity_courant)" if made > WORTH_SAYING * through else ""
     return f"{said}, {made / through:.1%} of what went through the interface{advice}"

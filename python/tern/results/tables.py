@@ -1,33 +1,102 @@
 """The CSV tables of a run or of a reference: one line of names, a row per time, empty cells undefined, comments after #."""
 
 import csv
+import math
 import re
 from collections.abc import Mapping
 
+from tern.errors import UnreadableRun
+
 # The last part of a column's name: `P.ux_m`, `plate.Fx_N_per_m`, `fluid_kinetic_J`.
 UNIT = re.compile(r"_((?:Nm|N|J|Pa|ms|m|s)\d?(?:_per_(?:m|s)\d?)?)$")
+REMEDY = "Restore the file from a copy, or correct that line."
+MOST_SHOWN = 40  # characters of a cell that is no number
+
+
+def _lines(file, numbers):
+    """The lines that are neither empty nor comments; their numbers are added to `numbers`."""
+    for number, line in enumerate(file, 1):
+        if line.strip() and not line.startswith("#"):
+            numbers.append((number, line.endswith(("\n", "\r"))))
+            yield line
+
+
+def _rows(path):
+    """(number of its first line, whether it is more than a last line without an end, cells) of every row, that of the names included."""
+    with open(path, encoding="utf-8", errors="replace", newline="") as file:  # a damaged byte is a damaged cell
+        numbers = []
+        rows = csv.reader(_lines(file, numbers))
+        try:
+            for row in rows:
+                yield numbers[0][0], len(numbers) > 1 or numbers[0][1], row
+                numbers.clear()
+        except csv.Error as error:
+            raise UnreadableRun(f"{path}, line {numbers[0][0]}: {error}. {REMEDY}") from None
 
 
 def read_cells(path):
-    """(names, [cells of a row]); a last line that is still being written, or was never finished, is left out."""
-    with open(path, encoding="utf-8", errors="replace", newline="") as file:  # a damaged byte is a damaged cell
-        rows = csv.reader(line for line in file if line.strip() and not line.startswith("#"))
-        header = [name.strip() for name in next(rows, [])]
-        return header, [row for row in rows if len(row) == len(header)]
+    """(names, [(number of the line, cells)]). A last line that is still being written, or was never finished, is left out.
+
+    UnreadableRun where another line has more or fewer cells than there are names.
+    """
+    header, rows = [], []
+    for line, finished, cells in _rows(path):
+        if not header and finished:
+            header = [name.strip() for name in cells]
+            _check_names(path, line, header)
+        elif len(cells) == len(header) and (finished or _is_number(cells[-1])):
+            rows.append((line, cells))
+        elif finished:
+            raise UnreadableRun(f"{path}, line {line}: it has {len(cells)} cells, and there are {len(header)} columns. {REMEDY}")
+    return header, rows
+
+
+def _check_names(path, line, header):
+    for column, name in enumerate(header, 1):
+        if not name.isprintable() or "\N{REPLACEMENT CHARACTER}" in name:
+            raise UnreadableRun(f"{path}, line {line}: the name of column {column}, {_shown(name)}, is no text. It was changed: restore "
+                                "it from a copy, or run the case again.")
+
+
+def _shown(cell):
+    text = ascii(cell)
+    return text if len(text) <= MOST_SHOWN else text[:MOST_SHOWN] + " ..."
+
+
+def _is_number(cell):
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def number(path, line, column, cell):
+    """The number in a cell, NaN in an empty one. UnreadableRun where there is something else."""
+    try:
+        return float(cell) if cell.strip() else math.nan
+    except ValueError:
+        raise UnreadableRun(f"{path}, line {line}, column {column}: {_shown(cell)} is no number. {REMEDY}") from None
+
+
+def _column(path, name, rows, place):
+    """The numbers of a column; a column without unit and without any number is one of text."""
+    said = [row[place] for _, row in rows if row[place].strip()]
+    if said and unit(name) == "1" and not any(map(_is_number, said)):
+        return [row[place] for _, row in rows]
+    return [number(path, line, name, row[place]) for line, row in rows]
+
+
+def read_columns(path):
+    """{column: list} of a CSV file; undefined cells are NaN, columns of text lists of strings. UnreadableRun where it is damaged."""
+    header, rows = read_cells(path)
+    return {name: _column(path, name, rows, place) for place, name in enumerate(header)}
 
 
 def read_table(path):
-    """{column: array} of a CSV file; undefined cells are NaN, columns of text arrays of strings."""
+    """The same as arrays."""
     import numpy as np  # a run by itself needs no arrays
-    header, rows = read_cells(path)
-    table = {}
-    for number, name in enumerate(header):
-        cells = [row[number] for row in rows]
-        try:
-            table[name] = np.array([float(cell) if cell.strip() else np.nan for cell in cells])
-        except ValueError:
-            table[name] = np.array(cells)
-    return table
+    return {name: np.array(values) for name, values in read_columns(path).items()}
 
 
 def unit(column):
@@ -40,10 +109,15 @@ class Table(Mapping):
     """Columns of a CSV file by name, each an array with one value per row; empty if there is no such file.
 
     `per_depth`: a table of a 2D run whose energies are those of one metre of depth, [J/m] although the columns are called `_J`.
+    `needed`: columns that have to be there, as soon as there is any. UnreadableRun where they are not, or where the file is damaged.
     """
 
-    def __init__(self, path, per_depth=False):
+    def __init__(self, path, per_depth=False, needed=()):
         self._columns = read_table(path) if path.exists() else {}
+        missing = [column for column in needed if column not in self._columns]
+        if self._columns and missing:
+            raise UnreadableRun(f"{path}: its first line, which has the names of the columns, lacks {' and '.join(missing)}. It was "
+                                "changed: restore it from a copy, or run the case again.")
         self._per_depth = per_depth
 
     def __getitem__(self, column):
