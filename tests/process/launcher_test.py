@@ -394,6 +394,21 @@ class LauncherTest(unittest.TestCase):
         end(structure)
         self.assertEqual(self.fake.run("--out", "mine", "--force")[0], 0)
 
+    def test_a_file_in_place_of_the_output_directory_is_refused(self):
+        # Seen to fail: without the look at number in make_out_directory() (the results are in file-2 then, and in /dev/null-2).
+        (self.fake.path / "file").write_text("mine")
+        (self.fake.path / "link").symlink_to("nowhere")
+        (self.fake.path / "mine").mkdir()
+        (self.fake.path / "mine" / "run.json").write_text("{}")
+        (self.fake.path / "mine-2").write_text("a file")
+        for place in ("file", "link", "/dev/null"):
+            for force in ((), ("--force",)):
+                said = f"tern: {place} is a file, not a folder; choose a new or an empty folder with --out, for example runs/pond-2.\n"
+                self.assertEqual(self.fake.run("--out", place, *force), (2, "", said))
+        self.assertEqual((self.fake.path / "file").read_text(), "mine")
+        self.assertFalse((self.fake.path / "file-2").exists())
+        self.assertIn("results in mine-3", self.fake.run("--out", "mine")[1])
+
     def test_an_output_directory_that_cannot_be_written_ends_with_5(self):
         # Seen to fail: without the except OSError of make_out_directory() (a traceback and exit code 1).
         (self.fake.path / "file").write_text("")

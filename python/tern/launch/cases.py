@@ -86,6 +86,9 @@ def make_out_directory(case_name, asked, force, roles=ROLES):
                 directory.mkdir()
                 break
             except FileExistsError:
+                if number == 1 and not directory.is_dir():
+                    raise Error(BAD_INPUT, f"{base} is a file, not a folder; choose a new or an empty folder with --out, for example "
+                                           f"{Path('runs') / case_name}-2.") from None
                 if directory.is_dir() and ((force and is_run(directory)) or not any(directory.iterdir())):
                     for result in results_in(directory, roles):
                         result.unlink()
