@@ -84,9 +84,12 @@ def _count(text):
 
 
 def _thread_count(text):
-    value = int(text)
+    try:
+        value = int(text)
+    except ValueError:
+        value = 0
     if not 1 <= value <= 256:  # most_threads of run/command_line.cpp
-        raise argparse.ArgumentTypeError(f"{text} is not a number of threads from 1 to 256")
+        raise argparse.ArgumentTypeError(f"{text} is not a whole number from 1 to 256; give the cores for each process, or leave it out")
     return value
 
 

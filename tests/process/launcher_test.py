@@ -123,6 +123,14 @@ class LauncherTest(unittest.TestCase):
         self.assertEqual(code, 2)
         self.assertIn("two is not a whole number greater than 0", errors)
 
+    def test_a_number_of_threads_that_cannot_be_is_told_with_its_limits(self):
+        # Seen to fail: with the ValueError of int() left to argparse ("invalid _thread_count value: '1.5'").
+        for said in ("1.5", "abc", "", "0", "-1", "257", "9" * 5000):
+            code, _, errors = self.fake.run(f"--threads={said}")
+            self.assertEqual(code, 2)
+            self.assertTrue(errors.endswith(f"error: argument --threads: {said} is not a whole number from 1 to 256; give the cores for "
+                                            "each process, or leave it out\n"), errors)
+
     def test_the_first_failure_is_the_cause_and_its_echoes_are_not(self):
         # Seen to fail: without the echo rule (the coupler then wins, because its process ends first).
         sentence = "Pressure is not finite at step 17."
