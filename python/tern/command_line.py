@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from tern import paths, scale_model
-from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, INTERRUPTED, NUMERICAL_FAILURE, PEER_LOST, Error
+from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, INTERRUPTED, NUMERICAL_FAILURE, PEER_LOST, Error, refusal
 from tern.launch import build, cases, packages, resumption, run
 from tern.results import summary
 
@@ -572,5 +572,5 @@ def main(words):
         print("tern: interrupted.", file=sys.stderr)
         return INTERRUPTED
     except OSError as error:
-        print(f"tern: {error}", file=sys.stderr)
+        print(f"tern: {refusal(error)}.", file=sys.stderr)
         return INPUT_OUTPUT

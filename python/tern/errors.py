@@ -1,5 +1,8 @@
 """Exit codes of tern, the same for ./tern and the three processes, and the exceptions that carry one."""
 
+import errno
+import os
+
 DONE = 0
 BAD_INPUT = 2
 NUMERICAL_FAILURE = 3
@@ -17,6 +20,24 @@ STATUS = {
 }
 
 TOLD_TO_FINISH = "The run was interrupted; results up to here are kept."  # a participant whom the coupler has told so (participant.hpp)
+
+# What helps against an error of the system, whatever was to be done when it came.
+_REMEDIES = {
+    errno.EMFILE: "raise the limit of open files of a process (ulimit -n), and start again",
+    errno.ENFILE: "all programs of this machine have too many files open; end some, and start again",
+}
+
+
+def in_words(error, remedy=None):
+    """An OSError in words, and what to do about it: `remedy`, unless the system's error has a remedy of its own."""
+    said = os.strerror(error.errno) if error.errno else str(error)
+    remedy = _REMEDIES.get(error.errno, remedy)
+    return f"{said}; {remedy}" if remedy else said
+
+
+def refusal(error):
+    """The same after the name of the file or program that it is about, where it has one."""
+    return f"{error.filename}: {in_words(error)}" if error.filename else in_words(error)
 
 
 class Error(Exception):

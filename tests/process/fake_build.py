@@ -112,16 +112,16 @@ class FakeBuild:
     def __exit__(self, *_):
         self._directory.cleanup()
 
-    def start(self, *words, case_name="pond", **behaviour):
-        """./tern run pond WORDS in the temporary directory; behaviour: fluid="exit 3", sides="fluid" ..."""
+    def start(self, *words, case_name="pond", before=(), **behaviour):
+        """./tern run pond WORDS in the temporary directory; behaviour: fluid="exit 3", sides="fluid" ...; `before`: a command around it."""
         environment = os.environ | {"TERN_BUILD": str(self.path / "build"), "TMPDIR": str(self.path / "tmp")}
         environment |= {f"FAKE_{name.upper()}": value for name, value in behaviour.items()}
-        return subprocess.Popen([ROOT / "tern", "run", case_name, *words], cwd=self.path, env=environment, text=True,
+        return subprocess.Popen([*before, ROOT / "tern", "run", case_name, *words], cwd=self.path, env=environment, text=True,
                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
 
-    def run(self, *words, case_name="pond", **behaviour):
+    def run(self, *words, case_name="pond", before=(), **behaviour):
         """The same, waited for: (exit code, standard output, standard error)."""
-        process = self.start(*words, case_name=case_name, **behaviour)
+        process = self.start(*words, case_name=case_name, before=before, **behaviour)
         output, errors = process.communicate(timeout=60)
         return process.returncode, output, errors
 

@@ -423,8 +423,16 @@ class LauncherTest(unittest.TestCase):
         for place in ("file/run", "/proc/run"):
             code, _, errors = self.fake.run("--out", place)
             self.assertEqual(code, 5)
-            self.assertRegex(errors, "^tern: The output directory .* cannot be written .*--out")
+            self.assertRegex(errors, "^tern: The output directory .* cannot be written: .*--out")
             self.assertEqual(errors.count("\n"), 1)
+
+    def test_too_few_open_files_are_told_with_the_remedy(self):
+        # Seen to fail: with the words of the system alone ("[Errno 24] Too many open files.").
+        ends = [self.fake.run("--quiet", before=["sh", "-c", f'ulimit -n {most} && exec "$@"', "sh"]) for most in (11, 12, 13)]
+        told = [errors for code, _, errors in ends if code == 5]
+        self.assertTrue(told, ends)
+        for errors in told:
+            self.assertRegex(errors, r"^tern: .*Too many open files; raise the limit of open files of a process \(ulimit -n\), and start")
 
     def test_only_one_role_runs_at_the_address_given(self):
         # Seen to fail: with Group.directory used whatever --endpoint says.

@@ -20,6 +20,8 @@ import numpy as np
 from fake_build import ROOT, is_alive, wait_until
 from real_run import RealRunTest
 
+from tern.participant import disk
+from tern.participant.channel import RunEnded
 from tern.participant.side import _cause_of
 from tern.participant.structure_side import Surface, _Coupled
 from tern.results import series
@@ -262,15 +264,20 @@ class EndOfARunTest(ParticipantTest):
                     self.assertTrue(all(file[name]["position"].shape == (100, 3) for name in file), room)
                 self.assertIn(frames - (where / "structure.xmf").read_text().count("<Time"), (0, 1))
 
-    # Seen to fail: without NO_ROOM (exit code 5, and "was refused by the system" without a remedy).
+    # Seen to fail: without NO_ROOM (exit code 5, and "was refused by the system" without a remedy), and without _REMEDIES in errors.py.
     def test_a_full_disk_that_a_solver_meets_is_told_with_the_remedy(self):
         full = "No space left on device"
         for error, said in ((OSError(28, full, "mine.txt"), f"Cannot write mine.txt: {full}; free space"),
                             (OSError(28, full), f"Cannot write a file of mine.py: {full}; free space"),
+                            (OSError(24, "Too many open files", "mine.txt"), "mine.txt: Too many open files; raise the limit of"),
                             (OSError("odd"), "mine.py was refused by the system: odd")):
             code, sentence = _cause_of(error, "mine.py")
             self.assertEqual(code, 5)
             self.assertIn(said, sentence)
+        with self.assertRaisesRegex(RunEnded, "Cannot write mine.h5: Too many open files; raise the limit .*ulimit -n") as caught:
+            with disk.writing("mine.h5"):
+                raise OSError(24, "Too many open files")
+        self.assertNotIn("free space", str(caught.exception))
 
 
 class CommandTest(ParticipantTest):

@@ -8,7 +8,7 @@ import subprocess
 from pathlib import Path
 
 from tern import paths
-from tern.errors import BAD_INPUT, INPUT_OUTPUT, Error
+from tern.errors import BAD_INPUT, INPUT_OUTPUT, Error, in_words
 
 ROLES = ("fluid", "structure", "coupler")
 
@@ -103,6 +103,6 @@ def make_out_directory(case_name, asked, force, roles=ROLES):
         if not os.access(directory, os.W_OK):
             raise OSError(errno.EACCES, os.strerror(errno.EACCES))
     except OSError as error:
-        raise Error(INPUT_OUTPUT, f"The output directory {base} cannot be written ({os.strerror(error.errno)}); "
-                                          f"choose another one with --out.") from error
+        raise Error(INPUT_OUTPUT, f"The output directory {base} cannot be written: "
+                                  f"{in_words(error, 'choose another one with --out')}.") from error
     return directory.resolve()

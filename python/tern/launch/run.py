@@ -12,7 +12,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from tern import paths
-from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, PEER_LOST, STATUS, Error, UnreadableRun
+from tern.errors import BAD_INPUT, DONE, INPUT_OUTPUT, PEER_LOST, STATUS, Error, UnreadableRun, refusal
 from tern.launch import build, cases, first_cause, hosts, packages, process_state, ranks, resumption, spent, status, window_repeat
 from tern.launch import reports as report_files
 from tern.launch.processes import Group, Interrupts
@@ -408,7 +408,7 @@ def _run_once(request, work):
                 else:
                     group.start(role, [str(directory / f"tern-{role}"), str(path), *own])
         except OSError as error:
-            raise Error(INPUT_OUTPUT, f"The run could not be started: {error}.") from error
+            raise Error(INPUT_OUTPUT, f"The run could not be started: {refusal(error)}.") from error
         group.supervise(interrupts, (lambda: _touched(steps) != touched) if "coupler" in roles else lambda: True)
         wall_s = time.monotonic() - began
         for half_written in [*out.glob("*.tmp"), *out.glob("checkpoint/*.tmp")]:  # by a process that was killed while it wrote

@@ -5,7 +5,7 @@ import os
 
 import h5py
 
-from tern.errors import INPUT_OUTPUT
+from tern.errors import INPUT_OUTPUT, in_words
 from tern.participant.channel import RunEnded
 
 
@@ -15,9 +15,8 @@ def writing(path):
     try:
         yield
     except OSError as error:
-        reason = os.strerror(error.errno) if error.errno else str(error)
-        raise RunEnded(INPUT_OUTPUT, f"Cannot write {path}: {reason}; free space or choose another --out "
-                                     "(frames written before are kept).") from error
+        why = in_words(error, "free space or choose another --out")
+        raise RunEnded(INPUT_OUTPUT, f"Cannot write {path}: {why} (frames written before are kept).") from error
 
 
 def put(descriptor, content, offset):

@@ -21,7 +21,7 @@ import numpy
 import zmq
 
 from tern import paths
-from tern.errors import BAD_INPUT, INPUT_OUTPUT, INTERRUPTED, NUMERICAL_FAILURE, PEER_LOST, TOLD_TO_FINISH
+from tern.errors import BAD_INPUT, INPUT_OUTPUT, INTERRUPTED, NUMERICAL_FAILURE, PEER_LOST, TOLD_TO_FINISH, refusal
 from tern.participant.channel import NumericalFailure, Participant, RunEnded
 from tern.participant.checkpoints import Checkpoints
 from tern.participant.schema import wire
@@ -335,7 +335,7 @@ def _cause_of(error, program):
         what = error.filename or f"a file of {program}"
         return INPUT_OUTPUT, f"Cannot write {what}: {error.strerror}; free space or choose another --out."
     if isinstance(error, OSError):
-        return INPUT_OUTPUT, f"{program} was refused by the system: {error}."
+        return INPUT_OUTPUT, f"{program} was refused by the system: {refusal(error)}."
     place = _last_place_outside(Path(__file__).parent, error)
     return NUMERICAL_FAILURE, f"{program} met an unexpected fault of its own: {type(error).__name__}: {str(error).rstrip(' .')}{place}."
 

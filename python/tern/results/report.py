@@ -2,7 +2,7 @@
 
 import json
 
-from tern.errors import UnreadableRun
+from tern.errors import UnreadableRun, in_words
 from tern.results.entries import MOMENT, NUMBER, TEXT, TRUTH, List, Table, maybe, wrong
 
 #: What a process says of itself: report.ROLE.json, and in run.json an entry of `processes`.
@@ -52,7 +52,7 @@ def read(directory):
     except FileNotFoundError:
         raise UnreadableRun(f"{directory} holds no run: there is no run.json in it.") from None
     except OSError as error:
-        raise UnreadableRun(f"{path} cannot be read: {error.strerror}.") from None
+        raise UnreadableRun(f"{path} cannot be read: {in_words(error)}.") from None
     except (ValueError, RecursionError) as error:
         raise UnreadableRun(f"{path} is no JSON: {error}. {REMEDY}") from None
     _refuse(path, wrong(contents, RUN))
