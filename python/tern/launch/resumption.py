@@ -5,9 +5,10 @@ from pathlib import Path
 
 from tern.errors import BAD_INPUT, INPUT_OUTPUT, Error
 from tern.launch import cases, status
-from tern.results import report, summary
+from tern.results import report, summary, tables
 
 MAY_CHANGE = ("end_time", "output.frame_interval", "output.gauge_interval", "output.checkpoint_interval")
+TABLES = ("gauges.csv", "energy.csv", "steps.csv")
 NEEDED = ("case_hash", "case_path", "commands", "launch", "options", "settings")  # of run.json
 IN_WORDS = f"{', '.join(MAY_CHANGE)} may change, and gauges be added"
 
@@ -76,6 +77,14 @@ def newest(directory):
         raise Error(BAD_INPUT, f"{summary.shown(directory)} has no checkpoint to go on from: {_why_no_checkpoint(contents, directory)}.")
     report.demand(directory, contents, NEEDED)
     return contents, found[0] if found else None
+
+
+def check_tables(directory, checkpoint):
+    """Raises Error where a table is damaged in the rows that a run goes on from. That it is as long as at the checkpoint, and there, is
+    looked at by the process that writes it."""
+    for name in TABLES:
+        if (directory / name).exists():
+            tables.check(directory / name, checkpoint["time_s"])
 
 
 def can_go_on(name, asked):

@@ -330,6 +330,8 @@ def _run_once(request, work):
         if checkpoint and request.until is not None and request.until < checkpoint["time_s"] - TICK_S:
             raise Error(BAD_INPUT, f"--until {request.until:g} s is before the newest checkpoint of {summary.shown(out)}, t = "
                                    f"{checkpoint['time_s']:.6g} s: a run goes on, not back; give a later time.")
+        if checkpoint:
+            resumption.check_tables(out, checkpoint)
     else:
         if request.repeat and case["hash"] != request.repeat.case_hash:
             raise Error(BAD_INPUT, f"{path} has changed since the windows that are to be repeated: begin anew.")

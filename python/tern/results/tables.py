@@ -1,5 +1,6 @@
 """The CSV tables of a run or of a reference: one line of names, a row per time, empty cells undefined, comments after #."""
 
+import contextlib
 import csv
 import math
 import re
@@ -34,6 +35,11 @@ def _rows(path):
             raise UnreadableRun(f"{path}, line {numbers[0][0]}: {error}. {REMEDY}") from None
 
 
+def _check_length(path, line, cells, header):
+    if len(cells) != len(header):
+        raise UnreadableRun(f"{path}, line {line}: it has {len(cells)} cells, and there are {len(header)} columns. {REMEDY}")
+
+
 def read_cells(path):
     """(names, [(number of the line, cells)]). A last line that is still being written, or was never finished, is left out.
 
@@ -44,10 +50,9 @@ def read_cells(path):
         if not header and finished:
             header = [name.strip() for name in cells]
             _check_names(path, line, header)
-        elif len(cells) == len(header) and (finished or _is_number(cells[-1])):
+        elif finished or (len(cells) == len(header) and _is_number(cells[-1])):
+            _check_length(path, line, cells, header)
             rows.append((line, cells))
-        elif finished:
-            raise UnreadableRun(f"{path}, line {line}: it has {len(cells)} cells, and there are {len(header)} columns. {REMEDY}")
     return header, rows
 
 
@@ -93,6 +98,36 @@ def read_columns(path):
     return {name: _column(path, name, rows, place) for place, name in enumerate(header)}
 
 
+def _as_far_as_possible(rows):
+    with contextlib.suppress(UnreadableRun):
+        yield from rows
+
+
+def check(path, until):
+    """Raises UnreadableRun where a table is damaged before a row of the time `until` [s] or earlier. What follows the last of these rows
+    may be of any kind: a machine that was lost may have left it."""
+    rows = _as_far_as_possible(_rows(path))
+    _, _, header = next(rows, (1, True, []))
+    _demand(path, header, ["t_s"])
+    measured = [(place, name) for place, name in enumerate(header) if unit(name) != "1"]
+    fault = None
+    for line, _, cells in rows:
+        try:
+            _check_length(path, line, cells, header)
+            values = {name: number(path, line, name, cells[place]) for place, name in measured}
+        except UnreadableRun as error:
+            fault = fault or error
+            continue
+        if fault and values["t_s"] <= until:
+            raise fault
+
+
+def _demand(path, header, needed):
+    if missing := [column for column in needed if column not in header]:
+        raise UnreadableRun(f"{path}: its first line, which has the names of the columns, lacks {' and '.join(missing)}. It was changed: "
+                            "restore it from a copy, or run the case again.")
+
+
 def read_table(path):
     """The same as arrays."""
     import numpy as np  # a run by itself needs no arrays
@@ -114,10 +149,8 @@ class Table(Mapping):
 
     def __init__(self, path, per_depth=False, needed=()):
         self._columns = read_table(path) if path.exists() else {}
-        missing = [column for column in needed if column not in self._columns]
-        if self._columns and missing:
-            raise UnreadableRun(f"{path}: its first line, which has the names of the columns, lacks {' and '.join(missing)}. It was "
-                                "changed: restore it from a copy, or run the case again.")
+        if self._columns:
+            _demand(path, self._columns, needed)
         self._per_depth = per_depth
 
     def __getitem__(self, column):
