@@ -57,7 +57,7 @@ void find_enclosed_regions_of_ranks(const Domain<D>& domain, const Neighbours<D>
 void select_regions(const EnclosedRegions& regions, const std::vector<int>& number, EnclosedRegions& selected);
 
 /// What the level of an enclosed pressure takes away of the volume that bodies sweep [m^D/s]: nearly all of the `rate` that is theirs
-/// under the load of the last window, and of what they have pushed in, given as a rate over one window, little as far as it lasts. A part
+/// under the load of the last window, and a tenth of what they have pushed in, given as a rate over one window, as far as it lasts. A part
 /// of the rate alone makes of the enclosed fluid a spring, the stiffer the more nearly it is all: that feeds no motion, of however many
 /// modes. With more than all of it the spring would be one that pushes the wrong way. What has been pushed in is an integral: it feeds
 /// vibrations, but what these push in has hardly a mean. `lasting`: the mean of what has been pushed in over the mean of its size, from -1
