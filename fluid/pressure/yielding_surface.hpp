@@ -63,12 +63,20 @@ class YieldingSurface {
     for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) visit(row_[e], vector_[entry_[e]]);
   }
 
-  /// Calls visit(a, b) for pairs of lumps that have a point in common, so that chains of them join all of each part of the surface.
+  /// Calls visit(a, b) for pairs of lumps that have a point in common, so that chains of them join all of each part of the surface. A lump in
+  /// which a point has no share, which only fills its place in the list, may be one of another body.
   template <class Visit>
   void for_lumps_of_a_point(Visit&& visit) const {
     const std::size_t points = transferred_.size(), per_point = response_.lumps_per_point(points);
-    for (std::size_t s = 0; s < response_.lump.size(); ++s)
-      visit(static_cast<int>(response_.lump[s - s % per_point]), static_cast<int>(response_.lump[s]));
+    for (std::size_t k = 0; k < points; ++k) {
+      int first = -1;
+      for (std::size_t s = k * per_point; s < (k + 1) * per_point; ++s) {
+        if (response_.share[s] == 0) continue;
+        const int lump = static_cast<int>(response_.lump[s]);
+        if (first < 0) first = lump;
+        visit(first, lump);
+      }
+    }
   }
 
  private:

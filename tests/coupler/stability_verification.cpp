@@ -255,37 +255,41 @@ TEST(Stability, APadUnderFullWaterFollowsTheLidThatPressesIt) {
   }
 }
 
-/// A piston goes 1 mm into a pipe full of water that an elastic wall closes. The volume that the wall has given way by at the end, over
-/// that of the piston, and the windows of the run, which are as long as they are wanted.
-std::pair<double, int> given_way_to_piston(double young_modulus, double gravity, double end) {
-  constexpr double height = 0.1, length = 0.2;
+/// A piston goes 1 mm into a pipe full of water that an elastic wall closes, or several one behind the other, with as much water between.
+/// The volume that the last of them has given way by at the end, over what the piston or the wall before it has pushed in, and the windows
+/// of the run, which are as long as they are wanted.
+std::pair<double, int> given_way_to_piston(double young_modulus, double gravity, double end, int walls = 1) {
+  constexpr double height = 0.1, length = 0.2, thickness = 0.02;
   Case c = scene(2, 0.01);
   c.end_time = end;
   c.gravity = constant(0, -gravity);
-  FluidBody water;
-  water.velocity = constant(0);
-  water.shape = box({0, 0, 0}, {length, height, 0});
-  c.fluid->bodies = {water};
+  const double last = walls * (length + thickness);
+  c.structure.emplace();
+  c.structure->numerics.integrator = Integrator::automatic;
+  c.fluid->bodies.clear();
+  for (int n = 0; n < walls; ++n) {
+    const double from = n * (length + thickness), to = from + length;
+    FluidBody& water = c.fluid->bodies.emplace_back();
+    water.velocity = constant(0);
+    water.shape = box({from, 0, 0}, {to, height, 0});
+    StructureBody& wall = c.structure->bodies.emplace_back();
+    wall.name = fmt::format("wall {}", n);
+    wall.shape = box({to, -0.02, 0}, {to + thickness, height + 0.02, 0});
+    wall.spacing = 0.005;
+    wall.density = 1200;
+    wall.young_modulus = young_modulus;
+    wall.poisson_ratio = 0.3;
+    wall.clamps = {box({-1, -1, -1}, {2, 0, 1}), box({-1, height, -1}, {2, 1, 1})};
+  }
   WallCase pipe, piston;
   pipe.name = "pipe";
   pipe.container = true;
-  pipe.shape = box({-0.1, 0, 0}, {length + 0.1, height, 0});
+  pipe.shape = box({-0.1, 0, 0}, {last + 0.1, height, 0});
   pipe.open = {"x_min", "x_max"};
   piston.name = "piston";
   piston.shape = box({-0.05, 0, 0}, {0, height, 0});
   piston.motion.emplace().displacement[0] = Expression(fmt::format("0.001*(t < {0} ? (1 - cos(pi*t/{0}))/2 : 1)", 0.5 * end));
   c.walls = {pipe, piston};
-  StructureBody wall;
-  wall.name = "wall";
-  wall.shape = box({length, -0.02, 0}, {length + 0.02, height + 0.02, 0});
-  wall.spacing = 0.005;
-  wall.density = 1200;
-  wall.young_modulus = young_modulus;
-  wall.poisson_ratio = 0.3;
-  wall.clamps = {box({-1, -1, -1}, {1, 0, 1}), box({-1, height, -1}, {1, 1, 1})};
-  c.structure.emplace();
-  c.structure->bodies = {wall};
-  c.structure->numerics.integrator = Integrator::automatic;
   Participants all(c);
   auto& [fluid, structure, coupled, coupler] = all;
   const Surface<2> start = structure.surface();
@@ -297,12 +301,15 @@ std::pair<double, int> given_way_to_piston(double young_modulus, double gravity,
     now += window;
   }
   const Surface<2> now = structure.surface();
-  double volume = 0;
-  for (std::size_t k = 0; k < start.position.size(); ++k) {
-    const Vector<2>& x = start.position[k];
-    if (start.normal[k][0] < -0.5 && x[1] > 0 && x[1] < height) volume += start.area[k] * (now.position[k][0] - x[0]);
-  }
-  return {volume / (0.001 * height), windows};
+  const auto swept = [&](double face) {  // by the face that was there
+    double volume = 0;
+    for (std::size_t k = 0; k < start.position.size(); ++k) {
+      const Vector<2>& x = start.position[k];
+      if (std::abs(x[0] - face) < 1e-9 && x[1] > 0 && x[1] < height) volume += start.area[k] * (now.position[k][0] - x[0]);
+    }
+    return volume;
+  };
+  return {swept(last - thickness) / (walls == 1 ? 0.001 * height : swept(last - thickness - length)), windows};
 }
 
 // However stiff the wall is, water has nowhere else to go. Windows of water at rest are long beside the motion of a stiff wall: it answers
@@ -315,6 +322,14 @@ TEST(Stability, AWallGivesWayAsFarAsAPistonPressesWaterAgainstIt) {
     EXPECT_NEAR(share, 1, 0.02) << young_modulus;
     EXPECT_LT(windows, 400) << young_modulus;
   }
+}
+
+// The water between two walls lets the second one follow the first, which alone has water on both faces and ties no level. Seen to fail:
+// with lumps of both taken for those of one body where a point has no share in one of them (-0.5).
+TEST(Stability, AWallBehindAnotherGivesWayAsFarAsAPistonPressesWaterAgainstThem) {
+  const auto [share, windows] = given_way_to_piston(1e9, 9.81, 1, 2);
+  std::printf("[ %.3f of the volume, %d windows ]\n", share, windows);
+  EXPECT_NEAR(share, 1, 0.02);
 }
 
 /// Angle [rad] by which a free body, 0.2 m wide, has turned in a full vessel, and the time that has passed [s], after `windows` that grow
