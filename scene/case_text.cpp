@@ -47,7 +47,8 @@ std::string step_limits(const Case& scene, const Estimate& e) {
   std::string text;
   if (scene.fluid) {
     if (std::isfinite(e.gravity_step)) {
-      text += fmt::format("  gravity          {:.3g} s = {} sqrt(dx/|g|)\n", e.gravity_step, scene.fluid->numerics.gravity_courant);
+      text += fmt::format("  {:<16} {:.3g} s = {} sqrt(dx/{}\n", e.gravity > 0 ? "gravity" : "walls", e.gravity_step,
+                          scene.fluid->numerics.gravity_courant, e.gravity > 0 ? "|g|)" : "a), a: of walls that move, in the mean");
     }
     if (std::isfinite(e.viscous_step)) {
       text += fmt::format("  viscosity        {:.3g} s = {} h^2/nu\n", e.viscous_step, scene.fluid->numerics.viscous_courant);
@@ -74,8 +75,7 @@ std::string step_limits(const Case& scene, const Estimate& e) {
       text += fmt::format(
           "  {:<16} its first bending takes about {:.2g} s, {:.2g} windows: vibrations of less than some hundredths of dx die "
           "out; to see them, {} {:.2g}\n",
-          "", body.bending_period, windows,
-          by_gravity ? "fluid.numerics.gravity_courant =" : "fluid.numerics.courant =",
+          "", body.bending_period, windows, by_gravity ? "fluid.numerics.gravity_courant =" : "fluid.numerics.courant =",
           (by_gravity ? scene.fluid->numerics.gravity_courant : scene.fluid->numerics.courant) * windows / windows_of_a_vibration);
   }
   if (scene.structure)
