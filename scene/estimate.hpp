@@ -64,6 +64,8 @@ struct Estimate {
   double iterations = 1;                                     ///< of the coupling in one step
   double memory = 0;                                         ///< all processes [bytes]
   double fluid_cpu = 0, structure_cpu = 0, coupler_cpu = 0;  ///< [s]
+  double factor_of_walls = 1;                                ///< of the cost of a step of the fluid in 3D
+  double gauge_row = 0;                                      ///< what gauges of forces on walls take in 3D, each time [s]
 };
 
 Estimate estimate(const Case& scene, const Costs& costs = {});

@@ -93,8 +93,8 @@ class Walls {
   Walls in_whole() const;
   /// Places the patches as `other` has them, of the same scene.
   void move_as(const Walls& other);
-  /// The lowest coordinates that patches have at t = 0: of walls that are not whole, and in every window, the patches are found in the order
-  /// of all as they are then.
+  /// The lowest coordinates that patches have at t = 0: of walls that are not whole, and in every window, the patches are found in the
+  /// order of all as they are then.
   const Vector<D>& lowest() const { return lowest_; }
 
   const Faces<D>& faces() const { return faces_; }

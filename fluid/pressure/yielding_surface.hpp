@@ -63,8 +63,8 @@ class YieldingSurface {
     for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) visit(row_[e], vector_[entry_[e]]);
   }
 
-  /// Calls visit(a, b) for pairs of lumps that have a point in common, so that chains of them join all of each part of the surface. A lump in
-  /// which a point has no share, which only fills its place in the list, may be one of another body.
+  /// Calls visit(a, b) for pairs of lumps that have a point in common, so that chains of them join all of each part of the surface. A lump
+  /// in which a point has no share, which only fills its place in the list, may be one of another body.
   template <class Visit>
   void for_lumps_of_a_point(Visit&& visit) const {
     const std::size_t points = transferred_.size(), per_point = response_.lumps_per_point(points);

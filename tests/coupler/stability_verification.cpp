@@ -207,8 +207,8 @@ TEST(Stability, APlateBetweenTwoFullChambersStaysInItsPlaceInABoxThatIsAccelerat
   EXPECT_LT(std::abs(moved.mean), 2e-5);
 }
 
-/// A lid that is wider than its channel presses water on an elastic pad by 8 mm in 0.2 s and stops. How far the pad has gone after 0.5 s [m],
-/// and whether there was a warning that it lags behind while the lid moves.
+/// A lid that is wider than its channel presses water on an elastic pad by 8 mm in 0.2 s and stops. How far the pad has gone after 0.5 s
+/// [m], and whether there was a warning that it lags behind while the lid moves.
 std::pair<double, bool> pressed_by_lid(double window_s) {
   Case c = scene(2, 0.02);
   c.end_time = 1;
