@@ -113,7 +113,7 @@ class Walls {
   std::size_t wall_of(int k) const;
   /// Where patch k was at t = 0.
   const Vector<D>& reference(std::size_t k) const { return moving_ ? reference_[k] : faces_.position[k]; }
-  /// Whether patch k moves, or a wall that moves may have a patch nearer to it than `reach` [m].
+  /// Whether patch k moves, or a wall that moves may have a patch nearer to it than `reach` [m]; true as well where patches have images.
   bool is_beside_moving(std::size_t k, double reach) const;
   /// Sides of box-shaped containers that do not move, in 3D where nothing is periodic, ...
   const std::vector<PlaneWall>& planes() const { return planes_; }

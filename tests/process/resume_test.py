@@ -14,7 +14,6 @@ import signal
 import subprocess
 import unittest
 import unittest.mock
-from pathlib import Path
 
 import kills
 from fake_build import ROOT, wait_until
