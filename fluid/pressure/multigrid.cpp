@@ -431,37 +431,10 @@ void Multigrid<D>::build_next(Level& fine, Level& coarse) {
   share_by_split(coarse);
   connect(coarse);
 
-  // Galerkin product P^T A P. Which entries of the fine row go where depends on the parities of the node alone.
-  struct Term {
-    std::uint8_t fine, parent, coarse;  // stencil entry of the fine row; corner of the parent; its stencil entry
-    float weight;
-  };
-  std::array<std::array<Term, stencil * corners * corners>, corners> terms;
-  std::array<int, corners> count{};
-  for (int parity = 0; parity < corners; ++parity)
-    for (int s = 0; s < stencil; ++s)
-      for (int ca = 0; ca < corners; ++ca)
-        for (int cb = 0; cb < corners; ++cb) {
-          const auto step = stencil_offset<D>(s);
-          std::array<int, D> entry;
-          float weight = 1;
-          for (int c = 0; c < D; ++c) {
-            // From the even node below a: places of a and of its neighbour b, and of one parent of each.
-            const int a = parity >> c & 1, b = a + step[c], upper_a = ca >> c & 1, upper_b = cb >> c & 1;
-            if (!halved[c]) {
-              if (a || upper_a || upper_b) weight = 0;
-              entry[c] = step[c];
-              continue;
-            }
-            const bool odd_b = b & 1;
-            if ((upper_a && !a) || (upper_b && !odd_b)) weight = 0;
-            weight *= (a ? 0.5f : 1.0f) * (odd_b ? 0.5f : 1.0f);
-            entry[c] = (b - odd_b) / 2 + upper_b - upper_a;
-          }
-          if (weight == 0) continue;
-          terms[parity][count[parity]++] = {static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(ca),
-                                            static_cast<std::uint8_t>(stencil_entry<D>(entry)), weight};
-        }
+  int halved_bits = 0;
+  for (int c = 0; c < D; ++c) halved_bits |= halved[c] << c;
+  std::optional<GalerkinTerms<D>>& terms = galerkin_terms_[halved_bits];
+  if (!terms) terms.emplace(halved);
   coarse.row.assign(coarse.nodes(), {});
   const auto is_by_split = [](const Level& level, int node) { return !level.by_split.empty() && level.by_split[node]; };
   far_entries_.clear();
@@ -489,10 +462,8 @@ void Multigrid<D>::build_next(Level& fine, Level& coarse) {
     }
     int parity = 0;
     for (int c = 0; c < D; ++c) parity |= (halved[c] && (fine.coordinate[a][c] & 1)) << c;
-    for (int k = 0; k < count[parity]; ++k) {
-      const Term& term = terms[parity][k];
+    for (const GalerkinTerm& term : terms->of(parity))
       coarse.row[fine.parent[a][term.parent]][term.coarse] += term.weight * fine.row[a][term.fine];
-    }
   }
   if (coarse.divided)
     coarse.copies.collect(coarse.row, [](auto& own, const auto& other) {

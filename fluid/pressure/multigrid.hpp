@@ -24,6 +24,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -33,6 +34,7 @@
 #include "fluid/period.hpp"
 #include "fluid/pressure/connected_parts.hpp"
 #include "fluid/pressure/edge_matrix.hpp"
+#include "fluid/pressure/galerkin_terms.hpp"
 #include "fluid/pressure/grid_stencil.hpp"
 #include "fluid/pressure/parts_of_places.hpp"
 #include "fluid/pressure/yielding_surface.hpp"
@@ -223,7 +225,8 @@ class Multigrid {
   const YieldingSurface<D>* yielding_ = nullptr;  ///< null: nothing yields
   const std::vector<int>* at_structure_ = nullptr;
   std::vector<Level> levels_;
-  std::vector<double> coarsest_, coarsest_solution_;  ///< Cholesky factor of the last level, column by column
+  std::array<std::optional<GalerkinTerms<D>>, corners> galerkin_terms_;  ///< by the directions in which grids are halved, bit by bit
+  std::vector<double> coarsest_, coarsest_solution_;                     ///< Cholesky factor of the last level, column by column
   // Particles by grid cell, so that restriction gathers in a fixed order.
   std::vector<int> cell_start_, cell_particle_;
   std::vector<std::array<int, corners>> cell_node_;
