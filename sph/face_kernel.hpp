@@ -107,30 +107,41 @@ class FaceKernel {
   ConeKernel cones_;
 };
 
-/// Angle (2D) or solid angle (3D) that a patch subtends at distance vector d = x_k - x_i (i on the side of the normal).
-/// Exact for a straight segment of length `area` in 2D, for a square of that area in 3D whose sides follow the
-/// coordinate axes as closely as the normal allows. Without branches and calls, so that loops over patches are computed many
-/// at a time; `d` and `normal` are vectors, or arrays in such a loop.
-template <int D, class Distance, class Normal>
-[[gnu::always_inline]] inline double subtended_angle(const Distance& d, const Normal& normal, double area) {
+/// Sets what subtended_angle() needs of a patch wherever it is seen from: its length in 2D. In 3D, with e the axis most nearly along the
+/// patch less its part along the normal, the length of e, which is the scale of all lengths, and half a side in that scale.
+template <int D, class Normal>
+[[gnu::always_inline]] inline void set_patch_sides(const Normal& normal, double area, double (&sides)[D - 1]) {
   if constexpr (D == 2) {
-    const double height = -(d[0] * normal[0] + d[1] * normal[1]);
+    sides[0] = area;
+  } else {
+    double tilt = std::abs(normal[1]) < std::abs(normal[0]) ? normal[1] : normal[0];
+    tilt = std::abs(normal[2]) < std::abs(tilt) ? normal[2] : tilt;
+    const double scale = std::sqrt(1 - tilt * tilt);
+    sides[0] = scale, sides[1] = 0.5 * scale * std::sqrt(area);
+  }
+}
+
+/// Angle (2D) or solid angle (3D) that a patch with these sides subtends at distance vector d = x_k - x_i (i on the side of the normal).
+/// Exact for a straight segment in 2D, for a square in 3D whose sides follow the coordinate axes as closely as the normal allows. Without
+/// branches and calls, so that loops over patches are computed many at a time; `d` and `normal` are vectors, or arrays in such a loop.
+template <int D, class Distance, class Normal>
+[[gnu::always_inline]] inline double subtended_angle(const Distance& d, const Normal& normal, const double (&sides)[D - 1]) {
+  if constexpr (D == 2) {
+    const double area = sides[0], height = -(d[0] * normal[0] + d[1] * normal[1]);
     // Between the directions to the two ends: tan = cross product / dot product.
     const double along = d[0] * -normal[1] + d[1] * normal[0];
     const double angle = polar_angle(height * height + along * along - 0.25 * area * area, area * height);
     return height > 0 ? angle : 0.0;
   } else {
-    // Sides: e, the axis most nearly along the patch less its part along the normal, and normal x e, both of the length
-    // `scale`. The angle does not change with the scale of all lengths, so the others take it on instead of a division. The
-    // sign of v does not matter.
+    // The sides are along e and normal x e, both of the length `scale`. The angle does not change with the scale of all lengths, so the
+    // others take it on instead of a division. The sign of v does not matter.
     const double height = -(d[0] * normal[0] + d[1] * normal[1] + d[2] * normal[2]);
     const double cross[] = {d[1] * normal[2] - d[2] * normal[1], d[2] * normal[0] - d[0] * normal[2], d[0] * normal[1] - d[1] * normal[0]};
     const bool second = std::abs(normal[1]) < std::abs(normal[0]);
     double along = second ? d[1] : d[0], tilt = second ? normal[1] : normal[0], v = second ? cross[1] : cross[0];
     const bool third = std::abs(normal[2]) < std::abs(tilt);
     along = third ? d[2] : along, tilt = third ? normal[2] : tilt, v = third ? cross[2] : v;
-    const double scale = std::sqrt(1 - tilt * tilt);
-    const double u = along + tilt * height, half = 0.5 * scale * std::sqrt(area), level = scale * height;
+    const double u = along + tilt * height, half = sides[1], level = sides[0] * height;
     // Signed sum of atan(a b / (level distance)) over the four corners (a, b), as the argument of a product of complex
     // numbers: one arc tangent in place of four.
     struct Complex {
@@ -148,6 +159,13 @@ template <int D, class Distance, class Normal>
     const double seen = angle >= 0 ? angle : close_above ? angle + 2 * std::numbers::pi : 0.0;
     return height > 0 ? seen : 0.0;
   }
+}
+
+template <int D, class Distance, class Normal>
+[[gnu::always_inline]] inline double subtended_angle(const Distance& d, const Normal& normal, double area) {
+  double sides[D - 1];
+  set_patch_sides<D>(normal, area, sides);
+  return subtended_angle<D>(d, normal, sides);
 }
 
 /// The same in single precision, to 1e-5 of itself from a twentieth of a side away: in 3D as that of two triangles (Van Oosterom &

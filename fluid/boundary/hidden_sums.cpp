@@ -11,26 +11,51 @@ constexpr int lanes = 4;   ///< of a vector register: batches are filled up to a
 /// Quantities of the faces of a batch.
 template <int D>
 struct FaceBatch {
-  double direction[D][batch], normal[D][batch];                       ///< direction: vector to the face, then e
+  double direction[D][batch], normal[D][batch], sides[D - 1][batch];  ///< direction: vector to the face, then e; sides: set_patch_sides()
   double area[batch], wet[batch], speed[batch], acceleration[batch];  ///< speed: along the normal
+  double distance[batch], angle[batch];                               ///< angle: of its wet share
   double weight[batch], density[batch], moment[batch], along_normal[batch];
 };
 
+/// Fills a batch with the next wet faces of a row; returns how many. The place of each in the row is written to `entry`. Faces that are dry
+/// get the weight 0 and lower `height`, the least of x above faces.
 template <int D>
-void fill_batch(double support, const Vector<D>& x, const Faces<D>& faces, const FaceRows& rows, const int* entry, int n, FaceBatch<D>& b) {
-  for (int m = 0; m < n; ++m) {
-    const int k = rows.face[entry[m]];
-    for (int c = 0; c < D; ++c) b.direction[c][m] = faces.position[k][c] - x[c], b.normal[c][m] = faces.normal[k][c];
-    b.area[m] = faces.area[k];
-    b.wet[m] = rows.wet.empty() ? 1 : rows.wet[k];
-    b.speed[m] = faces.velocity_of(k).dot(faces.normal[k]);
-    b.acceleration[m] = faces.acceleration_of(k);
+int fill_batch(const Vector<D>& x, const Faces<D>& faces, FaceRows& rows, int& next, int end, int* entry, double& height, FaceBatch<D>& b) {
+  int n = 0, alike = -1;  // the last one, of which the sides are known
+  double sides[D - 1] = {};
+  for (; next < end && n < batch; ++next) {
+    const int k = rows.face[next];
+    const double wet = rows.wet.empty() ? 1 : rows.wet[k], area = faces.area[k];
+    const Vector<D>&normal = faces.normal[k], d = faces.position[k] - x;
+    if (wet <= 0) {
+      rows.weight[next] = 0;
+      height = std::min(height, -d.dot(normal));
+      continue;
+    }
+    // Most patches of a wall are alike.
+    if (alike < 0 || faces.area[alike] != area || faces.normal[alike] != normal) set_patch_sides<D>(normal, area, sides);
+    alike = k;
+    entry[n] = next;
+    for (int c = 0; c < D; ++c) b.direction[c][n] = d[c], b.normal[c][n] = normal[c];
+    for (int c = 0; c < D - 1; ++c) b.sides[c][n] = sides[c];
+    b.wet[n] = wet;
+    b.area[n] = area;
+    if (!faces.velocity.empty()) b.speed[n] = faces.velocity[k].dot(normal);
+    if (!faces.normal_acceleration.empty()) b.acceleration[n] = faces.normal_acceleration[k];
+    ++n;
   }
-  // Faces as far away as can be, with nothing hidden.
-  for (int m = n; m % lanes != 0; ++m) {
-    for (int c = 0; c < D; ++c) b.direction[c][m] = c == 0 ? support : 0, b.normal[c][m] = c == 0 ? -1 : 0;
-    b.area[m] = b.wet[m] = b.speed[m] = b.acceleration[m] = 0;
+  return n;
+}
+
+/// Fills a batch of n faces up to a whole number of lanes, with faces as far away as can be and nothing hidden; returns how many these are.
+template <int D>
+int fill_lanes(double support, int n, FaceBatch<D>& b) {
+  for (; n % lanes != 0; ++n) {
+    for (int c = 0; c < D; ++c) b.direction[c][n] = c == 0 ? support : 0, b.normal[c][n] = c == 0 ? -1 : 0;
+    for (int c = 0; c < D - 1; ++c) b.sides[c][n] = 1;
+    b.area[n] = b.wet[n] = b.speed[n] = b.acceleration[n] = 0;
   }
+  return n;
 }
 
 /// Adds a batch of n faces, `n` a whole number of lanes.
@@ -92,36 +117,32 @@ template <int D>
 HiddenSums<D> sum_hidden(const Constants<D>& constants, const Vector<D>& x, const Faces<D>& faces, std::ptrdiff_t i, FaceRows& rows) {
   HiddenSums<D> sums;
   FaceBatch<D> b;
+  if (faces.velocity.empty()) std::fill_n(b.speed, batch, 0.0);
+  if (faces.normal_acceleration.empty()) std::fill_n(b.acceleration, batch, 0.0);
   double height = 1e300;
   for (int next = rows.begin[i], end = next + rows.count[i]; next < end;) {
-    int entry[batch], n = 0;
-    for (; next < end && n < batch; ++next) {
-      const int k = rows.face[next];
-      if (rows.wet.empty() || rows.wet[k] > 0) {
-        entry[n++] = next;
-        continue;
-      }
-      // Nothing is behind a dry face. Particles touch it like others.
-      rows.weight[next] = 0;
-      height = std::min(height, (x - faces.position[k]).dot(faces.normal[k]));
-    }
-    const int filled = (n + lanes - 1) & -lanes;
-    fill_batch(constants.faces.support(), x, faces, rows, entry, n, b);
+    int entry[batch];
+    const int n = fill_batch(x, faces, rows, next, end, entry, height, b), filled = fill_lanes(constants.faces.support(), n, b);
 #pragma omp simd reduction(min : height)
     for (int m = 0; m < filled; ++m) {
-      double d[D], normal[D], distance2 = 0, along_normal = 0;
+      double d[D], normal[D], sides[D - 1], distance2 = 0, along_normal = 0;
+      for (int c = 0; c < D - 1; ++c) sides[c] = b.sides[c][m];
       for (int c = 0; c < D; ++c) {
         d[c] = b.direction[c][m], normal[c] = b.normal[c][m];
         distance2 += d[c] * d[c], along_normal += d[c] * normal[c];
       }
       const double r = std::sqrt(distance2), inverse = 1 / r;
-      const double angle = b.wet[m] * subtended_angle<D>(d, normal, b.area[m]);
+      b.distance[m] = r;
+      b.angle[m] = b.wet[m] * subtended_angle<D>(d, normal, sides);
       b.weight[m] = b.wet[m] * b.area[m] * constants.faces.surface_weight(r);
-      b.density[m] = angle * constants.faces.hidden_density(r);
-      b.moment[m] = angle * constants.faces.hidden_moment(r);
       b.along_normal[m] = inverse * along_normal;
       height = std::min(height, -along_normal);
       for (int c = 0; c < D; ++c) b.direction[c][m] = inverse * d[c];
+    }
+    // Apart from the above, where there are not enough registers for the tables as well.
+    for (int m = 0; m < filled; ++m) {
+      b.density[m] = b.angle[m] * constants.faces.hidden_density(b.distance[m]);
+      b.moment[m] = b.angle[m] * constants.faces.hidden_moment(b.distance[m]);
     }
     for (int m = 0; m < n; ++m) rows.weight[entry[m]] = b.weight[m];
     add_batch(b, filled, sums);
