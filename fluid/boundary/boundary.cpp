@@ -75,13 +75,17 @@ void see_boundary(const Constants<D>& constants, const Period<D>& period, const 
                 [&](std::size_t i, std::vector<int>& seen) { boundary.surface_finder.see(boundary.surface, position[i], seen); });
   };
   if (const FaceRows& seen = rows_of_all(boundary.surface_rows, append_surface); !seen.face.empty()) {
-    hide_walls_behind_structure<D>(position, boundary.seen_walls(), boundary.surface, boundary.surface_rows, boundary.wall_rows);
+    list_sights<D>(position, boundary.surface, seen, neighbours.cutting);
+    hide_walls_behind_structure<D>(position, boundary.seen_walls(), boundary.surface, boundary.surface_rows, neighbours.cutting,
+                                   boundary.wall_rows);
     cut_pairs_through_faces<D>(constants, period, position, boundary.surface, seen, neighbours);
     find_covered_faces<D>(boundary.surface, boundary.walls.faces(), boundary.wall_finder, 0.5 * constants.spacing, boundary.covered_faces);
   }
   if (!boundary.walls.any_two_sided()) return;
   const auto append_walls = [&] { see_two_sided_walls<D>(constants.spacing, position, viewers.size(), boundary, seen_by_all); };
-  cut_pairs_through_faces<D>(constants, period, position, boundary.seen_walls(), rows_of_all(boundary.wall_rows, append_walls), neighbours);
+  const FaceRows& walls_seen = rows_of_all(boundary.wall_rows, append_walls);
+  list_sights<D>(position, boundary.seen_walls(), walls_seen, neighbours.cutting);
+  cut_pairs_through_faces<D>(constants, period, position, boundary.seen_walls(), walls_seen, neighbours);
 }
 
 template <int D>

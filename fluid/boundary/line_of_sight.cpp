@@ -13,22 +13,6 @@ void see_faces(std::span<const Vector<D>> position, const Faces<D>& faces, const
   list_seen(static_cast<int>(position.size()), rows, [&](int i, std::vector<int>& seen) { finder.see(faces, position[i], seen); });
 }
 
-template <int D>
-void hide_walls_behind_structure(const std::vector<Vector<D>>& position, const Faces<D>& walls, const Faces<D>& surface,
-                                 const FaceRows& surface_rows, FaceRows& wall_rows) {
-  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(wall_rows.begin.size());
-  parallel_for(n, [&](std::ptrdiff_t i) {
-    if (surface_rows.count[i] == 0 || wall_rows.count[i] == 0) return;
-    int kept = 0;
-    for (int entry = wall_rows.begin[i]; entry < wall_rows.begin[i] + wall_rows.count[i]; ++entry) {
-      const Vector<D>& wall = walls.position[wall_rows.face[entry]];
-      if (any_separates(surface, surface_rows, i, position[i], wall)) continue;
-      wall_rows.face[wall_rows.begin[i] + kept++] = wall_rows.face[entry];
-    }
-    wall_rows.count[i] = kept;
-  });
-}
-
 namespace {
 
 constexpr double same_direction = 0.95;     ///< cosine of normals that are looked at together
@@ -59,8 +43,8 @@ void add_sight(const Faces<D>& faces, int k, const Vector<D>& x, std::size_t fir
 /// passes by the box around them.
 template <int D>
 bool may_cross(const typename Neighbours<D>::Sight& faces, const Vector<D>& a, const Vector<D>& d, double length2) {
-  const double height = d.dot(faces.normal) + faces.height;
-  if (height > 0 && height * height > faces.spread * faces.spread * length2) return false;
+  const double height = d.dot(faces.normal) + faces.height, spread = faces.spread + 1e-9;  // rounding
+  if (height > 0 && height * height > spread * spread * length2) return false;
   double enters = 0, leaves = 1;
   for (int axis = 0; axis < D; ++axis) {
     if (d[axis] == 0) {
@@ -74,18 +58,27 @@ bool may_cross(const typename Neighbours<D>::Sight& faces, const Vector<D>& a, c
   return enters <= leaves + 1e-9;  // rounding
 }
 
+/// Whether a line from particle i at a along d may pass through one of the two-sided faces that it sees. Most need no closer look.
+template <int D>
+bool may_part(const typename Neighbours<D>::Cutting& seen, std::ptrdiff_t i, const Vector<D>& a, const Vector<D>& d) {
+  const double length2 = d.squaredNorm();
+  const auto first = seen.sight.begin() + seen.sight_begin[seen.listed[i] - 1],
+             last = seen.sight.begin() + seen.sight_begin[seen.listed[i]];
+  return std::any_of(first, last, [&](const auto& sight) { return may_cross<D>(sight, a, d, length2); });
+}
+
 }  // namespace
 
 template <int D>
-void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& period, const std::vector<Vector<D>>& position,
-                             const Faces<D>& faces, const FaceRows& rows, Neighbours<D>& neighbours) {
-  auto& [sight, sight_begin, affected, listed] = neighbours.cutting;
-  const int n = static_cast<int>(neighbours.rows()), all = static_cast<int>(rows.begin.size());
+void list_sights(const std::vector<Vector<D>>& position, const Faces<D>& faces, const FaceRows& rows,
+                 typename Neighbours<D>::Cutting& seen) {
+  auto& [sight, sight_begin, affected, listed] = seen;
+  const int all = static_cast<int>(rows.begin.size());
   affected.clear();
   listed.assign(all, 0);
   sight.clear();
   sight_begin.clear();
-  // What particle i sees of two-sided faces; its number is kept in `listed`.
+  // The number of a particle in `sight_begin` is kept in `listed`.
   for (int i = 0; i < all; ++i)
     for (int entry = rows.begin[i], end = entry + rows.count[i]; entry < end; ++entry) {
       const int k = rows.face[entry];
@@ -97,8 +90,31 @@ void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& per
       }
       add_sight(faces, k, position[i], static_cast<std::size_t>(sight_begin.back()), sight);
     }
-  const int viewers = static_cast<int>(sight_begin.size());
   sight_begin.push_back(static_cast<int>(sight.size()));
+}
+
+template <int D>
+void hide_walls_behind_structure(const std::vector<Vector<D>>& position, const Faces<D>& walls, const Faces<D>& surface,
+                                 const FaceRows& surface_rows, const typename Neighbours<D>::Cutting& seen, FaceRows& wall_rows) {
+  const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(wall_rows.begin.size());
+  parallel_for(n, [&](std::ptrdiff_t i) {
+    if (seen.listed[i] == 0 || wall_rows.count[i] == 0) return;
+    int kept = 0;
+    for (int entry = wall_rows.begin[i]; entry < wall_rows.begin[i] + wall_rows.count[i]; ++entry) {
+      const Vector<D>& wall = walls.position[wall_rows.face[entry]];
+      if (may_part<D>(seen, i, position[i], wall - position[i]) && any_separates(surface, surface_rows, i, position[i], wall)) continue;
+      wall_rows.face[wall_rows.begin[i] + kept++] = wall_rows.face[entry];
+    }
+    wall_rows.count[i] = kept;
+  });
+}
+
+template <int D>
+void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& period, const std::vector<Vector<D>>& position,
+                             const Faces<D>& faces, const FaceRows& rows, Neighbours<D>& neighbours) {
+  auto& [sight, sight_begin, affected, listed] = neighbours.cutting;
+  const int n = static_cast<int>(neighbours.rows()), all = static_cast<int>(rows.begin.size());
+  const int viewers = static_cast<int>(sight_begin.size()) - 1;
   // Whether the line from a to b, that enters a body through `patch`, leaves it past a corner. Patches reach a little beyond their edges. A
   // line that passes there, outside the body, may pass the faces round the corner at a greater distance than they reach.
   // `d`: from a to b. What b sees stands where b is, which may be a period away.
@@ -121,10 +137,7 @@ void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& per
     if (listed[viewer] == 0 || listed[viewer] > viewers) return false;
     const Vector<D>& a = position[viewer];
     const Vector<D> d = period.any() ? period.nearest(position[other] - a) : Vector<D>(position[other] - a);
-    // Most pairs need no closer look.
-    const double length2 = d.squaredNorm();
-    const auto first = sight.begin() + sight_begin[listed[viewer] - 1], last = sight.begin() + sight_begin[listed[viewer]];
-    if (std::none_of(first, last, [&](const auto& seen) { return may_cross<D>(seen, a, d, length2); })) return false;
+    if (!may_part<D>(neighbours.cutting, viewer, a, d)) return false;
     const Vector<D> b = a + d;
     for (int entry = rows.begin[viewer]; entry < rows.begin[viewer] + rows.count[viewer]; ++entry) {
       const int k = rows.face[entry];
@@ -158,11 +171,12 @@ void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& per
   neighbours.beside_body.insert(neighbours.beside_body.end(), affected.begin(), affected.end());
 }
 
-#define TERN_INSTANTIATE(D)                                                                                                       \
-  template void see_faces<D>(std::span<const Vector<D>>, const Faces<D>&, const FaceFinder<D>&, FaceRows&);                       \
-  template void hide_walls_behind_structure<D>(const std::vector<Vector<D>>&, const Faces<D>&, const Faces<D>&, const FaceRows&,  \
-                                               FaceRows&);                                                                        \
-  template void cut_pairs_through_faces<D>(const Constants<D>&, const Period<D>&, const std::vector<Vector<D>>&, const Faces<D>&, \
+#define TERN_INSTANTIATE(D)                                                                                                        \
+  template void see_faces<D>(std::span<const Vector<D>>, const Faces<D>&, const FaceFinder<D>&, FaceRows&);                        \
+  template void hide_walls_behind_structure<D>(const std::vector<Vector<D>>&, const Faces<D>&, const Faces<D>&, const FaceRows&,   \
+                                               const typename Neighbours<D>::Cutting&, FaceRows&);                                 \
+  template void list_sights<D>(const std::vector<Vector<D>>&, const Faces<D>&, const FaceRows&, typename Neighbours<D>::Cutting&); \
+  template void cut_pairs_through_faces<D>(const Constants<D>&, const Period<D>&, const std::vector<Vector<D>>&, const Faces<D>&,  \
                                            const FaceRows&, Neighbours<D>&);
 TERN_INSTANTIATE(2)
 TERN_INSTANTIATE(3)

@@ -80,13 +80,18 @@ bool any_separates(const Faces<D>& faces, const FaceRows& rows, std::ptrdiff_t i
   return std::any_of(first, first + rows.count[i], [&](int k) { return patch_separates(faces, k, x, place); });
 }
 
-/// Takes out of `wall_rows` the patches of walls that the structure hides from a particle.
+/// Sets `seen` to what particles see of two-sided faces, of which `rows` lists those that each sees.
+template <int D>
+void list_sights(const std::vector<Vector<D>>& position, const Faces<D>& faces, const FaceRows& rows,
+                 typename Neighbours<D>::Cutting& seen);
+
+/// Takes out of `wall_rows` the patches of walls that the structure hides from a particle. After list_sights() of the structure.
 template <int D>
 void hide_walls_behind_structure(const std::vector<Vector<D>>& position, const Faces<D>& walls, const Faces<D>& surface,
-                                 const FaceRows& surface_rows, FaceRows& wall_rows);
+                                 const FaceRows& surface_rows, const typename Neighbours<D>::Cutting& seen, FaceRows& wall_rows);
 
 /// Takes out pairs whose connecting line passes through a two-sided face that either particle sees, and sums those rows
-/// anew. `rows` lists the faces seen by each particle. The fluid on one side of a plate does not see the fluid on the other, but
+/// anew. `rows` lists the faces seen by each particle, and neighbours.cutting what list_sights() makes of them. The fluid on one side of a plate does not see the fluid on the other, but
 /// fluid past a convex corner is seen (convex_corner.hpp).
 template <int D>
 void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& period, const std::vector<Vector<D>>& position,
