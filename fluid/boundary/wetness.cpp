@@ -16,6 +16,8 @@ namespace {
 /// threads that share them. It holds 8000 times the space there is.
 constexpr double filled_unit = 0x1p-50;
 
+constexpr int batch = 64;  ///< patches computed at a time, one array per quantity
+
 /// Adds what a particle fills of the space before the n patches of a row, which begins at `offset` and has this step; `rest2`: the square
 /// of its distance from the line of the row.
 inline void fill_row(const Constants<3>& constants, double scale, double step, double offset, double rest2, int n, std::int64_t* filled) {
@@ -25,6 +27,20 @@ inline void fill_row(const Constants<3>& constants, double scale, double step, d
   for (int m = 0; m < n; ++m) {
     const double u = offset + m * step, sum = scale * constants.kernel.value(std::sqrt(rest2 + u * u)) + whole;
     filled[m] += std::bit_cast<std::int64_t>(sum) - std::bit_cast<std::int64_t>(whole);
+  }
+}
+
+/// Adds what a particle at x fills of the space before the n faces from `face` on.
+template <int D>
+void fill_faces(const Constants<D>& constants, double scale, const Vector<D>& x, const Faces<D>& faces, const int* face, int n,
+                std::int64_t* filled) {
+  double part[batch];
+  for (int first = 0; first < n; first += batch) {
+    const int here = std::min(batch, n - first);
+    for (int m = 0; m < here; ++m) part[m] = (faces.position[face[first + m]] - x).squaredNorm();
+#pragma omp simd
+    for (int m = 0; m < here; ++m) part[m] = scale * constants.kernel.value(std::sqrt(part[m]));
+    for (int m = 0; m < here; ++m) filled[faces.original_of(face[first + m])] += std::llrint(part[m]);
   }
 }
 
@@ -49,10 +65,25 @@ double hidden_density(const Constants<D>& constants, const Faces<D>& faces, cons
                       std::vector<int>& seen) {
   seen.clear();
   finder.see(faces, x, seen);
-  double sum = 0;
-  for (int k : seen) {
-    const Vector<D> d = faces.position[k] - x;
-    sum += subtended_angle<D>(d, faces.normal[k], faces.area[k]) * constants.faces.hidden_density(d.norm());
+  double sum = 0, way[D][batch], normal[D][batch], area[batch], angle[batch], distance[batch];
+  const int count = static_cast<int>(seen.size());
+  for (int first = 0; first < count; first += batch) {
+    const int here = std::min(batch, count - first);
+    for (int m = 0; m < here; ++m) {
+      const int k = seen[first + m];
+      const Vector<D> to_face = faces.position[k] - x;
+      for (int c = 0; c < D; ++c) way[c][m] = to_face[c], normal[c][m] = faces.normal[k][c];
+      distance[m] = to_face.squaredNorm();
+      area[m] = faces.area[k];
+    }
+#pragma omp simd
+    for (int m = 0; m < here; ++m) {
+      double d[D], n[D];
+      for (int c = 0; c < D; ++c) d[c] = way[c][m], n[c] = normal[c][m];
+      distance[m] = std::sqrt(distance[m]);
+      angle[m] = subtended_angle<D>(d, n, area[m]);
+    }
+    for (int m = 0; m < here; ++m) sum += angle[m] * constants.faces.hidden_density(distance[m]);
   }
   return sum;
 }
@@ -89,10 +120,7 @@ void leave_out_dry_walls(const Constants<D>& constants, const Halo& patches, con
           continue;
         }
       }
-      for (int entry = wall_rows.begin[i]; entry < wall_rows.begin[i] + wall_rows.count[i]; ++entry) {
-        const int k = wall_rows.face[entry];
-        filled[walls.original_of(k)] += std::llrint(scale * constants.kernel.value((walls.position[k] - position[i]).norm()));
-      }
+      fill_faces(constants, scale, position[i], walls, wall_rows.face.data() + wall_rows.begin[i], wall_rows.count[i], filled.data());
     }
     if (!patches.alone()) {
 #pragma omp master
@@ -131,10 +159,8 @@ void leave_out_dry_bodies(const Constants<D>& constants, const Ranks& ranks, con
     filled.assign(bodies.size(), 0);
 #pragma omp for schedule(static)
     for (std::ptrdiff_t i = 0; i < n; ++i)
-      for (int entry = rows.begin[i]; entry < rows.begin[i] + rows.count[i]; ++entry) {
-        const int k = rows.face[entry];
-        filled[k] += std::llrint(constants.volume / filled_unit * constants.kernel.value((bodies.position[k] - position[i]).norm()));
-      }
+      fill_faces(constants, constants.volume / filled_unit, position[i], bodies, rows.face.data() + rows.begin[i], rows.count[i],
+                 filled.data());
 #pragma omp for schedule(static)
     for (std::ptrdiff_t k = 0; k < count; ++k) {
       std::int64_t sum = 0;
