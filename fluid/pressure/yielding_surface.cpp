@@ -86,13 +86,19 @@ void YieldingSurface<D>::assemble(const Constants<D>& constants, const Ranks& ra
   for (std::ptrdiff_t m = 0; m < rows; ++m)
     for (std::ptrdiff_t e = begin_[m]; e < begin_[m] + count_[m]; ++e) ++first_[lump_[e] + 1];
   std::partial_sum(first_.begin(), first_.end(), first_.begin());
-  row_.resize(first_[lumps]);
-  entry_.resize(first_[lumps]);
+  if (static_cast<std::ptrdiff_t>(row_.size()) < first_[lumps]) {
+    row_.resize(lump_.size());
+    particle_.resize(lump_.size());
+    entry_.resize(lump_.size());
+    pushing_.resize(lump_.size());
+  }
   for (std::ptrdiff_t m = 0; m < rows; ++m)
     for (std::ptrdiff_t e = begin_[m]; e < begin_[m] + count_[m]; ++e) {
       const std::ptrdiff_t to = first_[lump_[e]]++;
       row_[to] = static_cast<int>(m);
+      particle_[to] = at_structure[m];
       entry_[to] = e;
+      pushing_[to] = vector_[e];
     }
   std::rotate(first_.begin(), first_.end() - 1, first_.end());
   first_[0] = 0;
@@ -101,7 +107,7 @@ void YieldingSurface<D>::assemble(const Constants<D>& constants, const Ranks& ra
   size_.assign(lumps, 0);
   parallel_for(lumps, rows, [&](std::ptrdiff_t a) {
     scale_[a] = constants.density / response_.mass[a];
-    for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) size_[a] += scale_[a] * vector_[entry_[e]].norm();
+    for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) size_[a] += scale_[a] * pushing_[e].norm();
   });
   ranks_.sum(std::span(size_));
   bound_.assign(rows, 0);
@@ -110,29 +116,36 @@ void YieldingSurface<D>::assemble(const Constants<D>& constants, const Ranks& ra
   });
 
   motion_.resize(lumps);
+  carried_under_.clear();
 }
 
 template <int D>
 void YieldingSurface<D>::set_carried_motion(const std::vector<double>& reference_pressure, const Boundary<D>& boundary) const {
+  if (carried_under_ == reference_pressure) {
+    motion_ = carried_motion_;
+    return;
+  }
   std::fill(motion_.begin(), motion_.end(), Vector<D>::Zero());
   const std::size_t points = boundary.surface.size(), per_point = response_.lumps_per_point(points);
   for (std::size_t k = 0; k < points && ranks_.first(); ++k)
     for (std::size_t s = k * per_point; s < (k + 1) * per_point; ++s)
       motion_[response_.lump[s]] -= response_.share[s] * transferred_[k] * reference_pressure[k] * boundary.surface.normal[k];
   const std::ptrdiff_t lumps = static_cast<std::ptrdiff_t>(response_.mass.size());
-  parallel_for(lumps, static_cast<std::ptrdiff_t>(row_.size()), [&](std::ptrdiff_t a) {
+  parallel_for(lumps, first_[lumps], [&](std::ptrdiff_t a) {
     for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) motion_[a] -= between_[entry_[e]];
     motion_[a] *= scale_[a];
   });
+  carried_motion_ = motion_;
+  carried_under_ = reference_pressure;
 }
 
 template <int D>
 template <class T>
-void YieldingSurface<D>::push(double factor, const std::vector<int>& at_structure, const std::vector<T>& x) const {
+void YieldingSurface<D>::push(double factor, const std::vector<T>& x) const {
   const std::ptrdiff_t lumps = static_cast<std::ptrdiff_t>(response_.mass.size());
-  parallel_for(lumps, static_cast<std::ptrdiff_t>(row_.size()), [&](std::ptrdiff_t a) {
+  parallel_for(lumps, first_[lumps], [&](std::ptrdiff_t a) {
     Vector<D> force = Vector<D>::Zero();
-    for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) force += vector_[entry_[e]] * double(x[at_structure[row_[e]]]);
+    for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) force += pushing_[e] * double(x[particle_[e]]);
     motion_[a] += factor * scale_[a] * force;
   });
 }
@@ -159,7 +172,7 @@ template <class T>
 void YieldingSurface<D>::add_difference(const std::vector<int>& at_structure, const std::vector<T>& x, std::vector<T>& y) const {
   if (!any()) return;
   std::fill(motion_.begin(), motion_.end(), Vector<D>::Zero());
-  push(1, at_structure, x);
+  push(1, x);
   sum_motion();
   for (std::size_t m = 0; m < at_structure.size(); ++m) y[at_structure[m]] -= static_cast<T>(bound_[m] * x[at_structure[m]]);
   spread(vector_, at_structure, y);
@@ -170,7 +183,7 @@ void YieldingSurface<D>::subtract_motion(const std::vector<double>& reference_pr
                                          const std::vector<int>& at_structure, const std::vector<double>& x, std::vector<double>& y) const {
   if (!any()) return;
   set_carried_motion(reference_pressure, boundary);
-  push(-1, at_structure, x);
+  push(-1, x);
   sum_motion();
   spread(counted_, at_structure, y);
 }

@@ -60,7 +60,7 @@ class YieldingSurface {
   /// Calls visit(m, c_ma) for the particles at_structure[m] that push lump a.
   template <class Visit>
   void for_rows(std::size_t a, Visit&& visit) const {
-    for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) visit(row_[e], vector_[entry_[e]]);
+    for (std::ptrdiff_t e = first_[a]; e < first_[a + 1]; ++e) visit(row_[e], pushing_[e]);
   }
 
   /// Calls visit(a, b) for pairs of lumps that have a point in common, so that chains of them join all of each part of the surface. A lump
@@ -80,11 +80,12 @@ class YieldingSurface {
   }
 
  private:
-  /// Sets the motion of the lumps, rho/dt times their velocity, to that of p^ less what the weight of the fluid between does.
+  /// Sets the motion of the lumps, rho/dt times their velocity, to that of p^ less what the weight of the fluid between does. It is known
+  /// where it was asked for under the same p^ in this window.
   void set_carried_motion(const std::vector<double>& reference_pressure, const Boundary<D>& boundary) const;
   /// Adds `factor` times that under pressures x.
   template <class T>
-  void push(double factor, const std::vector<int>& at_structure, const std::vector<T>& x) const;
+  void push(double factor, const std::vector<T>& x) const;
   void sum_motion() const;  ///< over all ranks
   /// y_i += sum_a vector_ia . motion_a
   template <class T>
@@ -92,20 +93,24 @@ class YieldingSurface {
 
   Ranks ranks_;
   SurfaceResponse response_;
-  std::vector<double> scale_;               ///< rho/m_a
-  std::vector<std::ptrdiff_t> begin_;       ///< of each row, with room for all lumps it may have
-  std::vector<int> count_;                  ///< of its entries
-  UninitialisedVector<int> lump_;           ///< of each entry
-  UninitialisedVector<Vector<D>> vector_;   ///< c_ia
-  UninitialisedVector<Vector<D>> counted_;  ///< d_ia
-  UninitialisedVector<Vector<D>> between_;  ///< the same sum with the weight of the fluid between, p in Pa
-  std::vector<std::ptrdiff_t> first_;       ///< of each lump in the two that follow
-  std::vector<int> row_;                    ///< m
-  std::vector<std::ptrdiff_t> entry_;       ///< in the rows
-  std::vector<double> bound_;               ///< kappa, by row
-  std::vector<double> size_;                ///< of each lump: rho/m_a sum_j |c_ja|
-  std::vector<double> transferred_;         ///< by point: sum_i 2 V_i A_k w~_ik
-  mutable std::vector<Vector<D>> motion_;   ///< of each lump; scratch
+  std::vector<double> scale_;                      ///< rho/m_a
+  std::vector<std::ptrdiff_t> begin_;              ///< of each row, with room for all lumps it may have
+  std::vector<int> count_;                         ///< of its entries
+  UninitialisedVector<int> lump_;                  ///< of each entry
+  UninitialisedVector<Vector<D>> vector_;          ///< c_ia
+  UninitialisedVector<Vector<D>> counted_;         ///< d_ia
+  UninitialisedVector<Vector<D>> between_;         ///< the same sum with the weight of the fluid between, p in Pa
+  std::vector<std::ptrdiff_t> first_;              ///< of each lump in those that follow
+  UninitialisedVector<int> row_;                   ///< m
+  UninitialisedVector<int> particle_;              ///< at_structure[m]
+  UninitialisedVector<std::ptrdiff_t> entry_;      ///< in the rows
+  UninitialisedVector<Vector<D>> pushing_;         ///< c_ma
+  std::vector<double> bound_;                      ///< kappa, by row
+  std::vector<double> size_;                       ///< of each lump: rho/m_a sum_j |c_ja|
+  std::vector<double> transferred_;                ///< by point: sum_i 2 V_i A_k w~_ik
+  mutable std::vector<Vector<D>> motion_;          ///< of each lump; scratch
+  mutable std::vector<Vector<D>> carried_motion_;  ///< of set_carried_motion()
+  mutable std::vector<double> carried_under_;      ///< p^ of that; empty: not known in this window
 };
 
 }  // namespace tern::fluid
