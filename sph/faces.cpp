@@ -12,6 +12,66 @@ double least_depth(double area) {
   return 0.1 * (D == 2 ? area : std::sqrt(area));
 }
 
+constexpr int most_cutters = 256;  ///< looked at together
+
+/// Takes out of `seen`, from `first` on, the faces that others of these hide from x. Only those at the places `hideable` are asked.
+template <int D>
+void remove_hidden(const Faces<D>& faces, double support, const Vector<D>& x, const std::vector<std::size_t>& hideable, std::size_t first,
+                   std::vector<int>& seen) {
+  // A hidden patch may not be dropped before all have been asked: it may be the one that hides another. Until then it is
+  // marked by its complement.
+  // Each is held against all, and few hide one. A look at all of them, without branches, in single precision and a shade less strict, so
+  // that rounding decides nothing, asks which lie before the patch and have it behind them. The exact question is left to those.
+  using Lanes = std::array<float, most_cutters>;
+  std::array<Lanes, D> away, facing;
+  Lanes sunk;
+  std::array<std::int32_t, most_cutters> may;  // as wide as the numbers
+  std::array<int, most_cutters> cutter;
+  const float rounding = static_cast<float>(1e-5 * support);
+  for (auto next = first; next < seen.size();) {
+    int cutters = 0;
+    for (; next < seen.size() && cutters < most_cutters; ++next) {
+      const int k = seen[next] < 0 ? ~seen[next] : seen[next];
+      if (!faces.two_sided[k]) continue;
+      const Vector<D> d = faces.position[k] - x;
+      for (int c = 0; c < D; ++c) {
+        away[c][cutters] = static_cast<float>(d[c]);
+        facing[c][cutters] = static_cast<float>(faces.normal[k][c]);
+      }
+      sunk[cutters] = static_cast<float>(least_depth<D>(faces.area[k])) - rounding;
+      cutter[cutters++] = k;
+    }
+    for (const std::size_t m : hideable) {
+      const int k = seen[m];
+      if (k < 0) continue;
+      const Vector<D>& place = faces.position[k];
+      std::array<float, D> at, up;
+      for (int c = 0; c < D; ++c) {
+        at[c] = static_cast<float>(place[c] - x[c]);
+        up[c] = static_cast<float>(faces.normal[k][c]);
+      }
+      std::int32_t any_may = 0;
+      for (int o = 0; o < cutters; ++o) {
+        float before = 0, above = 0;
+        for (int c = 0; c < D; ++c) {
+          before += (away[c][o] - at[c]) * up[c];
+          above += (away[c][o] - at[c]) * facing[c][o];
+        }
+        may[o] = (before > -rounding) & (above > sunk[o]);
+        any_may += may[o];
+      }
+      for (int o = 0; any_may > 0 && o < cutters; ++o)
+        // What hides a patch stands in front of it: neighbours on a convex surface lie behind each other and hide nothing.
+        if (may[o] && (faces.position[cutter[o]] - place).dot(faces.normal[k]) > 0 &&
+            patch_separates(faces, cutter[o], x, place, least_depth<D>(faces.area[cutter[o]]))) {
+          seen[m] = ~k;
+          break;
+        }
+    }
+  }
+  seen.erase(std::remove_if(seen.begin() + static_cast<std::ptrdiff_t>(first), seen.end(), [](int k) { return k < 0; }), seen.end());
+}
+
 }  // namespace
 
 /// Where a group of the cell `cell` that begins at `begin`, in the order of the cells, ends. The two sides of a plate are in different
@@ -179,7 +239,9 @@ template <int D>
 double FaceFinder<D>::see(const Faces<D>& faces, const Vector<D>& x, std::vector<int>& seen) const {
   if (faces.size() == 0) return 0;
   const auto first = seen.size();
-  unsigned hideable = 0;
+  thread_local std::vector<std::size_t> kept;  // places in `seen` of patches that another may hide
+  std::vector<std::size_t>& hideable = kept;
+  hideable.clear();
   float apart2 = 0, lean = 0;  // of the normals from the mean of one of the groups: of the other means, and of each from its own
   int one = -1;
   std::array<int, candidates * near_lanes + near_lanes> near;
@@ -196,8 +258,9 @@ double FaceFinder<D>::see(const Faces<D>& faces, const Vector<D>& x, std::vector
         const Vector<D> d = faces.position[k] - x;
         if (d.squaredNorm() >= support_ * support_ || d.dot(faces.normal[k]) >= 0) bits &= ~(open & -open);
       }
+      for (unsigned may = bits & hideable_[group]; may != 0; may &= may - 1)
+        hideable.push_back(seen.size() + static_cast<std::size_t>(found + std::popcount(bits & ((may & -may) - 1))));
       found = append_values(bits, patch_.data(), m, found, near.data());
-      hideable |= bits & hideable_[group];
       float difference2 = 0;
       for (int c = 0; c < D; ++c)
         difference2 += (mean_normal_[c][group] - mean_normal_[c][one]) * (mean_normal_[c][group] - mean_normal_[c][one]);
@@ -206,83 +269,8 @@ double FaceFinder<D>::see(const Faces<D>& faces, const Vector<D>& x, std::vector
     }
     seen.insert(seen.end(), near.begin(), near.begin() + found);
   });
-  if (hideable != 0) remove_hidden(faces, x, seen, first);
+  if (!hideable.empty()) remove_hidden(faces, support_, x, hideable, first, seen);
   return 2 * (1 + 1e-6) * (std::sqrt(double(apart2)) + double(lean));
-}
-
-template <int D>
-void FaceFinder<D>::remove_hidden(const Faces<D>& faces, const Vector<D>& x, std::vector<int>& seen, std::size_t first) const {
-  // A hidden patch may not be dropped before all have been asked: it may be the one that hides another. Until then it is
-  // marked by its complement.
-  // Each is held against each, and few hide one. Two looks at all of them, without branch and division and a shade less strict, so
-  // that rounding decides nothing, leave those to the exact question. The first one asks only which lie behind another that lies
-  // before them, in single precision. The second is patch_separates.
-  using Lanes = std::array<double, candidates>;
-  using ShortLanes = std::array<float, candidates>;
-  std::array<Lanes, D> position, normal, from;
-  std::array<ShortLanes, D> away, facing;
-  Lanes front, depth, reach2;
-  ShortLanes sunk;
-  const float rounding = static_cast<float>(1e-5 * support_);
-  std::array<int, candidates> cutter;
-  for (auto next = first; next < seen.size();) {
-    int cutters = 0;
-    for (; next < seen.size() && cutters < candidates; ++next) {
-      const int k = seen[next] < 0 ? ~seen[next] : seen[next];
-      if (!faces.two_sided[k]) continue;
-      const Vector<D> d = x - faces.position[k];
-      for (int c = 0; c < D; ++c) {
-        position[c][cutters] = faces.position[k][c];
-        normal[c][cutters] = faces.normal[k][c];
-        from[c][cutters] = d[c];
-        away[c][cutters] = static_cast<float>(-d[c]);
-        facing[c][cutters] = static_cast<float>(faces.normal[k][c]);
-      }
-      front[cutters] = d.dot(faces.normal[k]);
-      depth[cutters] = least_depth<D>(faces.area[k]);
-      sunk[cutters] = static_cast<float>(depth[cutters]) - rounding;
-      reach2[cutters] = 1.001 * patch_reach2<D>(faces.area[k]);
-      cutter[cutters++] = k;
-    }
-    for (auto m = first; m < seen.size(); ++m) {
-      const int k = seen[m];
-      if (k < 0) continue;
-      const Vector<D>& place = faces.position[k];
-      std::array<float, D> at, up;
-      for (int c = 0; c < D; ++c) {
-        at[c] = static_cast<float>(place[c] - x[c]);
-        up[c] = static_cast<float>(faces.normal[k][c]);
-      }
-      std::int32_t behind_one = 0;  // as wide as the numbers
-      for (int o = 0; o < cutters; ++o) {
-        float before = 0, above = 0;
-        for (int c = 0; c < D; ++c) {
-          before += (away[c][o] - at[c]) * up[c];
-          above += (away[c][o] - at[c]) * facing[c][o];
-        }
-        behind_one += (before > -rounding) & (above > sunk[o]);
-      }
-      if (behind_one == 0) continue;
-      std::int64_t perhaps = 0;
-      for (int o = 0; o < cutters; ++o) {
-        double behind = 0, offset2 = 0;
-        for (int c = 0; c < D; ++c) behind += (place[c] - position[c][o]) * normal[c][o];
-        for (int c = 0; c < D; ++c) {
-          const double offset = (place[c] - position[c][o]) * front[o] - from[c][o] * behind;  // times the height between the ends
-          offset2 += offset * offset;
-        }
-        const double height = front[o] - behind;
-        perhaps += (behind < -0.999 * depth[o]) & (offset2 < reach2[o] * height * height);
-      }
-      for (int o = 0; perhaps > 0 && o < cutters; ++o)
-        // What hides a patch stands in front of it: neighbours on a convex surface lie behind each other and hide nothing.
-        if ((faces.position[cutter[o]] - place).dot(faces.normal[k]) > 0 && patch_separates(faces, cutter[o], x, place, depth[o])) {
-          seen[m] = ~k;
-          break;
-        }
-    }
-  }
-  seen.erase(std::remove_if(seen.begin() + static_cast<std::ptrdiff_t>(first), seen.end(), [](int k) { return k < 0; }), seen.end());
 }
 
 template class FaceFinder<2>;

@@ -285,7 +285,6 @@ class FaceFinder {
   void find_hideable(const Faces<D>& faces);
   std::uint8_t hideable_in(int group, const Vector<D>& place, float across, float least, float rounding) const;
   unsigned hidden_by_any(int group, int other, float across2, float rounding) const;
-  void remove_hidden(const Faces<D>& faces, const Vector<D>& x, std::vector<int>& seen, std::size_t first) const;
 
   CellGrid<D> grid_;
   CellContents contents_;
