@@ -90,9 +90,9 @@ template <int D>
 void hide_walls_behind_structure(const std::vector<Vector<D>>& position, const Faces<D>& walls, const Faces<D>& surface,
                                  const FaceRows& surface_rows, const typename Neighbours<D>::Cutting& seen, FaceRows& wall_rows);
 
-/// Takes out pairs whose connecting line passes through a two-sided face that either particle sees, and sums those rows
-/// anew. `rows` lists the faces seen by each particle, and neighbours.cutting what list_sights() makes of them. The fluid on one side of a plate does not see the fluid on the other, but
-/// fluid past a convex corner is seen (convex_corner.hpp).
+/// Takes out pairs whose connecting line passes through a two-sided face that either particle sees, and sums those rows anew. `rows` lists
+/// the faces seen by each particle, and neighbours.cutting what list_sights() makes of them. The fluid on one side of a plate does not see
+/// the fluid on the other, but fluid past a convex corner is seen (convex_corner.hpp).
 template <int D>
 void cut_pairs_through_faces(const Constants<D>& constants, const Period<D>& period, const std::vector<Vector<D>>& position,
                              const Faces<D>& faces, const FaceRows& rows, Neighbours<D>& neighbours);
