@@ -21,6 +21,7 @@ struct FaceBatch {
 /// get the weight 0 and lower `height`, the least of x above faces.
 template <int D>
 int fill_batch(const Vector<D>& x, const Faces<D>& faces, FaceRows& rows, int& next, int end, int* entry, double& height, FaceBatch<D>& b) {
+  const bool at_rest = faces.velocity.empty(), even = faces.normal_acceleration.empty();
   int n = 0, alike = -1;  // the last one, of which the sides are known
   double sides[D - 1] = {};
   for (; next < end && n < batch; ++next) {
@@ -40,8 +41,8 @@ int fill_batch(const Vector<D>& x, const Faces<D>& faces, FaceRows& rows, int& n
     for (int c = 0; c < D - 1; ++c) b.sides[c][n] = sides[c];
     b.wet[n] = wet;
     b.area[n] = area;
-    if (!faces.velocity.empty()) b.speed[n] = faces.velocity[k].dot(normal);
-    if (!faces.normal_acceleration.empty()) b.acceleration[n] = faces.normal_acceleration[k];
+    b.speed[n] = at_rest ? 0 : faces.velocity[k].dot(normal);
+    b.acceleration[n] = even ? 0 : faces.normal_acceleration[k];
     ++n;
   }
   return n;
@@ -117,8 +118,6 @@ template <int D>
 HiddenSums<D> sum_hidden(const Constants<D>& constants, const Vector<D>& x, const Faces<D>& faces, std::ptrdiff_t i, FaceRows& rows) {
   HiddenSums<D> sums;
   FaceBatch<D> b;
-  if (faces.velocity.empty()) std::fill_n(b.speed, batch, 0.0);
-  if (faces.normal_acceleration.empty()) std::fill_n(b.acceleration, batch, 0.0);
   double height = 1e300;
   for (int next = rows.begin[i], end = next + rows.count[i]; next < end;) {
     int entry[batch];
