@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "scene/checks/checks.hpp"
 #include "scene/mid_surface.hpp"
@@ -241,29 +242,55 @@ class Plausible {
          body.name, body.poisson_ratio);
   }
 
-  // What gravity alone presses onto a wall or another body at the start enters it after a few steps, and ends the run.
-  void look_at_contacts(std::size_t i) {
-    const StructureBody& body = bodies()[i];
-    if (gravity_.norm() == 0 || !body.clamps.empty()) return;
-    const double patch = patch_length(body.spacing, scene_.fluid);
-    const auto surface = sample_surface<D>(body.shape, patch);
-    std::vector<std::string> met;
+  auto surface_of(const StructureBody& body) const { return sample_surface<D>(body.shape, patch_length(body.spacing, scene_.fluid)); }
+
+  /// A place where the surface of a body touches a shape; of a free one the places that gravity presses onto it alone.
+  template <class Surface>
+  std::optional<Vector<D>> touching(const StructureBody& body, const Surface& surface, const Shape& shape, bool by_weight) const {
+    if (by_weight && (gravity_.norm() == 0 || !body.clamps.empty())) return std::nullopt;
     for (std::size_t k = 0; k < surface.position.size(); ++k) {
-      const Vector<D>& x = surface.position[k];
-      if (surface.normal[k].dot(gravity_) <= round_off * gravity_.norm()) continue;
-      const auto touches = [&](const Shape& shape) { return std::abs(signed_distance<D>(shape, x)) < round_off * body.spacing; };
-      std::string other;
-      for (const WallCase& wall : scene_.walls)
-        if (touches(without_open_faces(wall))) other = "the wall '" + wall.name + "'";
-      for (const StructureBody& neighbour : bodies())
-        if (&neighbour != &body && touches(neighbour.shape)) other = "the elastic body '" + neighbour.name + "'";
-      if (other.empty() || std::find(met.begin(), met.end(), other) != met.end()) continue;
-      met.push_back(other);
-      warn(where_body(i),
+      if (by_weight && surface.normal[k].dot(gravity_) <= round_off * gravity_.norm()) continue;
+      if (std::abs(signed_distance<D>(shape, surface.position[k])) < round_off * body.spacing) return surface.position[k];
+    }
+    return std::nullopt;
+  }
+
+  bool are_apart(const StructureBody& one, const StructureBody& other) const {
+    const Bounds<D> a = bounding_box<D>(one.shape), b = bounding_box<D>(other.shape);
+    const double close = round_off * one.spacing;
+    return (a.min - b.max).maxCoeff() > close || (b.min - a.max).maxCoeff() > close;
+  }
+
+  // What gravity alone presses onto a wall or another body at the start enters it after a few steps, and ends the run. Bodies that only touch
+  // do so as soon as one of them moves towards the other.
+  void look_at_contacts(std::size_t i) {
+    const StructureBody& one = bodies()[i];
+    std::vector<std::size_t> near;  // of the bodies before
+    for (std::size_t j = 0; j < i; ++j)
+      if (!are_apart(one, bodies()[j])) near.push_back(j);
+    if (near.empty() && (gravity_.norm() == 0 || !one.clamps.empty())) return;
+    const auto stands = [&](std::size_t upper, const std::string& other, const Vector<D>& x) {
+      warn(where_body(upper),
            "the elastic body '{}' stands on {} at {}, but has no clamp. Contact of bodies is not modelled: gravity presses it in, and the "
-           "run "
-           "stops there. Clamp it (structure.body.{}.clamp), or leave room below it.",
-           body.name, other, text(x), body.name);
+           "run stops there. Clamp it (structure.body.{}.clamp), or leave room below it.",
+           bodies()[upper].name, other, text(x), bodies()[upper].name);
+    };
+    const auto surface = surface_of(one);
+    for (const WallCase& wall : scene_.walls)
+      if (const auto x = touching(one, surface, without_open_faces(wall), true)) stands(i, "the wall '" + wall.name + "'", *x);
+    for (const std::size_t j : near) {
+      const StructureBody& other = bodies()[j];
+      if (const auto x = touching(one, surface, other.shape, true)) {
+        stands(i, "the elastic body '" + other.name + "'", *x);
+      } else if (const auto below = touching(other, surface_of(other), one.shape, true)) {
+        stands(j, "the elastic body '" + one.name + "'", *below);
+      } else if (const auto beside = touching(one, surface, other.shape, false)) {
+        warn(
+            where_body(i),
+            "the elastic bodies '{}' and '{}' touch at {}. They are not joined, and contact of bodies is not modelled: the run stops where "
+            "one enters the other. Leave room between them.",
+            other.name, one.name, text(*beside));
+      }
     }
   }
 

@@ -616,6 +616,18 @@ TEST_F(CaseFile, WarnsOfBodiesThatStandOnSomethingUnclamped) {
   expect_warning(read(replaced(small_case, "[[gauge]]", other + "[[gauge]]")), {"'lid' stands on the elastic body 'plate'"});
 }
 
+// Seen to fail: without the look at faces that gravity does not press on.
+TEST_F(CaseFile, WarnsOfBodiesThatTouch) {
+  const auto with_other = [&](const std::string& left) {
+    const std::string other = "[[structure.body]]\nname = \"other\"\nshape = { box = { min = [" + left +
+                              ", -0.1], max = [0.9, 0.4] } }\nspacing = 0.025\ndensity = 1100\nyoung_modulus = 1e6\n"
+                              "poisson_ratio = 0.4\nclamp = [{ box = { min = [0.6, -0.2], max = [1, 0] } }]\n";
+    return replaced(small_case, "[[gauge]]", other + "[[gauge]]");
+  };
+  expect_warning(read(with_other("0.8")), {"'plate' and 'other' touch at (0.8, ", "not joined", "Leave room"});
+  EXPECT_TRUE(read(with_other("0.85")).warnings.empty());
+}
+
 // Seen to fail: without the check.
 TEST_F(CaseFile, OfANearlyIncompressibleBodyWarns) {
   expect_warning(read(with("poisson_ratio = 0.4", "poisson_ratio = 0.499")), {"'plate' is nearly incompressible", "0.499"});
