@@ -236,9 +236,9 @@ std::vector<std::vector<double>> answers_to(const std::vector<double>& speeds, d
   return answers;
 }
 
-// What the fluid answers to a motion is that of the motion, to a hundredth of what the answers of this window have changed by so far,
-// whatever was tried before. Measured: 2.5e-3 at most. Seen to fail: 2e-2 with a tenth of what a solve starts with left.
-TEST(CouplingIteration, IsAnsweredToAHundredthOfTheChangesInItsWindow) {
+// What the fluid answers to a motion is that of the motion, whatever was tried before. Measured: 9.4e-5 of what the answers of this window
+// have changed by. Seen to fail: 2.5e-3 with solves that end at a hundredth of the residual that they start with.
+TEST(CouplingIteration, KnowsNothingOfWhatWasTriedBefore) {
   const std::vector<double> speeds = {0.3, 0.3001, -0.2, 0.0};
   const auto found = answers_to(speeds, 1e-6), exact = answers_to(speeds, 1e-13);
   const auto apart = [](const std::vector<double>& a, const std::vector<double>& b) {
@@ -251,7 +251,7 @@ TEST(CouplingIteration, IsAnsweredToAHundredthOfTheChangesInItsWindow) {
     if (n > 0) changed = n == 1 ? apart(exact[1], exact[0]) : std::max(changed, apart(exact[n], exact[n - 1]));
     const double error = apart(found[n], exact[n]);
     std::printf("[ iteration %zu: changed by %.3g Pa, error %.1e of it ]\n", n, changed, error / changed);
-    EXPECT_LT(error, 0.01 * changed) << n;
+    EXPECT_LT(error, 3e-4 * changed) << n;
   }
 }
 
