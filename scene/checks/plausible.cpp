@@ -261,8 +261,8 @@ class Plausible {
     return (a.min - b.max).maxCoeff() > close || (b.min - a.max).maxCoeff() > close;
   }
 
-  // What gravity alone presses onto a wall or another body at the start enters it after a few steps, and ends the run. Bodies that only touch
-  // do so as soon as one of them moves towards the other.
+  // What gravity alone presses onto a wall or another body at the start enters it after a few steps, and ends the run. Bodies that only
+  // touch do so as soon as one of them moves towards the other.
   void look_at_contacts(std::size_t i) {
     const StructureBody& one = bodies()[i];
     std::vector<std::size_t> near;  // of the bodies before
