@@ -244,13 +244,15 @@ class Plausible {
 
   auto surface_of(const StructureBody& body) const { return sample_surface<D>(body.shape, patch_length(body.spacing, scene_.fluid)); }
 
-  /// A place where the surface of a body touches a shape; of a free one the places that gravity presses onto it alone.
+  /// A place where the surface of a body touches a shape and is not clamped. `by_weight`: one that gravity presses onto it, of a free body.
   template <class Surface>
   std::optional<Vector<D>> touching(const StructureBody& body, const Surface& surface, const Shape& shape, bool by_weight) const {
     if (by_weight && (gravity_.norm() == 0 || !body.clamps.empty())) return std::nullopt;
     for (std::size_t k = 0; k < surface.position.size(); ++k) {
       if (by_weight && surface.normal[k].dot(gravity_) <= round_off * gravity_.norm()) continue;
-      if (std::abs(signed_distance<D>(shape, surface.position[k])) < round_off * body.spacing) return surface.position[k];
+      const Vector<D>& x = surface.position[k];
+      const bool clamped = std::any_of(body.clamps.begin(), body.clamps.end(), [&](const Shape& s) { return contains<D>(s, x); });
+      if (!clamped && std::abs(signed_distance<D>(shape, x)) < round_off * body.spacing) return x;
     }
     return std::nullopt;
   }

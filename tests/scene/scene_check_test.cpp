@@ -616,7 +616,7 @@ TEST_F(CaseFile, WarnsOfBodiesThatStandOnSomethingUnclamped) {
   expect_warning(read(replaced(small_case, "[[gauge]]", other + "[[gauge]]")), {"'lid' stands on the elastic body 'plate'"});
 }
 
-// Seen to fail: without the look at faces that gravity does not press on.
+// Seen to fail: without the look at faces that gravity does not press on; with what is clamped looked at.
 TEST_F(CaseFile, WarnsOfBodiesThatTouch) {
   const auto with_other = [&](const std::string& left) {
     const std::string other = "[[structure.body]]\nname = \"other\"\nshape = { box = { min = [" + left +
@@ -626,6 +626,9 @@ TEST_F(CaseFile, WarnsOfBodiesThatTouch) {
   };
   expect_warning(read(with_other("0.8")), {"'plate' and 'other' touch at (0.8, ", "not joined", "Leave room"});
   EXPECT_TRUE(read(with_other("0.85")).warnings.empty());
+  const std::string held =
+      replaced(with_other("0.8"), "max = [1, 0] } }", "max = [1, 0] } }, { box = { min = [0.79, 0], max = [0.85, 0.45] } }");
+  for (const std::string& warning : read(held).warnings) EXPECT_EQ(warning.find("touch at"), std::string::npos) << warning;
 }
 
 // Seen to fail: without the check.
