@@ -128,6 +128,7 @@ InterfacePressure<D> Fluid<D>::solve_pressure(const InterfaceCondition<D>& load)
   const Constants<D>& constants = reference_.constants;
   const bool first = load.surface_velocity.empty();  // coupling iteration of this window
   if (!pressure_prepared_) prepare_pressure();
+  system_.answer_tolerance = load.answer_tolerance;
   {
     ScopedTimer timer(timing_.assembly);
     if (first && load.repeats) prediction_.unprojected_velocity = prediction_.velocity;

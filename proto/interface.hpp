@@ -83,6 +83,7 @@ struct InterfaceCondition {
   /// By how much the velocity of each surface point at the end of the last window changed from that in Surface when the surface first moved
   /// under the answer of the fluid [m/s]; empty where nobody has asked for it or it is not known.
   std::vector<Vector<D>> answered_change;
+  double answer_tolerance = 0;  ///< part of the change of the pressure since the last answer that this one may miss; 0: none of it
 };
 
 /// The interface particles after a pressure solve.

@@ -43,9 +43,11 @@ void tell(const Ranks& ranks, Surface<D>& surface) {
 template <int D>
 void tell(const Ranks& ranks, InterfaceCondition<D>& condition) {
   std::vector<std::uint8_t> repeats{condition.repeats};
+  std::vector<double> tolerance{condition.answer_tolerance};
   ranks.tell_together(condition.force, condition.reference_pressure, condition.response.lump, condition.response.share,
-                      condition.response.mass, condition.surface_velocity, condition.answered_change, repeats);
+                      condition.response.mass, condition.surface_velocity, condition.answered_change, repeats, tolerance);
   condition.repeats = repeats[0] != 0;
+  condition.answer_tolerance = tolerance[0];
 }
 
 template <int D>

@@ -1,5 +1,6 @@
 #include "fluid/pressure/conjugate_gradient.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/parallel.hpp"
@@ -7,7 +8,7 @@
 namespace tern::fluid {
 
 SolveResult conjugate_gradient(const Ranks& ranks, const Halo& ghosts, const EdgeMatrix& matrix, const Add& add,
-                               const Precondition& precondition, const std::vector<double>& b, double tolerance, int limit,
+                               const Precondition& precondition, const std::vector<double>& b, const Accuracy& accuracy, int limit,
                                std::vector<double>& p, ConjugateGradientWork& work) {
   const std::ptrdiff_t n = matrix.rows(), all = static_cast<std::ptrdiff_t>(p.size());
   for (auto* v : {&work.residual, &work.preconditioned, &work.direction, &work.product}) v->assign(p.size(), 0);
@@ -40,8 +41,9 @@ SolveResult conjugate_gradient(const Ranks& ranks, const Halo& ghosts, const Edg
   }
   parallel_for(n, [&](std::ptrdiff_t i) { r[i] = b[i] - q[i]; });
   result.residual = measure_residual() / norm_b;
+  result.asked = std::max(accuracy.least, std::min(accuracy.most, accuracy.of_start * result.residual));
   double rho = 0;
-  while (result.residual > tolerance) {
+  while (result.residual > result.asked) {
     if (result.iterations == limit || !std::isfinite(result.residual)) return result;
     precondition(largest, r, z);
     const double rho_next = ranks.sum(own_dot(r, z));

@@ -16,20 +16,22 @@ constexpr int multigrid_limit = 60;  ///< iterations; more means that the precon
 constexpr int jacobi_limit = 20000;
 constexpr double rounding = 1e-12;  ///< of a mean that is subtracted
 /// Where no particle is at a body, the correction answers to what the first solve leaves as well. It may leave this part of what is left
-/// behind anyway. Beside a body nothing answers to it.
+/// behind anyway.
 constexpr double of_what_is_left = 0.1;
 /// The correction of the pressure is solved for to this, because a part of what it answers to stays in any case.
 constexpr double of_correction = 0.1;
 /// Beside a body windows are repeated, and what the fluid answers to a motion has to be that of the motion, not of what was tried before.
+/// So it goes on to this there, and the first solve to pressure_tolerance; but no farther than the coupler asks for.
 constexpr double of_correction_beside_bodies = 1e-4;
-/// As long as the first is not known, or if a finer tolerance than this is asked for, the first solve may leave so many times that one.
-/// The correction then becomes finer in proportion.
+/// As long as what is left is not known, beside bodies, or if a finer tolerance than this is asked for, the first solve may leave so many
+/// times that one at most.
 constexpr double usual_tolerance = 1e-6, first_by_tolerance = 1e3;
 
 /// `solution`, from what it is, of the matrix and this source.
 template <int D>
 void solve(const Domain<D>& domain, const Window& window, const std::vector<Vector<D>>& position, const std::vector<int>& at_structure,
-           double tolerance, std::vector<double>& source, std::vector<double>& solution, State<D>& state, PressureSystem<D>& system) {
+           const Accuracy& accuracy, std::vector<double>& source, std::vector<double>& solution, State<D>& state,
+           PressureSystem<D>& system) {
   const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(state.size());
   // Sealed fluid can obey the source but for its mean. What is left of a source that was all mean is rounding.
   if (system.sealed.any()) {
@@ -53,7 +55,7 @@ void solve(const Domain<D>& domain, const Window& window, const std::vector<Vect
     system.multigrid.apply(largest, r, z);
     if (system.sealed.any()) system.sealed.subtract_means(z);
   };
-  system.result = conjugate_gradient(domain.ranks(), domain.particles(), system.matrix, yielding, multigrid, source, tolerance,
+  system.result = conjugate_gradient(domain.ranks(), domain.particles(), system.matrix, yielding, multigrid, source, accuracy,
                                      multigrid_limit, solution, system.work);
   if (!system.result.converged) {
     ++state.fallback_solves;
@@ -68,7 +70,7 @@ void solve(const Domain<D>& domain, const Window& window, const std::vector<Vect
       for (std::ptrdiff_t i = 0; i < n; ++i) z[i] = r[i] / system.matrix.diagonal()[i];
       if (system.sealed.any()) system.sealed.subtract_means(z);
     };
-    system.result = conjugate_gradient(domain.ranks(), domain.particles(), system.matrix, yielding, jacobi, source, tolerance, jacobi_limit,
+    system.result = conjugate_gradient(domain.ranks(), domain.particles(), system.matrix, yielding, jacobi, source, accuracy, jacobi_limit,
                                        solution, system.work);
     system.result.iterations += wasted;
   }
@@ -85,7 +87,7 @@ void solve(const Domain<D>& domain, const Window& window, const std::vector<Vect
           "The pressure solve did not converge in the window from t = {:.6g} s: relative residual {:.2g} after {} iterations, asked for "
           "is {:g}; largest at fluid particle {} at ({}) m. Either a velocity has run away before: look at the last frames, or try a "
           "smaller fluid.numerics.courant; or raise fluid.numerics.pressure_tolerance.",
-          window.begin, system.result.residual, system.result.iterations, tolerance, state.id[worst], where);
+          window.begin, system.result.residual, system.result.iterations, system.result.asked, state.id[worst], where);
     }
     throw NumericalFailure(domain.ranks().first_word(sentence));
   }
@@ -115,14 +117,13 @@ void solve_pressure_poisson(const Constants<D>& constants, const Domain<D>& doma
     if (state.particle_class[i].pressure_unknown()) system.solution[i] = state.pressure[i] - state.pressure_correction[i];
   });
 
-  double tolerance = constants.numerics.pressure_tolerance;
+  const double tolerance = constants.numerics.pressure_tolerance, usual = std::min(tolerance, usual_tolerance);
+  Accuracy accuracy{tolerance, usual * first_by_tolerance, system.answer_tolerance * usual / usual_tolerance};
   if (!any_at_structure) {
-    const bool by_what_is_left = state.left_share > 0 && tolerance >= usual_tolerance;
-    const double answered =
-        by_what_is_left ? std::min(state.left_share, 1.0) * of_what_is_left : std::min(tolerance, usual_tolerance) * first_by_tolerance;
-    tolerance = std::max(tolerance, answered);
+    if (state.left_share > 0 && tolerance >= usual_tolerance) accuracy.most = std::min(state.left_share, 1.0) * of_what_is_left;
+    accuracy.least = std::max(tolerance, accuracy.most);
   }
-  solve(domain, window, position, at_structure, tolerance, system.source, system.solution, state, system);
+  solve(domain, window, position, at_structure, accuracy, system.source, system.solution, state, system);
   parallel_for(all, [&](std::ptrdiff_t i) { state.pressure[i] = system.solution[i]; });
   state.has_pressure = true;
 }
@@ -136,9 +137,10 @@ void solve_for_correction(const Constants<D>& constants, const Domain<D>& domain
   parallel_for(static_cast<std::ptrdiff_t>(state.size()), [&](std::ptrdiff_t i) {
     if (state.particle_class[i].pressure_unknown()) system.correction[i] = state.pressure_correction[i];
   });
-  const double tolerance = (any_at_structure ? of_correction_beside_bodies : of_correction) *
-                           std::min(1.0, constants.numerics.pressure_tolerance / usual_tolerance);
-  solve(domain, window, position, at_structure, tolerance, system.left_behind, system.correction, state, system);
+  const double finer = std::min(1.0, constants.numerics.pressure_tolerance / usual_tolerance);
+  const Accuracy accuracy{(any_at_structure ? of_correction_beside_bodies : of_correction) * finer, of_correction * finer,
+                          system.answer_tolerance * finer};
+  solve(domain, window, position, at_structure, accuracy, system.left_behind, system.correction, state, system);
   state.left_share = of_the_equation.source > 0 ? system.result.source / of_the_equation.source : 0;
   system.result = of_the_equation;
 }

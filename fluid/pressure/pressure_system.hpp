@@ -26,6 +26,7 @@ struct PressureSystem {
   EnclosedRegions enclosed;       ///< regions without a free surface, ...
   EnclosedRegions beside_bodies;  ///< those of them that bodies yield to, ...
   EnclosedRegions sealed;         ///< and those, put together, whose level nothing ties
+  double answer_tolerance = 0;    ///< that of the InterfaceCondition
   SolveResult result;             ///< iterations: of all coupling iterations of the window
 
   // Scratch.

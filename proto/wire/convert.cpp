@@ -104,6 +104,7 @@ wire::InterfaceCondition to_wire(const InterfaceCondition<D>& load) {
   put<D>(message.mutable_surface_velocity(), load.surface_velocity);
   message.set_repeats(load.repeats);
   put<D>(message.mutable_answered_change(), load.answered_change);
+  message.set_answer_tolerance(load.answer_tolerance);
   return message;
 }
 
@@ -114,7 +115,8 @@ InterfaceCondition<D> from_wire(const wire::InterfaceCondition& message) {
           {get(message.lump()), get(message.share()), get(message.lump_mass())},
           get_vectors<D>(message.surface_velocity()),
           message.repeats(),
-          get_vectors<D>(message.answered_change())};
+          get_vectors<D>(message.answered_change()),
+          message.answer_tolerance()};
 }
 
 template <int D>

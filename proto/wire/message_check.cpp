@@ -251,6 +251,8 @@ void check_interface_condition(Check& check, const wire::InterfaceCondition& loa
   check.finite("answered_change", load.answered_change());
   check.finite("surface_velocity", load.surface_velocity());
   check.finite("reference_pressure", load.reference_pressure());
+  if (!check.require(load.answer_tolerance() >= 0 && load.answer_tolerance() <= 1))
+    check.fault = fmt::format("answer_tolerance is {}; it must be from 0 to 1", load.answer_tolerance());
 }
 
 void check_interface_pressure(Check& check, const wire::InterfacePressure& sent, const Agreement& agreement) {

@@ -212,7 +212,7 @@ Fluid<2> pushed(const Vector<2>& force, int times) {
 }
 
 /// Pressures at the plate in the second window, by coupling iteration: the plate stands, then it has these velocities in turn.
-std::vector<std::vector<double>> answers_to(const std::vector<double>& speeds, double tolerance) {
+std::vector<std::vector<double>> answers_to(const std::vector<double>& speeds, double tolerance, double answer_tolerance) {
   Fluid<2> fluid = waters(0.4, 0.3, tolerance);
   const Surface<2> surface = plate();
   std::vector<std::vector<double>> answers;
@@ -223,6 +223,7 @@ std::vector<std::vector<double>> answers_to(const std::vector<double>& speeds, d
     load.reference_pressure.assign(surface.position.size(), 0);
     load.response = response(Yields::by_sections, surface);
     load.repeats = repeats;
+    load.answer_tolerance = answer_tolerance;
     InterfacePressure<2> pressure = fluid.solve_pressure(load);
     if (repeats) answers.push_back(pressure.pressure);
     for (std::size_t n = 0; repeats && n < speeds.size(); ++n) {
@@ -234,23 +235,35 @@ std::vector<std::vector<double>> answers_to(const std::vector<double>& speeds, d
   return answers;
 }
 
-// What the fluid answers to a motion is that of the motion, whatever was tried before. Measured: 1.2e-5 of what the answers of this window
-// have changed by. Seen to fail: 1.8e-3 with a thousand times the tolerance, and a correction to a hundredth.
-TEST(CouplingIteration, KnowsNothingOfWhatWasTriedBefore) {
+/// The largest error of these answers, of what they have changed by so far in their window.
+double largest_error(double answer_tolerance) {
   const std::vector<double> speeds = {0.3, 0.3001, -0.2, 0.0};
-  const auto found = answers_to(speeds, 1e-6), exact = answers_to(speeds, 1e-13);
+  const auto found = answers_to(speeds, 1e-6, answer_tolerance), exact = answers_to(speeds, 1e-13, 0);
   const auto apart = [](const std::vector<double>& a, const std::vector<double>& b) {
     double sum = 0;
     for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
     return std::sqrt(sum / static_cast<double>(a.size()));
   };
-  double changed = apart(exact[0], std::vector<double>(exact[0].size(), 0));
+  double changed = apart(exact[0], std::vector<double>(exact[0].size(), 0)), largest = 0;
   for (std::size_t n = 0; n < found.size(); ++n) {
     if (n > 0) changed = n == 1 ? apart(exact[1], exact[0]) : std::max(changed, apart(exact[n], exact[n - 1]));
     const double error = apart(found[n], exact[n]);
     std::printf("[ iteration %zu: changed by %.3g Pa, error %.1e of it ]\n", n, changed, error / changed);
-    EXPECT_LT(error, 1e-4 * changed) << n;
+    largest = std::max(largest, error / changed);
   }
+  return largest;
+}
+
+// What the fluid answers to a motion is that of the motion, whatever was tried before. Measured: 1.2e-5. Seen to fail: 1.8e-3 with a
+// thousand times the tolerance, and a correction to a hundredth.
+TEST(CouplingIteration, KnowsNothingOfWhatWasTriedBefore) { EXPECT_LT(largest_error(0), 1e-4); }
+
+// But for the part of the change that the coupler says may be missed. Measured: 1.8e-3 (more than the bound above, so the solves do end
+// sooner). Seen to fail: 1.3e-2 when asked for a tenth.
+TEST(CouplingIteration, MissesNoMoreThanTheCouplerAllows) {
+  const double missed = largest_error(0.01);
+  EXPECT_GT(missed, 1e-4);
+  EXPECT_LT(missed, 0.01);
 }
 
 // Forces change the divergence beside the plate, and only there it is computed anew. The change of the source is compared with the

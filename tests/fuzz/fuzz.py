@@ -32,7 +32,7 @@ def coupler_messages():
                                         extent=wire.Extent(low=[0, 0], high=[1, 1], largest_speed=1, reach=0.1))},
         {"surface": wire.Surface()},
         {"interface_condition": wire.InterfaceCondition(force=[0, 0], reference_pressure=[0, 0], lump=[0, 1], share=[1, 1],
-                                                            lump_mass=[1, 1], repeats=True)},
+                                                            lump_mass=[1, 1], repeats=True, answer_tolerance=0.01)},
         {"interface_force": wire.InterfaceForce(force=[1, 2])},
         {"surface_load": wire.SurfaceLoad(force=[1, 2, 3, 4], trial=True)},
         {"finish": wire.Finish()},

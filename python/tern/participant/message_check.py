@@ -160,6 +160,7 @@ def check_body(message, dimension, surface_points, interface_particles, projecte
         _numbers("answered_change", body.answered_change)
         _numbers("force", body.force)
         _numbers("reference_pressure", body.reference_pressure)
+        _numbers("answer_tolerance", [body.answer_tolerance], lambda v: (v >= 0) & (v <= 1), "from 0 to 1")
     elif kind == "interface_force":
         _length("force", body.force, dimension * interface_particles)
         _numbers("force", body.force)

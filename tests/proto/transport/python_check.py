@@ -22,7 +22,7 @@ check_body(load(surface_velocity=[1, 2]), 2, 1, 1, projected=True)
 
 for bad in (surface(position=[0]), surface(position=[0, float("inf")]), surface(normal=[0.6, 0.9]), surface(area=[0]),
             surface(area=[1, 1]), load(force=[1]), load(lump_mass=[-1]), load(lump=[1]), load(share=[-1]), load(lump=[0, 0]),
-            load(reference_pressure=[float("nan")]),
+            load(reference_pressure=[float("nan")]), load(answer_tolerance=-0.01), load(answer_tolerance=2),
             load(lump_mass=[]), load(surface_velocity=[1, 2]), wire.Message(begin_window=wire.BeginWindow(duration_ticks=0)),
             wire.Message(surface_load=wire.SurfaceLoad(force=[1])),
             wire.Message(interface_force=wire.InterfaceForce(force=[1, float("nan")]))):

@@ -94,7 +94,8 @@ void round_trip(std::size_t n) {
                                    {{2, 0, 1}, scalars(random, 3), scalars(random, n)},
                                    vectors<D>(random, n + 1),
                                    true,
-                                   vectors<D>(random, n + 2)};
+                                   vectors<D>(random, n + 2),
+                                   0.01};
   const auto load2 = from_wire<D>(through_bytes(to_wire(load)));
   expect_same_bits<D>(load.force, load2.force);
   expect_same_bits(load.reference_pressure, load2.reference_pressure);
@@ -104,6 +105,7 @@ void round_trip(std::size_t n) {
   expect_same_bits<D>(load.surface_velocity, load2.surface_velocity);
   EXPECT_EQ(load.repeats, load2.repeats);
   expect_same_bits<D>(load.answered_change, load2.answered_change);
+  EXPECT_EQ(load.answer_tolerance, load2.answer_tolerance);
 
   const InterfacePressure<D> pressure{scalars(random, n), vectors<D>(random, n)};
   const auto pressure2 = from_wire<D>(through_bytes(to_wire(pressure)));
