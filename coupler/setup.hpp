@@ -18,8 +18,8 @@ struct Scheme;
 /// Of the load, with which repeated windows end where the case gives none, coupling.tolerance.
 constexpr double tolerance_by_default = 1e-4;
 
-/// Of the change of its pressure, what the fluid's answer may miss where first passes are learnt from. They are accepted where the surface
-/// moves as the answer said to within a tenth of its change (acceleration/agreement.cpp).
+/// Of the change of its pressure, what the fluid's answer may miss where first passes are learnt from and tested. They are accepted where
+/// the surface moves as the answer said to within a tenth of its change (acceleration/agreement.cpp).
 constexpr double answer_tolerance = 0.01;
 
 template <int D>

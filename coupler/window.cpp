@@ -131,8 +131,8 @@ const InterfaceCondition<D>& Coupler<D>::first_exchange(double begin, double dur
   window_.condition.answered_change.clear();
   if (window_.particles.is_enclosed) window_.condition.answered_change.swap(state_.answered_change);
   state_.answered_change.clear();
-  window_.condition.answer_tolerance = setup_.learns ? answer_tolerance : 0;
   window_.condition.repeats = setup_.iterates && setup_.coupling.max_iterations > 1;
+  window_.condition.answer_tolerance = setup_.learns && window_.condition.repeats ? answer_tolerance : 0;
   set_condition(setup_, window_, state_.evaluations);
   return window_.condition;
 }

@@ -58,9 +58,9 @@ const Rows<FluidNumerics>& numerics_rows() {
        "No particle approaches a face closer than this many spacings; 0 = off."},
       {"pressure_tolerance", &FluidNumerics::pressure_tolerance, "-", "1e-6", from_to(1e-12, 1e-2),
        "Relative residual at which a pressure solve ends at the latest. Beside bodies it ends at a hundredth of the residual that it "
-       "starts with, once that is below 1e-3, unless coupling.tolerance or a body of next to no mass asks for exact answers. Where there "
-       "is no body, a second solve answers what the first one leaves, which ends at a tenth of what was left before. If the key is finer "
-       "than 1e-6, all of these are finer in proportion, the last one a thousand times the key."},
+       "starts with, once that is below 1e-3, unless coupling.tolerance, coupling.max_iterations = 1 or a body of next to no mass asks for "
+       "exact answers. Where there is no body, a second solve answers what the first one leaves, which ends at a tenth of what was left "
+       "before. If the key is finer than 1e-6, all of these are finer in proportion, the last one a thousand times the key."},
   };
   // clang-format on
   return rows;
