@@ -71,6 +71,7 @@ Setup<D>::Setup(const Case& scene, const SurfaceProperties& of_surface)
       fluid_weight(weight_of_fluid<D>(scene)) {
   for (const double depth : moved_depths<D>(scene, fluid_weight)) moved_mass.push_back(density * depth);
   for (const StructureBody& body : scene.structure->bodies) {
+    is_held.push_back(!body.clamps.empty());
     body_density.push_back(body.density);
     body_name.push_back(body.name);
   }

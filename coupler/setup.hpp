@@ -39,6 +39,7 @@ struct Setup {
   double robin_mass_factor;                                              ///< m_p over m_s, the mass behind a face
   double mass_of_held;             ///< m_p of what is held by its stiffness, where the answer is not learnt [kg/m^2]
   std::vector<double> moved_mass;  ///< of the fluid that has to move with each body, m_a of stability/added_mass.hpp [kg/m^2]
+  std::vector<bool> is_held;       ///< a clamp or a hinge holds a part of the body
   std::vector<double> body_density;
   std::vector<std::string> body_name;
   VectorExpression gravity;

@@ -14,6 +14,9 @@ namespace {
 constexpr double kept = 0.8;                       ///< of what is known, per window
 constexpr double least_change = 1e-4;              ///< of a lump's square, over the mean of its body, that shows something
 constexpr double lightest = 0.05, heaviest = 1e6;  ///< over the guess
+/// The same of a body that nothing holds. A load that deforms it moves it by much less than one that moves it as a whole, which it answers
+/// with its mass. The coupling iterations of a light body diverge where that is taken for more than twice as much.
+constexpr double heaviest_of_free = 2;
 /// Widths on trial, in spacings of the fluid; 0: every point by itself. A wider lump than the last one no longer fits in the kernel.
 constexpr double widths[] = {0, 2.0 / 3, 1, 1.5, 2.25, 3.375};
 
@@ -23,6 +26,7 @@ template <int D>
 void LearntResponse<D>::prepare(const Setup<D>& setup, const SurfaceAtStart<D>& start) {
   if (!lumps_.empty()) return;
   const SurfaceProperties& of = setup.properties;
+  for (const bool held : setup.is_held) heaviest_.push_back(held ? heaviest : heaviest_of_free);
   std::vector<double> depth(of.body.size());
   for (std::size_t k = 0; k < depth.size(); ++k)
     depth[k] = of.section_mass[k] < held_mass ? of.section_mass[k] / setup.body_density[of.body[k]] : 0;
@@ -42,7 +46,7 @@ void LearntResponse<D>::prepare(const Setup<D>& setup, const SurfaceAtStart<D>& 
 template <int D>
 double LearntResponse<D>::quickness(std::size_t width, std::size_t lump) const {
   if (square_[width][lump] == 0) return 1;
-  return std::clamp(answer_[width][lump] / square_[width][lump], 1 / heaviest, 1 / lightest);
+  return std::clamp(answer_[width][lump] / square_[width][lump], 1 / heaviest_[body_of_[width][lump]], 1 / lightest);
 }
 
 template <int D>

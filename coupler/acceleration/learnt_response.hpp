@@ -63,6 +63,7 @@ class LearntResponse {
 
   std::vector<SurfaceLumps> lumps_;                   ///< of each width
   std::vector<std::vector<std::uint32_t>> body_of_;   ///< by width and lump
+  std::vector<double> heaviest_;                      ///< by body: over the guess
   std::vector<std::vector<double>> answer_, square_;  ///< by width and lump: the two sums
   std::vector<std::vector<double>> error_;            ///< by width and body: mean square of what was foretold wrong
   std::vector<double> changed_;                       ///< by body: mean square of what there was to foretell
