@@ -7,6 +7,7 @@
 
 #include "base/followed_velocity.hpp"
 #include "base/parallel.hpp"
+#include "coupler/stability/added_mass.hpp"
 
 namespace tern::coupler {
 namespace {
@@ -14,11 +15,15 @@ namespace {
 constexpr double kept = 0.8;                       ///< of what is known, per window
 constexpr double least_change = 1e-4;              ///< of a lump's square, over the mean of its body, that shows something
 constexpr double lightest = 0.05, heaviest = 1e6;  ///< over the guess
-/// The same of a body that nothing holds. A load that deforms it moves it by much less than one that moves it as a whole, which it answers
-/// with its mass. The coupling iterations of a light body diverge where that is taken for more than twice as much.
-constexpr double heaviest_of_free = 2;
 /// Widths on trial, in spacings of the fluid; 0: every point by itself. A wider lump than the last one no longer fits in the kernel.
 constexpr double widths[] = {0, 2.0 / 3, 1, 1.5, 2.25, 3.375};
+
+/// The heaviest of a body that nothing holds. A load that deforms it moves it by much less than one that moves it as a whole, which it
+/// answers with its mass m_s. Taken for m_p, an error of the load comes back m_a (m_p - m_s)/(m_s (m_a + m_p)) times, m_a being the fluid
+/// that has to move with it: once at this limit.
+double heaviest_of_free(double section_mass, double moved_mass) {
+  return section_mass < moved_mass ? std::min(heaviest, 2 / (1 - section_mass / moved_mass)) : heaviest;
+}
 
 }  // namespace
 
@@ -26,7 +31,8 @@ template <int D>
 void LearntResponse<D>::prepare(const Setup<D>& setup, const SurfaceAtStart<D>& start) {
   if (!lumps_.empty()) return;
   const SurfaceProperties& of = setup.properties;
-  for (const bool held : setup.is_held) heaviest_.push_back(held ? heaviest : heaviest_of_free);
+  for (std::size_t b = 0; b < setup.is_held.size(); ++b)
+    heaviest_.push_back(setup.is_held[b] ? heaviest : heaviest_of_free(section_mass(of, b), setup.moved_mass[b]));
   std::vector<double> depth(of.body.size());
   for (std::size_t k = 0; k < depth.size(); ++k)
     depth[k] = of.section_mass[k] < held_mass ? of.section_mass[k] / setup.body_density[of.body[k]] : 0;
