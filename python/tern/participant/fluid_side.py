@@ -7,7 +7,8 @@ A solver has
     begin_window(time_s, duration_s)   predicts velocity and position without pressure
     see_surface(surface)               Surface, halfway through the window, with the velocity at its end; returns InterfaceParticles
     solve_pressure(load)               load: wire.InterfaceCondition; returns their (pressure, velocity). When asked again in a
-                                       window, it undoes the last answer and takes the surface to move as load.surface_velocity says
+                                       window, it undoes the last answer and takes the surface to move as load.surface_velocity says;
+                                       of what the pressure changes by it may miss the part load.answer_tolerance
     end_window(force)                  the force of the interface on each interface particle: moves to the end of the window
     energies()                         (kinetic, potential) [J/m^(3-D)]
     gauge(gauge)                       values of a gauge of the case, None if it has none at this instant
